@@ -1,0 +1,39 @@
+// The errors that the library throws. A message says what, where, which value and the remedy.
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace vdbpack {
+
+/// Base of everything the library throws on purpose.
+class Error : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+/// An argument of the caller is unusable (exit code 2).
+class ParameterError : public Error {
+public:
+    using Error::Error;
+};
+
+/// The content of a file, a mesh or a domain is unusable (exit code 3).
+class InputError : public Error {
+public:
+    using Error::Error;
+};
+
+/// Reading or writing failed (exit code 4).
+class IoError : public Error {
+public:
+    using Error::Error;
+};
+
+/// Not enough memory or space for what was asked (exit code 5).
+class ResourceError : public Error {
+public:
+    using Error::Error;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,77 @@
+// The region that is filled: inside tests, clearance to the wall, integrals.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/vec.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// The point of the wall nearest to a query point.
+template <int Dim>
+struct WallPoint {
+    Vec<Dim> point;       ///< on the wall, mm
+    double distance = 0;  ///< from the query point, mm, >= 0
+};
+
+/// Asks questions of a domain from one thread; keeps that thread's caches.
+template <int Dim>
+class DomainSampler {
+public:
+    virtual ~DomainSampler() = default;
+
+    /// Estimate of the distance to the wall, mm: negative inside, positive outside, clamped to
+    /// the width of the field. One lookup. Exact for analytic shapes; for meshes the field's
+    /// trilinear value, off by about a voxel at worst near the wall.
+    virtual double signedDistance(const Vec<Dim>& x) = 0;
+
+    /// The wall point nearest to `x`, if one is closer than `reach`: exact to rounding (for a
+    /// mesh, by its triangles). Says nothing of the side `x` is on.
+    /// @return false, `wall` untouched, if no wall is closer than `reach`.
+    virtual bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) = 0;
+};
+
+/// What a report says about a domain; zero where it does not apply.
+struct DomainFacts {
+    std::string kind;  ///< "mesh", "levelset", "box", "ball", "cylinder", "rect", "disc", "slice"
+    std::uint64_t triangles = 0;
+    double meshVolume = 0;  ///< mm³, cavities taken off
+    double voxelSize = 0;   ///< mm
+    std::uint64_t activeVoxels = 0;
+    std::uint64_t boundaryEdges = 0;
+    std::uint64_t nonManifoldEdges = 0;
+};
+
+/// A bounded region of the plane or of space. Immutable, shared between threads;
+/// each thread asks through a sampler of its own.
+template <int Dim>
+class Domain {
+public:
+    virtual ~Domain() = default;
+
+    /// A box that holds the domain, mm.
+    virtual Box<Dim> bounds() const = 0;
+    /// Volume (2D: area), mm^Dim.
+    virtual double measure() const = 0;
+    /// Area of the wall (2D: its length), mm^(Dim-1).
+    virtual double wallMeasure() const = 0;
+    /// Volume (2D: area) of the part farther than `depth` >= 0 from the wall, mm^Dim.
+    /// Exact for plain shapes, else from the field (`depth` within its width).
+    virtual double measureDeeperThan(double depth) const = 0;
+    /// Largest depth up to which `signedDistance` is not clamped, mm; infinity for shapes.
+    virtual double fieldDepth() const = 0;
+    virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;
+    virtual DomainFacts facts() const = 0;
+
+    /// `signedDistance` of many points, in parallel. @return one value a point, mm.
+    std::vector<double> signedDistances(const std::vector<Vec<Dim>>& points) const;
+};
+
+extern template class Domain<2>;
+extern template class Domain<3>;
+
+}  // namespace vdbpack
