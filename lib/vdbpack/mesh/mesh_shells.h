@@ -12,8 +12,8 @@ namespace vdbpack {
 struct Shell {
     std::size_t triangles = 0;
     std::size_t boundaryEdges = 0;  ///< 0 for a closed piece
-    double signedVolume = 0;        ///< divergence theorem, mm³; negative if the faces point inward
-    int depth = 0;                  ///< closed pieces that enclose it; odd: it bounds a cavity
+    double signedVolume = 0;  ///< divergence theorem, mm³; negative if the faces point inward
+    int depth = 0;            ///< closed pieces that enclose it; odd: it bounds a cavity
 };
 
 struct ShellAnalysis {

@@ -1,0 +1,54 @@
+// Where a sphere that rolls on a pivot can rest: the vertices of forbidden caps.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// The caps that neighbors and walls forbid on the unit sphere (2D: circle) of directions from
+/// a pivot, and the vertices that are left.
+///
+/// A candidate of radius r touching pivot p has its center at p + R n, R = r_p + r, |n| = 1.
+/// A body forbids the directions with n.axis > height. Positions in contact with `Dim` bodies
+/// are the points where `Dim` - 1 cap boundaries cross outside all other caps.
+///
+/// Computed in float, as a filter: directions carry errors of about 1e-5 and a vertex that lies
+/// within that of another cap is kept. The caller polishes and decides in double.
+template <int Dim>
+class CapSet {
+public:
+    /// A direction where the candidate rests on two (2D: one) bodies besides the pivot.
+    struct Vertex {
+        std::array<float, Dim> direction;
+        std::array<std::uint32_t, Dim - 1> bodies;  ///< as given to `add`
+    };
+
+    void clear();
+    /// Adds the cap n.axis > height of body `body`; one that forbids nothing is passed over.
+    /// @return false if it forbids every direction: nothing rests anywhere.
+    bool add(const std::array<float, Dim>& axis, float height, std::uint32_t body);
+    std::size_t size() const { return count_; }
+
+    /// All vertices left by the caps that were added, in a fixed order. The caps are sorted,
+    /// largest first, in passing. @param vertices  is overwritten.
+    void findVertices(std::vector<Vertex>& vertices);
+
+private:
+    void sortAndPad();
+
+    std::size_t count_ = 0;
+    std::array<std::vector<float>, Dim> axis_;
+    std::vector<float> height_;
+    std::vector<std::uint32_t> body_;
+    std::vector<std::uint32_t> rank_;
+    std::vector<float> scratch_;
+    std::vector<std::uint32_t> bodyScratch_;
+    std::vector<std::array<std::uint32_t, Dim - 1>> pairs_;
+};
+
+extern template class CapSet<2>;
+extern template class CapSet<3>;
+
+}  // namespace vdbpack
