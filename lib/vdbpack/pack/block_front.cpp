@@ -6,13 +6,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <experimental/simd>
 #include <limits>
-#include <optional>
 #include <queue>
 
 namespace vdbpack {
 
 namespace {
+
+constexpr std::size_t kLanes = 8;
+using Lanes = stdx::fixed_size_simd<float, kLanes>;
 
 /// Body numbers at and above this are wall planes of the pivot, below it neighbors.
 constexpr std::uint32_t kWallBody = 0x40000000u;
@@ -21,8 +24,9 @@ constexpr std::uint32_t kNoBody = 0x7fffffffu;
 /// Tangent planes that one pivot may collect; corners need three, rough walls a few more.
 constexpr std::size_t kMaxPlanes = 12;
 
-/// Places are searched down to cells this small, in smallest radii.
-constexpr double kSmallestCell = 0.06;
+/// Places are searched down to cells this small, in wanted radii: what may be missed is smaller
+/// than the wanted radius and half the diagonal of such a cell.
+constexpr double kSmallestCell = 0.01;
 
 /// Solves the Dim x Dim system a x = b in place by elimination with pivoting.
 template <int Dim>
@@ -69,6 +73,13 @@ private:
     struct Plane {
         Vec<Dim> point, normal;  ///< on the wall; unit, into the domain
     };
+    /// A sphere within reach, seen from the pivot.
+    struct Neighbor {
+        Vec<Dim> axis;  ///< unit, from the pivot
+        double distance;
+        double radius;
+        std::uint32_t sphere;
+    };
     struct Queued {
         double key;
         std::uint32_t sphere;
@@ -84,16 +95,26 @@ private:
     void place(const Vec<Dim>& center, double radius);
     void runFront();
     void growFrom(std::uint32_t pivot);
-    std::optional<Vec<Dim>> restingPlace(const Sphere<Dim>& pivot, double radius);
-    void buildCaps(const Sphere<Dim>& pivot, double radius);
-    void looseVertices(double radius);
-    bool polish(const Sphere<Dim>& pivot, double radius, const Vertex& vertex, Vec<Dim>& center);
-    bool findPlane(const Vec<Dim>& center, double reach, const Vec<Dim>& insideOf, Plane& plane);
+    void gather(std::uint32_t pivot, double reach);
+    void addNeighbor(std::uint32_t sphere);
+    bool heightOf(std::uint32_t body, double radius, Vec<Dim>& axis, double& height) const;
+    bool buildCaps(double radius);
+    bool addCapLater(std::uint32_t body, double radius);
+    void looseVertices();
+    bool restingCenter(const Vertex& vertex, double radius, Vec<Dim>& fromPivot) const;
+    bool seemsFree(const Vec<Dim>& fromPivot, double radius) const;
+    /// What came of placing a sphere at a vertex.
+    enum class Outcome { placed, blocked, wallLearned };
+    Outcome tryVertex(const Vertex& vertex, double radius, Vec<Dim> center);
+    bool polish(double radius, const Vertex& vertex, Vec<Dim>& center);
+    bool findPlane(const Vec<Dim>& center, double reach, Plane& plane);
     Vec<Dim> snapped(const Vec<Dim>& x) const;
     bool owns(const Vec<Dim>& x) const;
 
     void searchPlaces();
-    void searchCell(const Vec<Dim>& center, double edge);
+    void stampSpheres();
+    void refine(const Vec<Dim>& center, double edge);
+    bool hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place);
     void fillPlace(Vec<Dim> x);
     /// Distance from `x` to the nearest sphere or wall, at most `reach`.
     double clearance(const Vec<Dim>& x, double reach);
@@ -110,12 +131,19 @@ private:
     CellList<Dim> cells_;
     std::priority_queue<Queued> front_;
     // Of the pivot being grown from.
-    std::vector<std::uint32_t> neighbors_;
+    Sphere<Dim> pivot_;
+    std::vector<Neighbor> neighbors_;
+    std::array<std::vector<float>, Dim + 1> near_;  ///< neighbors' centers from the pivot, radii
     std::vector<Plane> planes_;
     CapSet<Dim> caps_;
     std::vector<Vertex> vertices_;
-    std::vector<std::pair<Vec<Dim>, double>> looseCaps_;
-    double searchRadius_ = 0;
+    // Of the search for places.
+    double wanted_ = 0;                   ///< radius that a place must have, mm
+    double step_ = 0;                     ///< edge of a search cell, mm
+    std::array<int, 3> steps_{};          ///< search cells along each axis
+    std::size_t rowWords_ = 0;            ///< 64-bit words of a row of cells
+    std::vector<std::uint64_t> covered_;  ///< a bit a cell: certainly no place in it
+    std::vector<std::uint32_t> nearby_;   ///< spheres that may reach into a cell
 };
 
 template <int Dim>
@@ -157,7 +185,8 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     spheres_.clear();
     front_ = {};
     const double halo = 2 * settings_.maxRadius;
-    cells_.reset(own_.grown(halo), halo);
+    // About six spheres a cell: nearly a full chunk, and few cells in reach.
+    cells_.reset(own_.grown(halo), std::pow(10 * settings_.meanBall, 1.0 / Dim));
     const Box<Dim> reach = own_.grown(halo);
     for (const auto& s : around) {
         const Sphere<Dim> local{s.center - origin_, s.radius};
@@ -190,50 +219,106 @@ void BlockFront<Dim>::Work::runFront() {
 }
 
 template <int Dim>
-void BlockFront<Dim>::Work::growFrom(std::uint32_t index) {
-    const Sphere<Dim> pivot = spheres_[index];
-    const double largest = pool_->largest();
-    const double reach = pivot.radius + 2 * largest;
-    neighbors_.clear();
-    cells_.near(pivot.center, reach, settings_.maxRadius, [&](std::uint32_t i) {
-        if (i != index) neighbors_.push_back(i);
-        return true;
-    });
-    planes_.clear();
-    const double depth = -sampler_->signedDistance(pivot.center + origin_);
-    if (depth < reach + settings_.fieldError) {
-        Plane plane;
-        if (findPlane(pivot.center, reach, pivot.center, plane)) planes_.push_back(plane);
-    }
-
-    // What does not fit never will: neighbors only get more.
-    double tooLarge = std::nextafter(largest, std::numeric_limits<double>::infinity());
-    while (!stop_ && pool_->smallest() < tooLarge) {
-        std::size_t fits = 0;
-        auto center = restingPlace(pivot, (*pool_)[0]);
-        if (!center) return;
-        // The largest pending radius, then halfway between what fits and what does not.
-        auto end = static_cast<std::size_t>(pool_->countUpTo(std::nextafter(tooLarge, 0.0)));
-        for (int t = 1; t < settings_.radiiTried && fits + 1 < end; ++t) {
-            const std::size_t k = t == 1 ? end - 1 : (fits + end) / 2;
-            if (const auto c = restingPlace(pivot, (*pool_)[k])) {
-                center = c;
-                fits = k;
-            } else {
-                tooLarge = (*pool_)[k];
-                end = k;
-            }
-        }
-        const double radius = (*pool_)[fits];
-        neighbors_.push_back(static_cast<std::uint32_t>(spheres_.size()));
-        place(*center, radius);
-        pool_->take(fits);
+void BlockFront<Dim>::Work::addNeighbor(std::uint32_t sphere) {
+    const Sphere<Dim>& s = spheres_[sphere];
+    const Vec<Dim> from = s.center - pivot_.center;
+    const double distance = length(from);
+    const std::size_t n = neighbors_.size();
+    neighbors_.push_back({from * (1 / distance), distance, s.radius, sphere});
+    for (std::size_t d = 0; d <= Dim; ++d) {
+        // Padding: far away and small.
+        if (n % kLanes == 0) near_[d].resize(n + kLanes, d == Dim ? 0.0f : 1e18f);
+        near_[d][n] =
+            static_cast<float>(d == Dim ? s.radius : from.c[std::min<std::size_t>(d, Dim - 1)]);
     }
 }
 
 template <int Dim>
-bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& center, double reach,
-                                      const Vec<Dim>& insideOf, Plane& plane) {
+void BlockFront<Dim>::Work::gather(std::uint32_t pivot, double reach) {
+    neighbors_.clear();
+    for (auto& v : near_) v.clear();
+    cells_.near(pivot_.center, reach, settings_.maxRadius, [&](std::uint32_t i) {
+        if (i != pivot) addNeighbor(i);
+        return true;
+    });
+    planes_.clear();
+    const double depth = -sampler_->signedDistance(pivot_.center + origin_);
+    if (depth < reach + settings_.fieldError) {
+        Plane plane;
+        if (findPlane(pivot_.center, reach, plane)) planes_.push_back(plane);
+    }
+}
+
+template <int Dim>
+void BlockFront<Dim>::Work::growFrom(std::uint32_t index) {
+    pivot_ = spheres_[index];
+    const double smallest = pool_->smallest();
+    const double largest = pool_->largest();
+    gather(index, pivot_.radius + 2 * largest);
+    if (!buildCaps(smallest)) return;
+    caps_.findVertices(vertices_);
+    if (vertices_.empty()) looseVertices();
+
+    while (!vertices_.empty() && !stop_) {
+        // Lowest along the sweep first.
+        const auto key = [&](const Vertex& v) {
+            double k = 0;
+            for (std::size_t d = 0; d < Dim; ++d)
+                k += static_cast<double>(v.direction[d]) * settings_.sweep.c[d];
+            return k;
+        };
+        std::size_t lowest = 0;
+        double lowestKey = key(vertices_[0]);
+        for (std::size_t i = 1; i < vertices_.size(); ++i) {
+            const double k = key(vertices_[i]);
+            if (k < lowestKey) lowestKey = k, lowest = i;
+        }
+        const Vertex vertex = vertices_[lowest];
+        vertices_[lowest] = vertices_.back();
+        vertices_.pop_back();
+
+        // The largest pending radius that rests on the same bodies: the largest of all first,
+        // then halfway between what fits and what does not.
+        const auto fitsAt = [&](std::size_t k, Vec<Dim>& from) {
+            return restingCenter(vertex, (*pool_)[k], from) && seemsFree(from, (*pool_)[k]);
+        };
+        Vec<Dim> center;
+        std::size_t fits = pool_->size();
+        std::size_t below = 0;  // nothing is known to fit below this
+        std::size_t end = pool_->countUpTo(largest);
+        for (int t = 0; t < settings_.radiiTried && below < end; ++t) {
+            const std::size_t k = t == 0 ? end - 1 : (below + end) / 2;
+            Vec<Dim> from;
+            if (fitsAt(k, from)) {
+                center = from;
+                fits = k;
+                below = k + 1;
+            } else {
+                end = k;
+            }
+        }
+        if (fits == pool_->size()) {
+            if (end == 0 || !fitsAt(0, center)) continue;
+            fits = 0;
+        }
+        Outcome outcome = tryVertex(vertex, (*pool_)[fits], center + pivot_.center);
+        if (outcome == Outcome::blocked && fits > 0 && fitsAt(0, center)) {
+            fits = 0;
+            outcome = tryVertex(vertex, (*pool_)[0], center + pivot_.center);
+        }
+        if (outcome == Outcome::placed) {
+            pool_->take(fits);
+            addNeighbor(static_cast<std::uint32_t>(spheres_.size() - 1));
+            if (!addCapLater(static_cast<std::uint32_t>(neighbors_.size() - 1), smallest)) return;
+        } else if (outcome == Outcome::wallLearned) {
+            const auto plane = kWallBody + static_cast<std::uint32_t>(planes_.size() - 1);
+            if (!addCapLater(plane, smallest)) return;
+        }
+    }
+}
+
+template <int Dim>
+bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& center, double reach, Plane& plane) {
     WallPoint<Dim> wall;
     if (!sampler_->nearestWall(center + origin_, reach, wall)) return false;
     plane.point = wall.point - origin_;
@@ -241,98 +326,176 @@ bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& center, double reach,
     const double l = length(plane.normal);
     if (!(l > 1e-9 * reach)) return false;
     // Triangles do not say which side is inside; the pivot does.
-    const double side = dot(insideOf - plane.point, plane.normal);
+    const double side = dot(pivot_.center - plane.point, plane.normal);
     plane.normal *= (side < 0 ? -1.0 : 1.0) / l;
     return true;
 }
 
+/// The cap that `body` forbids a candidate of `radius`.
+/// @return false if the body is out of reach.
 template <int Dim>
-void BlockFront<Dim>::Work::buildCaps(const Sphere<Dim>& pivot, double radius) {
+bool BlockFront<Dim>::Work::heightOf(std::uint32_t body, double radius, Vec<Dim>& axis,
+                                     double& height) const {
+    const double rolling = pivot_.radius + radius + settings_.quantum;
+    if (body >= kWallBody) {
+        const Plane& plane = planes_[body - kWallBody];
+        const double above = dot(pivot_.center - plane.point, plane.normal);
+        axis = -plane.normal;
+        height = (above - radius - settings_.quantum) / rolling;
+        return height < 1;
+    }
+    const Neighbor& n = neighbors_[body];
+    const double other = n.radius + radius + settings_.quantum;
+    if (n.distance >= rolling + other) return false;
+    axis = n.axis;
+    height =
+        (n.distance * n.distance + rolling * rolling - other * other) / (2 * rolling * n.distance);
+    return true;
+}
+
+template <int Dim>
+bool BlockFront<Dim>::Work::buildCaps(double radius) {
     caps_.clear();
-    looseCaps_.clear();
-    const double rolling = pivot.radius + radius + settings_.quantum;
-    const auto add = [&](const Vec<Dim>& axis, double height, std::uint32_t body) {
+    const auto add = [&](std::uint32_t body) {
+        Vec<Dim> axis;
+        double height;
+        if (!heightOf(body, radius, axis, height)) return true;
         std::array<float, Dim> a;
         for (std::size_t d = 0; d < Dim; ++d) a[d] = static_cast<float>(axis.c[d]);
-        if (height < 1 && looseCaps_.size() < Dim + 1) looseCaps_.emplace_back(axis, height);
         return caps_.add(a, static_cast<float>(height), body);
     };
-    for (std::size_t p = 0; p < planes_.size(); ++p) {
-        const double above = dot(pivot.center - planes_[p].point, planes_[p].normal);
-        if (!add(-planes_[p].normal, (above - radius - settings_.quantum) / rolling,
-                 kWallBody + static_cast<std::uint32_t>(p))) {
-            caps_.clear();
-            looseCaps_.clear();
-            looseCaps_.resize(Dim + 2);  // closed on all sides: no loose vertices either
-            return;
-        }
-    }
-    for (const std::uint32_t i : neighbors_) {
-        const Vec<Dim> to = spheres_[i].center - pivot.center;
-        const double square = squaredLength(to);
-        const double other = spheres_[i].radius + radius + settings_.quantum;
-        if (square >= (rolling + other) * (rolling + other)) continue;
-        const double distance = std::sqrt(square);
-        add(to * (1 / distance),
-            (square + rolling * rolling - other * other) / (2 * rolling * distance), i);
-    }
+    for (std::uint32_t p = 0; p < planes_.size(); ++p)
+        if (!add(kWallBody + p)) return false;
+    for (std::uint32_t n = 0; n < neighbors_.size(); ++n)
+        if (!add(n)) return false;
+    return true;
+}
+
+template <int Dim>
+bool BlockFront<Dim>::Work::addCapLater(std::uint32_t body, double radius) {
+    Vec<Dim> axis;
+    double height;
+    if (!heightOf(body, radius, axis, height)) return true;
+    std::array<float, Dim> a;
+    for (std::size_t d = 0; d < Dim; ++d) a[d] = static_cast<float>(axis.c[d]);
+    return caps_.addLater(a, static_cast<float>(height), body, vertices_);
 }
 
 /// A front begins with too few bodies for a vertex: then a candidate may rest on fewer.
 template <int Dim>
-void BlockFront<Dim>::Work::looseVertices(double) {
-    const auto allowed = [&](const Vec<Dim>& n, std::size_t but) {
-        for (std::size_t k = 0; k < looseCaps_.size(); ++k)
-            if (k != but && dot(n, looseCaps_[k].first) > looseCaps_[k].second) return false;
-        return true;
+void BlockFront<Dim>::Work::looseVertices() {
+    if (caps_.size() > Dim) return;
+    std::vector<std::pair<Vec<Dim>, double>> caps;
+    const auto collect = [&](std::uint32_t body) {
+        Vec<Dim> axis;
+        double height;
+        if (heightOf(body, pool_->smallest(), axis, height)) caps.emplace_back(axis, height);
     };
+    for (std::uint32_t p = 0; p < planes_.size(); ++p) collect(kWallBody + p);
+    for (std::uint32_t n = 0; n < neighbors_.size(); ++n) collect(n);
     const auto emit = [&](const Vec<Dim>& n) {
+        for (const auto& [axis, height] : caps)
+            if (dot(n, axis) > height) return;
         Vertex v;
         for (std::size_t d = 0; d < Dim; ++d) v.direction[d] = static_cast<float>(n.c[d]);
         v.bodies.fill(kNoBody);
+        v.side = 1;
         vertices_.push_back(v);
     };
-    if (looseCaps_.size() > Dim) return;
-    if (looseCaps_.empty()) emit(-settings_.sweep);
+    if (caps.empty()) emit(-settings_.sweep);
     if constexpr (Dim == 3) {
         constexpr int kAround = 16;
-        for (std::size_t k = 0; k < looseCaps_.size(); ++k) {
-            const auto& [axis, height] = looseCaps_[k];
+        for (const auto& [axis, height] : caps) {
             const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
             const Vec<3> e1 = normalized(cross(axis, other));
             const Vec<3> e2 = cross(axis, e1);
             // A little off the cap: the candidate rests on the pivot alone and needs no polish.
-            const double up = std::min(height, 1.0) - 1e-7;
+            const double up = std::min(height, 1.0) - 1e-6;
             const double out = std::sqrt(std::max(0.0, 1 - up * up));
             for (int a = 0; a < kAround; ++a) {
                 const double angle = 2 * kPi * a / kAround;
-                const Vec<3> n = axis * up + (e1 * std::cos(angle) + e2 * std::sin(angle)) * out;
-                if (allowed(n, k)) emit(n);
+                emit(axis * up + (e1 * std::cos(angle) + e2 * std::sin(angle)) * out);
             }
         }
     }
 }
 
+/// Where a candidate of `radius` rests on the bodies of `vertex`, on the same side of them.
+/// @return false if it cannot touch them all.
 template <int Dim>
-bool BlockFront<Dim>::Work::polish(const Sphere<Dim>& pivot, double radius, const Vertex& vertex,
-                                   Vec<Dim>& center) {
+bool BlockFront<Dim>::Work::restingCenter(const Vertex& vertex, double radius,
+                                          Vec<Dim>& fromPivot) const {
+    const double rolling = pivot_.radius + radius + settings_.quantum;
+    if (vertex.bodies[0] == kNoBody) {
+        Vec<Dim> n;
+        for (std::size_t d = 0; d < Dim; ++d) n.c[d] = vertex.direction[d];
+        fromPivot = normalized(n) * rolling;
+        return true;
+    }
+    Vec<Dim> a;
+    double ha;
+    if (!heightOf(vertex.bodies[0], radius, a, ha)) return false;
+    if constexpr (Dim == 3) {
+        Vec<3> b;
+        double hb;
+        if (!heightOf(vertex.bodies[1], radius, b, hb)) return false;
+        const double c = dot(a, b);
+        const double inverse = 1 / (1 - c * c);
+        const double alpha = (ha - hb * c) * inverse;
+        const double beta = (hb - ha * c) * inverse;
+        const double square = (1 - alpha * ha - beta * hb) * inverse;
+        if (!(square >= 0)) return false;
+        fromPivot = (a * alpha + b * beta +
+                     cross(a, b) * (static_cast<double>(vertex.side) * std::sqrt(square))) *
+                    rolling;
+    } else {
+        if (!(ha * ha <= 1)) return false;
+        const double out = static_cast<double>(vertex.side) * std::sqrt(1 - ha * ha);
+        fromPivot = (a * ha + Vec<2>{{-a[1], a[0]}} * out) * rolling;
+    }
+    return true;
+}
+
+/// A filter in float: false if a neighbor or a known plane is clearly in the way.
+template <int Dim>
+bool BlockFront<Dim>::Work::seemsFree(const Vec<Dim>& fromPivot, double radius) const {
+    constexpr double kSlack = 2e-5;
+    const Lanes r = static_cast<float>(radius * (1 - kSlack));
+    std::array<Lanes, Dim> x;
+    for (std::size_t d = 0; d < Dim; ++d) x[d] = static_cast<float>(fromPivot.c[d]);
+    for (std::size_t i = 0; i < near_[0].size(); i += kLanes) {
+        Lanes square = 0.0f;
+        for (std::size_t d = 0; d < Dim; ++d) {
+            const Lanes to = Lanes(&near_[d][i], stdx::element_aligned) - x[d];
+            square += to * to;
+        }
+        const Lanes least = Lanes(&near_[Dim][i], stdx::element_aligned) + r;
+        if (any_of(square < least * least)) return false;
+    }
+    for (const Plane& plane : planes_)
+        if (dot(fromPivot + pivot_.center - plane.point, plane.normal) < radius * (1 - kSlack))
+            return false;
+    return true;
+}
+
+/// Follows the resting place to curved walls, where the plane was only a first guess.
+template <int Dim>
+bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>& center) {
+    const Sphere<Dim>& pivot = pivot_;
     const double slack = settings_.quantum;
     const double rolling = pivot.radius + radius + slack;
-    Vec<Dim> n;
-    for (std::size_t d = 0; d < Dim; ++d) n.c[d] = vertex.direction[d];
-    center = pivot.center + normalized(n) * rolling;
     if (vertex.bodies[0] == kNoBody) return true;
-
     std::size_t wallBodies = 0, wallAt = 0;
     for (std::size_t b = 0; b < Dim - 1; ++b)
         if (vertex.bodies[b] >= kWallBody) ++wallBodies, wallAt = b;
+    if (wallBodies == 0) return true;
     Plane tangent{};
     // One curved wall is followed to its true nearest point; two (a corner) are taken as planes.
     const int rounds = wallBodies == 1 ? 4 : 1;
     for (int round = 0; round < rounds; ++round) {
         const Vec<Dim> before = center;
         if (wallBodies == 1) {
-            if (!findPlane(center, 2 * radius, pivot.center, tangent)) return false;
+            if (!findPlane(center, 2 * radius, tangent)) return false;
         }
         for (int step = 0; step < 3; ++step) {
             std::array<Vec<Dim>, Dim> gradient;
@@ -350,10 +513,11 @@ bool BlockFront<Dim>::Work::polish(const Sphere<Dim>& pivot, double radius, cons
                     residual[static_cast<int>(b) + 1] =
                         radius + slack - dot(center - plane.point, plane.normal);
                 } else {
-                    const Vec<Dim> away = center - spheres_[body].center;
+                    const Sphere<Dim>& other = spheres_[neighbors_[body].sphere];
+                    const Vec<Dim> away = center - other.center;
                     const double d = length(away);
                     gradient[b + 1] = away * (1 / d);
-                    residual[static_cast<int>(b) + 1] = spheres_[body].radius + radius + slack - d;
+                    residual[static_cast<int>(b) + 1] = other.radius + radius + slack - d;
                 }
             }
             if (!solve<Dim>(gradient, residual)) return false;
@@ -368,60 +532,34 @@ bool BlockFront<Dim>::Work::polish(const Sphere<Dim>& pivot, double radius, cons
 }
 
 template <int Dim>
-std::optional<Vec<Dim>> BlockFront<Dim>::Work::restingPlace(const Sphere<Dim>& pivot,
-                                                            double radius) {
-    const double rolling = pivot.radius + radius + settings_.quantum;
-    for (;;) {
-        buildCaps(pivot, radius);
-        caps_.findVertices(vertices_);
-        if (vertices_.empty()) looseVertices(radius);
-        bool wallLearned = false;
-        // Lowest along the sweep first.
-        const auto key = [&](const Vertex& v) {
-            double k = 0;
-            for (std::size_t d = 0; d < Dim; ++d)
-                k += static_cast<double>(v.direction[d]) * settings_.sweep.c[d];
-            return k;
-        };
-        while (!vertices_.empty()) {
-            std::size_t best = 0;
-            double bestKey = key(vertices_[0]);
-            for (std::size_t i = 1; i < vertices_.size(); ++i) {
-                const double k = key(vertices_[i]);
-                if (k < bestKey) bestKey = k, best = i;
-            }
-            const Vertex vertex = vertices_[best];
-            vertices_[best] = vertices_.back();
-            vertices_.pop_back();
-
-            Vec<Dim> n;
-            for (std::size_t d = 0; d < Dim; ++d) n.c[d] = vertex.direction[d];
-            Vec<Dim> center = pivot.center + n * rolling;
-            if (!own_.grown(0.01 * radius).contains(center)) continue;
-            if (!polish(pivot, radius, vertex, center)) continue;
-            center = snapped(center);
-            if (!owns(center)) continue;
-            bool free = squaredLength(center - pivot.center) >=
-                        (pivot.radius + radius) * (pivot.radius + radius);
-            for (std::size_t i = 0; free && i < neighbors_.size(); ++i) {
-                const Sphere<Dim>& s = spheres_[neighbors_[i]];
-                const double least = s.radius + radius;
-                free = squaredLength(center - s.center) >= least * least;
-            }
-            if (!free) continue;
-            Plane plane;
-            if (!findPlane(center, radius, pivot.center, plane)) return center;
-            // A wall that the pivot did not know: learn its plane and look again, unless the
-            // plane does not forbid this vertex (then another round would find it once more).
-            const double above = dot(pivot.center + n * rolling - plane.point, plane.normal);
-            if (planes_.size() < kMaxPlanes && above < radius * (1 - 1e-4)) {
-                planes_.push_back(plane);
-                wallLearned = true;
-                break;
-            }
-        }
-        if (!wallLearned) return std::nullopt;
+typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryVertex(const Vertex& vertex,
+                                                                         double radius,
+                                                                         Vec<Dim> center) {
+    const Vec<Dim> guess = center;
+    if (!own_.grown(0.5 * radius).contains(center)) return Outcome::blocked;
+    if (!polish(radius, vertex, center)) return Outcome::blocked;
+    center = snapped(center);
+    if (!owns(center)) return Outcome::blocked;
+    const double contact = pivot_.radius + radius;
+    if (squaredLength(center - pivot_.center) < contact * contact) return Outcome::blocked;
+    for (const Neighbor& n : neighbors_) {
+        const double least = n.radius + radius;
+        if (squaredLength(center - spheres_[n.sphere].center) < least * least)
+            return Outcome::blocked;
     }
+    Plane plane;
+    if (!findPlane(center, radius, plane)) {
+        place(center, radius);
+        return Outcome::placed;
+    }
+    // A wall that the pivot did not know. Learn its plane, unless the plane leaves this vertex
+    // as it is: then it would come up again and again.
+    if (planes_.size() < kMaxPlanes &&
+        dot(guess - plane.point, plane.normal) < radius * (1 - 1e-4)) {
+        planes_.push_back(plane);
+        return Outcome::wallLearned;
+    }
+    return Outcome::blocked;
 }
 
 template <int Dim>
@@ -438,59 +576,153 @@ double BlockFront<Dim>::Work::clearance(const Vec<Dim>& x, double reach) {
     return sampler_->signedDistance(global) < 0 ? least : -least;
 }
 
+/// Marks the cells in which some sphere leaves no place: a center with room for `wanted_` is
+/// nowhere farther from its cell's center than half the diagonal.
 template <int Dim>
-void BlockFront<Dim>::Work::searchPlaces() {
-    // Large cells first: most of what lies outside the domain goes with them.
-    const double edge = 8 * settings_.minRadius;
-    int n[3] = {1, 1, 1};
-    double step[3] = {0, 0, 0};
-    double longest = 0;
-    for (int d = 0; d < Dim; ++d) {
-        const double side = search_.hi[d] - search_.lo[d];
-        n[d] = std::max(1, static_cast<int>(std::ceil(side / edge)));
-        step[d] = side / n[d];
-        longest = std::max(longest, step[d]);
-    }
-    for (int k = 0; k < n[2]; ++k)
-        for (int j = 0; j < n[1]; ++j)
-            for (int i = 0; i < n[0] && !stop_; ++i) {
-                const int at[3] = {i, j, k};
-                Vec<Dim> center;
-                for (int d = 0; d < Dim; ++d) center[d] = search_.lo[d] + (at[d] + 0.5) * step[d];
-                searchCell(center, longest);
+void BlockFront<Dim>::Work::stampSpheres() {
+    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
+    const auto rows = static_cast<std::size_t>(steps_[1]) * static_cast<std::size_t>(steps_[2]);
+    covered_.assign(rows * rowWords_, 0);
+    const double inverse = 1 / step_;
+    for (const auto& s : spheres_) {
+        const double reach = (s.radius + wanted_ - corner) * inverse;
+        if (reach <= 0) continue;
+        // In steps, with cell i's center at i.
+        Vec<3> c;
+        for (int d = 0; d < Dim; ++d) c[d] = (s.center[d] - search_.lo[d]) * inverse - 0.5;
+        int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+        for (int d = 1; d < Dim; ++d) {
+            from[d] = std::max(0, static_cast<int>(std::ceil(c[d] - reach)));
+            to[d] = std::min(steps_[static_cast<std::size_t>(d)] - 1,
+                             static_cast<int>(std::floor(c[d] + reach)));
+        }
+        for (int k = from[2]; k <= to[2]; ++k)
+            for (int j = from[1]; j <= to[1]; ++j) {
+                const double square = reach * reach - (k - c[2]) * (k - c[2]) -
+                                      (Dim > 1 ? (j - c[1]) * (j - c[1]) : 0.0);
+                if (square <= 0) continue;
+                const double half = std::sqrt(square);
+                const int first = std::max(0, static_cast<int>(std::ceil(c[0] - half)));
+                const int last = std::min(steps_[0] - 1, static_cast<int>(std::floor(c[0] + half)));
+                if (first > last) continue;
+                std::uint64_t* const row =
+                    &covered_[(static_cast<std::size_t>(k) * static_cast<std::size_t>(steps_[1]) +
+                               static_cast<std::size_t>(j)) *
+                              rowWords_];
+                const int firstWord = first >> 6, lastWord = last >> 6;
+                const std::uint64_t head = ~std::uint64_t{0} << (first & 63);
+                const std::uint64_t tail = ~std::uint64_t{0} >> (63 - (last & 63));
+                if (firstWord == lastWord) {
+                    row[firstWord] |= head & tail;
+                } else {
+                    row[firstWord] |= head;
+                    for (int w = firstWord + 1; w < lastWord; ++w) row[w] = ~std::uint64_t{0};
+                    row[lastWord] |= tail;
+                }
             }
+    }
 }
 
 template <int Dim>
-void BlockFront<Dim>::Work::searchCell(const Vec<Dim>& center, double edge) {
-    // No point of the cell is farther from its center than this, so none has more room than
-    // the center has, plus this.
+void BlockFront<Dim>::Work::searchPlaces() {
+    wanted_ = settings_.meanRadius;
+    step_ = std::min(settings_.minRadius, 0.7 * wanted_);
+    step_ = std::max(step_, 0.3 * wanted_);
+    steps_ = {1, 1, 1};
+    for (int d = 0; d < Dim; ++d)
+        steps_[static_cast<std::size_t>(d)] =
+            std::max(1, static_cast<int>(std::ceil((search_.hi[d] - search_.lo[d]) / step_)));
+    rowWords_ = (static_cast<std::size_t>(steps_[0]) + 63) / 64;
+    stampSpheres();
+
+    // In bricks, since one lookup tells most of them to lie outside the domain or deep inside.
+    constexpr int kBrick = 4;
+    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
+    const double error = settings_.fieldError;
+    const auto depthAt = [&](const Vec<Dim>& x) {
+        const double depth = -sampler_->signedDistance(x + origin_);
+        return depth < 0.99 * settings_.fieldDepth ? depth
+                                                   : std::numeric_limits<double>::infinity();
+    };
+    int bricks[3], size[3];
+    for (std::size_t d = 0; d < 3; ++d) {
+        size[d] = d < Dim ? kBrick : 1;
+        bricks[d] = (steps_[d] + size[d] - 1) / size[d];
+    }
+    for (int bk = 0; bk < bricks[2]; ++bk)
+        for (int bj = 0; bj < bricks[1]; ++bj)
+            for (int bi = 0; bi < bricks[0]; ++bi) {
+                const int at[3] = {bi * size[0], bj * size[1], bk * size[2]};
+                Vec<Dim> center;
+                for (int d = 0; d < Dim; ++d)
+                    center[d] = search_.lo[d] + (at[d] + 0.5 * size[d]) * step_;
+                const double depth = depthAt(center);
+                if (depth < wanted_ - kBrick * corner - error) continue;
+                const bool deep = depth > wanted_ + kBrick * corner + error;
+                for (int k = at[2]; k < std::min(at[2] + size[2], steps_[2]); ++k)
+                    for (int j = at[1]; j < std::min(at[1] + size[1], steps_[1]); ++j)
+                        for (int i = at[0]; i < std::min(at[0] + size[0], steps_[0]); ++i) {
+                            const std::size_t row =
+                                (static_cast<std::size_t>(k) * static_cast<std::size_t>(steps_[1]) +
+                                 static_cast<std::size_t>(j)) *
+                                rowWords_;
+                            if (covered_[row + static_cast<std::size_t>(i >> 6)] >> (i & 63) & 1)
+                                continue;
+                            const int cell[3] = {i, j, k};
+                            Vec<Dim> c;
+                            for (int d = 0; d < Dim; ++d)
+                                c[d] = search_.lo[d] + (cell[d] + 0.5) * step_;
+                            if (!deep && depthAt(c) < wanted_ - corner - error) continue;
+                            refine(c, step_);
+                            if (stop_) return;
+                        }
+            }
+}
+
+/// Fills all places with a center in the cell.
+template <int Dim>
+void BlockFront<Dim>::Work::refine(const Vec<Dim>& center, double edge) {
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     for (;;) {
-        const double wanted = pool_->smallest();
-        const double depth = -sampler_->signedDistance(center + origin_);
-        if (depth < std::min(wanted - corner - settings_.fieldError, 0.99 * settings_.fieldDepth))
-            return;
-        const bool open =
-            cells_.near(center, wanted - corner, settings_.maxRadius, [&](std::uint32_t i) {
-                const double least = spheres_[i].radius + wanted - corner;
-                return least <= 0 || squaredLength(spheres_[i].center - center) >= least * least;
-            });
-        if (!open) return;
-        if (clearance(center, wanted) >= wanted) {
-            const std::size_t before = spheres_.size();
-            fillPlace(center);
-            if (spheres_.size() == before || stop_) return;
-            continue;  // the same cell may hold another place
-        }
-        if (edge < kSmallestCell * settings_.minRadius) return;
-        for (int child = 0; child < (1 << Dim) && !stop_; ++child) {
-            Vec<Dim> c = center;
-            for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;
-            searchCell(c, 0.5 * edge);
-        }
-        return;
+        nearby_.clear();
+        cells_.near(center, wanted_ + corner, settings_.maxRadius, [&](std::uint32_t i) {
+            nearby_.push_back(i);
+            return true;
+        });
+        Vec<Dim> place;
+        const std::size_t before = spheres_.size();
+        if (!hasPlace(center, edge, place)) return;
+        fillPlace(place);
+        if (spheres_.size() == before || stop_) return;
     }
+}
+
+/// Looks for a place with its center in the cell, by halving; `nearby_` holds the spheres in reach.
+template <int Dim>
+bool BlockFront<Dim>::Work::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place) {
+    const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
+    double room = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : nearby_) {
+        const Sphere<Dim>& s = spheres_[i];
+        const double least = s.radius + wanted_ - corner;
+        const double square = squaredLength(s.center - center);
+        if (least > 0 && square < least * least) return false;
+        room = std::min(room, std::sqrt(square) - s.radius);
+    }
+    if (-sampler_->signedDistance(center + origin_) <
+        std::min(wanted_ - corner - settings_.fieldError, 0.99 * settings_.fieldDepth))
+        return false;
+    if (room >= wanted_ && clearance(center, wanted_) >= wanted_) {
+        place = center;
+        return true;
+    }
+    if (edge < kSmallestCell * wanted_) return false;
+    for (int child = 0; child < (1 << Dim); ++child) {
+        Vec<Dim> c = center;
+        for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;
+        if (hasPlace(c, 0.5 * edge, place)) return true;
+    }
+    return false;
 }
 
 template <int Dim>

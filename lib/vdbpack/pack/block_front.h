@@ -25,7 +25,9 @@ struct FrontSettings {
     /// much, so that no rounding can turn them into overlaps.
     double quantum = 0x1p-24;
     double minRadius = 0;   ///< of the distribution, mm
+    double meanRadius = 0;  ///< of the distribution, mm
     double maxRadius = 0;   ///< of the distribution, mm
+    double meanBall = 0;    ///< mean volume (2D: area) of a sphere, mm^Dim
     double fieldError = 0;  ///< how far off the domain's signedDistance may be, mm
     double fieldDepth = 0;  ///< depth at which it is clamped, mm
 };
@@ -33,7 +35,7 @@ struct FrontSettings {
 /// Fills one block: a pure function of its arguments.
 ///
 /// A front starts from the spheres that stand around the block and from whatever place could
-/// take the smallest pending radius, and goes on until no place is left that could.
+/// take a sphere of the mean radius, and goes on until no such place is left.
 /// Keeps its memory from one block to the next; one object a thread.
 template <int Dim>
 class BlockFront {

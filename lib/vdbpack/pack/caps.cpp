@@ -51,7 +51,14 @@ bool CapSet<Dim>::add(const std::array<float, Dim>& axis, float height, std::uin
 }
 
 template <int Dim>
-void CapSet<Dim>::sortAndPad() {
+void CapSet<Dim>::pad() {
+    // Padding caps forbid nothing: height 2 is beyond every direction and crosses no circle.
+    for (auto& a : axis_) a.resize(paddedSize(count_), 0.0f);
+    height_.resize(paddedSize(count_), 2.0f);
+}
+
+template <int Dim>
+void CapSet<Dim>::sort() {
     rank_.resize(count_);
     std::iota(rank_.begin(), rank_.end(), 0u);
     std::sort(rank_.begin(), rank_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -62,56 +69,58 @@ void CapSet<Dim>::sortAndPad() {
         for (std::size_t i = 0; i < count_; ++i) scratch[i] = values[rank_[i]];
         values.swap(scratch);
     };
-    // Padding caps forbid nothing: height 2 is beyond every direction.
-    for (auto& a : axis_) {
-        arrange(a, scratch_);
-        a.resize(paddedSize(count_), 0.0f);
-    }
+    for (auto& a : axis_) arrange(a, scratch_);
     arrange(height_, scratch_);
-    height_.resize(paddedSize(count_), 2.0f);
     arrange(body_, bodyScratch_);
 }
 
+/// Appends the caps from `from` on whose boundary crosses that of cap `i`.
 template <int Dim>
-void CapSet<Dim>::findVertices(std::vector<Vertex>& vertices) {
-    vertices.clear();
-    if (count_ < Dim - 1) return;
-    sortAndPad();
-    if constexpr (Dim == 3) {
-        const float* const ux = axis_[0].data();
-        const float* const uy = axis_[1].data();
-        const float* const uz = axis_[2].data();
-        const float* const h = height_.data();
-
-        // Pairs of circles that cross.
-        pairs_.clear();
-        for (std::size_t i = 0; i + 1 < count_; ++i) {
-            const Lanes ax = ux[i], ay = uy[i], az = uz[i], ah = h[i];
-            for (std::size_t j0 = (i + 1) / kLanes * kLanes; j0 < count_; j0 += kLanes) {
-                const Lanes c = ax * load(ux + j0) + ay * load(uy + j0) + az * load(uz + j0);
-                const Lanes bh = load(h + j0);
-                // (1 - c²) γ² D = 1 - c² - h_i² - h_j² + 2 c h_i h_j > 0 where the circles cross.
-                const Lanes d = 1.0f - c * c;
-                const auto crossing = (d - ah * ah - bh * bh + 2.0f * c * ah * bh > 0.0f) &&
-                                      (d > kParallel) && (bh < 1.0f);
-                if (none_of(crossing)) continue;
-                for (std::size_t l = j0 > i ? 0 : i + 1 - j0; l < kLanes; ++l)
-                    if (crossing[l])
-                        pairs_.push_back(
-                            {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j0 + l)});
-            }
+void CapSet<Dim>::findPairs(std::size_t i, std::size_t from) {
+    const Lanes ax = axis_[0][i], ay = axis_[1][i], az = axis_[Dim - 1][i], ah = height_[i];
+    std::size_t used = pairs_.size();
+    pairs_.resize(used + count_);
+    for (std::size_t j0 = from / kLanes * kLanes; j0 < count_; j0 += kLanes) {
+        const Lanes c =
+            ax * load(&axis_[0][j0]) + ay * load(&axis_[1][j0]) + az * load(&axis_[Dim - 1][j0]);
+        const Lanes bh = load(&height_[j0]);
+        // With c = cos of the angle between the axes, the circles cross where
+        // 1 - c² - h_i² - h_j² + 2 c h_i h_j > 0.
+        const Lanes d = 1.0f - c * c;
+        const Lanes crossing = stdx::min(d - ah * ah - bh * bh + 2.0f * c * ah * bh, d - kParallel);
+        if (none_of(crossing > 0.0f)) continue;
+        float value[kLanes];
+        crossing.copy_to(value, stdx::element_aligned);
+        const std::size_t first = j0 < from ? from - j0 : 0;
+        const std::size_t last = std::min(kLanes, count_ - j0);
+        for (std::size_t l = first; l < last; ++l) {
+            pairs_[used] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j0 + l)};
+            used += value[l] > 0.0f ? 1 : 0;
         }
+    }
+    pairs_.resize(used);
+}
 
-        for (std::size_t p0 = 0; p0 < pairs_.size(); p0 += kLanes) {
-            const std::size_t used = std::min(kLanes, pairs_.size() - p0);
-            alignas(32) float a[4][kLanes], b[4][kLanes];
-            for (std::size_t l = 0; l < kLanes; ++l) {
-                const auto& pair = pairs_[p0 + std::min(l, used - 1)];
-                const std::size_t i = pair[0], j = pair[1];
-                a[0][l] = ux[i], a[1][l] = uy[i], a[2][l] = uz[i], a[3][l] = h[i];
-                b[0][l] = ux[j], b[1][l] = uy[j], b[2][l] = uz[j], b[3][l] = h[j];
-            }
-            const Lanes ax = load(a[0]), ay = load(a[1]), az = load(a[2]), ah = load(a[3]);
+/// Appends the vertices of `pairs_` that no cap forbids.
+template <int Dim>
+void CapSet<Dim>::keepLive(std::vector<Vertex>& vertices) {
+    const float* const ux = axis_[0].data();
+    const float* const uy = axis_[1].data();
+    const float* const uz = axis_[Dim - 1].data();
+    const float* const h = height_.data();
+    for (std::size_t p0 = 0; p0 < pairs_.size(); p0 += kLanes) {
+        const std::size_t used = std::min(kLanes, pairs_.size() - p0);
+        // The two vertices of a pair are middle + side and middle - side.
+        Lanes mx, my, mz, wx, wy, wz;
+        float a[4][kLanes], b[4][kLanes];
+        for (std::size_t l = 0; l < kLanes; ++l) {
+            const auto& pair = pairs_[p0 + std::min(l, used - 1)];
+            const std::size_t i = pair[0], j = pair[1];
+            a[0][l] = ux[i], a[1][l] = uy[i], a[2][l] = uz[i], a[3][l] = h[i];
+            b[0][l] = ux[j], b[1][l] = uy[j], b[2][l] = uz[j], b[3][l] = h[j];
+        }
+        const Lanes ax = load(a[0]), ay = load(a[1]), az = load(a[2]), ah = load(a[3]);
+        if constexpr (Dim == 3) {
             const Lanes bx = load(b[0]), by = load(b[1]), bz = load(b[2]), bh = load(b[3]);
             const Lanes c = ax * bx + ay * by + az * bz;
             const Lanes inverse = 1.0f / (1.0f - c * c);
@@ -119,55 +128,90 @@ void CapSet<Dim>::findVertices(std::vector<Vertex>& vertices) {
             const Lanes beta = (bh - ah * c) * inverse;
             const Lanes square = (1.0f - alpha * ah - beta * bh) * inverse;
             const Lanes gamma = sqrt(stdx::max(square, Lanes(0.0f)));
-            const Lanes mx = alpha * ax + beta * bx, wx = gamma * (ay * bz - az * by);
-            const Lanes my = alpha * ay + beta * by, wy = gamma * (az * bx - ax * bz);
-            const Lanes mz = alpha * az + beta * bz, wz = gamma * (ax * by - ay * bx);
-            Lanes::mask_type up(false), down(false);
-            for (std::size_t l = 0; l < used; ++l) up[l] = down[l] = true;
-            for (std::size_t k = 0; k < count_; ++k) {
-                const Lanes middle = mx * ux[k] + my * uy[k] + mz * uz[k];
-                const Lanes side = wx * ux[k] + wy * uy[k] + wz * uz[k];
-                const Lanes limit(h[k] + kSlack);
-                up = up && (middle + side <= limit);
-                down = down && (middle - side <= limit);
-                if (none_of(up || down)) break;
-            }
-            if (none_of(up || down)) continue;
-            for (std::size_t l = 0; l < used; ++l) {
-                const auto& pair = pairs_[p0 + l];
-                const std::array<std::uint32_t, 2> bodies{body_[pair[0]], body_[pair[1]]};
-                if (up[l])
-                    vertices.push_back({{mx[l] + wx[l], my[l] + wy[l], mz[l] + wz[l]}, bodies});
-                if (down[l])
-                    vertices.push_back({{mx[l] - wx[l], my[l] - wy[l], mz[l] - wz[l]}, bodies});
-            }
-        }
-    } else {
-        const float* const ux = axis_[0].data();
-        const float* const uy = axis_[1].data();
-        const float* const h = height_.data();
-        for (std::size_t i0 = 0; i0 < count_; i0 += kLanes) {
-            const Lanes ax = load(ux + i0), ay = load(uy + i0), ah = load(h + i0);
+            mx = alpha * ax + beta * bx, wx = gamma * (ay * bz - az * by);
+            my = alpha * ay + beta * by, wy = gamma * (az * bx - ax * bz);
+            mz = alpha * az + beta * bz, wz = gamma * (ax * by - ay * bx);
+        } else {
             const Lanes gamma = sqrt(stdx::max(1.0f - ah * ah, Lanes(0.0f)));
-            const Lanes mx = ah * ax, wx = -gamma * ay;
-            const Lanes my = ah * ay, wy = gamma * ax;
-            Lanes::mask_type up = ah <= 1.0f;
-            Lanes::mask_type down = up;
-            for (std::size_t k = 0; k < count_; ++k) {
-                const Lanes middle = mx * ux[k] + my * uy[k];
-                const Lanes side = wx * ux[k] + wy * uy[k];
-                const Lanes limit(h[k] + kSlack);
-                up = up && (middle + side <= limit);
-                down = down && (middle - side <= limit);
-                if (none_of(up || down)) break;
+            mx = ah * ax, wx = -gamma * ay;
+            my = ah * ay, wy = gamma * ax;
+        }
+        Lanes up = kSlack, down = kSlack;  // least room to any cap, so far
+        for (std::size_t k = 0; k < count_; ++k) {
+            Lanes middle = h[k] + kSlack - (mx * ux[k] + my * uy[k]);
+            Lanes side = wx * ux[k] + wy * uy[k];
+            if constexpr (Dim == 3) {
+                middle -= mz * uz[k];
+                side += wz * uz[k];
             }
-            if (none_of(up || down)) continue;
-            for (std::size_t l = 0; l < kLanes; ++l) {
-                if (up[l]) vertices.push_back({{mx[l] + wx[l], my[l] + wy[l]}, {body_[i0 + l]}});
-                if (down[l]) vertices.push_back({{mx[l] - wx[l], my[l] - wy[l]}, {body_[i0 + l]}});
-            }
+            up = stdx::min(up, middle - side);
+            down = stdx::min(down, middle + side);
+            if ((k & 1) && none_of(stdx::max(up, down) >= 0.0f)) break;
+        }
+        if (none_of(stdx::max(up, down) >= 0.0f)) continue;
+        for (std::size_t l = 0; l < used; ++l) {
+            const auto& pair = pairs_[p0 + l];
+            const auto emit = [&](float s) {
+                Vertex v;
+                v.direction[0] = mx[l] + s * wx[l];
+                v.direction[1] = my[l] + s * wy[l];
+                v.bodies[0] = body_[pair[0]];
+                if constexpr (Dim == 3) {
+                    v.direction[2] = mz[l] + s * wz[l];
+                    v.bodies[1] = body_[pair[1]];
+                }
+                v.side = s;
+                vertices.push_back(v);
+            };
+            if (up[l] >= 0.0f) emit(1.0f);
+            if (down[l] >= 0.0f) emit(-1.0f);
         }
     }
+}
+
+template <int Dim>
+void CapSet<Dim>::findVertices(std::vector<Vertex>& vertices) {
+    vertices.clear();
+    sort();
+    pad();
+    pairs_.clear();
+    if constexpr (Dim == 3) {
+        for (std::size_t i = 0; i + 1 < count_; ++i) findPairs(i, i + 1);
+    } else {
+        for (std::uint32_t i = 0; i < count_; ++i) pairs_.push_back({i, i});
+    }
+    keepLive(vertices);
+}
+
+template <int Dim>
+bool CapSet<Dim>::addLater(const std::array<float, Dim>& axis, float height, std::uint32_t body,
+                           std::vector<Vertex>& vertices) {
+    if (height >= 1.0f) return true;
+    if (height <= -1.0f) {
+        vertices.clear();
+        return false;
+    }
+    vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
+                                  [&](const Vertex& v) {
+                                      float along = 0;
+                                      for (std::size_t d = 0; d < Dim; ++d)
+                                          along += v.direction[d] * axis[d];
+                                      return along > height + kSlack;
+                                  }),
+                   vertices.end());
+    for (std::size_t d = 0; d < Dim; ++d) axis_[d].resize(count_);
+    height_.resize(count_);
+    add(axis, height, body);
+    pad();
+    pairs_.clear();
+    const std::size_t last = count_ - 1;
+    if constexpr (Dim == 3) {
+        findPairs(last, 0);  // never crosses itself: too parallel
+    } else {
+        pairs_.push_back({static_cast<std::uint32_t>(last), static_cast<std::uint32_t>(last)});
+    }
+    keepLive(vertices);
+    return true;
 }
 
 template class CapSet<2>;

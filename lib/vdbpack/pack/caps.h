@@ -23,11 +23,13 @@ public:
     struct Vertex {
         std::array<float, Dim> direction;
         std::array<std::uint32_t, Dim - 1> bodies;  ///< as given to `add`
+        /// Side of the plane through the bodies' axes (2D: of the axis): +1 or -1.
+        float side;
     };
 
     void clear();
-    /// Adds the cap n.axis > height of body `body`; one that forbids nothing is passed over.
-    /// @return false if it forbids every direction: nothing rests anywhere.
+    /// Adds the cap n.axis > height of body `body`, before `findVertices`; one that forbids
+    /// nothing is passed over. @return false if it forbids every direction: nothing rests anywhere.
     bool add(const std::array<float, Dim>& axis, float height, std::uint32_t body);
     std::size_t size() const { return count_; }
 
@@ -35,8 +37,16 @@ public:
     /// largest first, in passing. @param vertices  is overwritten.
     void findVertices(std::vector<Vertex>& vertices);
 
+    /// Adds one more cap after `findVertices` and updates its result: vertices inside the cap go,
+    /// those on its boundary come. @return false if it forbids every direction.
+    bool addLater(const std::array<float, Dim>& axis, float height, std::uint32_t body,
+                  std::vector<Vertex>& vertices);
+
 private:
-    void sortAndPad();
+    void pad();
+    void sort();
+    void findPairs(std::size_t i, std::size_t from);
+    void keepLive(std::vector<Vertex>& vertices);
 
     std::size_t count_ = 0;
     std::array<std::vector<float>, Dim> axis_;
@@ -45,7 +55,8 @@ private:
     std::vector<std::uint32_t> rank_;
     std::vector<float> scratch_;
     std::vector<std::uint32_t> bodyScratch_;
-    std::vector<std::array<std::uint32_t, Dim - 1>> pairs_;
+    /// Caps whose boundaries cross; in 2D the second of a pair is not used.
+    std::vector<std::array<std::uint32_t, 2>> pairs_;
 };
 
 extern template class CapSet<2>;

@@ -8,9 +8,12 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <experimental/simd>
 #include <vector>
 
 namespace vdbpack {
+
+namespace stdx = std::experimental;
 
 /// A uniform cell list that grows while a block is filled. Coordinates are the caller's;
 /// keep them small (relative to the block), since they are stored as float for searching.
@@ -56,13 +59,13 @@ public:
     template <class Visit>
     bool near(const Vec<Dim>& x, double reach, double maxRadius, Visit visit) const {
         int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
-        float at[Dim];
+        std::array<Lanes, Dim> at;
         for (int d = 0; d < Dim; ++d) {
             from[d] = coordinate(x[d] - reach - maxRadius, d);
             to[d] = coordinate(x[d] + reach + maxRadius, d);
-            at[d] = static_cast<float>(x[d]);
+            at[static_cast<std::size_t>(d)] = static_cast<float>(x[d]);
         }
-        const float r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + maxRadius));
+        const Lanes r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + maxRadius));
         for (int k = from[2]; k <= to[2]; ++k)
             for (int j = from[1]; j <= to[1]; ++j) {
                 const std::size_t row =
@@ -73,14 +76,19 @@ public:
                     for (std::uint32_t q = head_[row + static_cast<std::size_t>(i)]; q != kNone;
                          q = chunks_[q].next) {
                         const Chunk& c = chunks_[q];
-                        for (std::uint32_t l = 0; l < c.count; ++l) {
-                            float square = 0;
-                            for (std::size_t d = 0; d < Dim; ++d)
-                                square += (c.x[d][l] - at[d]) * (c.x[d][l] - at[d]);
-                            const float limit = c.radius[l] + r;
-                            if (limit > 0 && square < limit * limit)
-                                if (!visit(c.index[l])) return false;
+                        Lanes square = 0.0f;
+                        for (std::size_t d = 0; d < Dim; ++d) {
+                            const Lanes away = Lanes(c.x[d].data(), stdx::element_aligned) - at[d];
+                            square += away * away;
                         }
+                        const Lanes limit = stdx::max(
+                            Lanes(c.radius.data(), stdx::element_aligned) + r, Lanes(0.0f));
+                        const Lanes inside = limit * limit - square;
+                        if (none_of(inside > 0.0f)) continue;
+                        float value[kChunk];
+                        inside.copy_to(value, stdx::element_aligned);
+                        for (std::uint32_t l = 0; l < c.count; ++l)
+                            if (value[l] > 0.0f && !visit(c.index[l])) return false;
                     }
             }
         return true;
@@ -89,9 +97,10 @@ public:
 private:
     static constexpr std::uint32_t kNone = 0xffffffffu;
     static constexpr std::uint32_t kChunk = 8;
+    using Lanes = stdx::fixed_size_simd<float, kChunk>;
     struct Chunk {
-        std::array<std::array<float, kChunk>, Dim> x;
-        std::array<float, kChunk> radius;
+        std::array<std::array<float, kChunk>, Dim> x{};
+        std::array<float, kChunk> radius{};
         std::array<std::uint32_t, kChunk> index;
         std::uint32_t count = 0;
         std::uint32_t next = kNone;

@@ -102,6 +102,8 @@ private:
         // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
         s.quantum = std::exp2(std::floor(std::log2(options.sizes.mean())) - 22);
         s.minRadius = options.sizes.min();
+        s.meanRadius = options.sizes.mean();
+        s.meanBall = options.sizes.meanBall(Dim);
         s.maxRadius = options.sizes.max();
         s.fieldError = domain.facts().voxelSize;
         s.fieldDepth = domain.fieldDepth();
