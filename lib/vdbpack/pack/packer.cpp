@@ -1,13 +1,13 @@
 #include "vdbpack/pack/packer.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/block_front.h"
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/radius_pool.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/task_arena.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
@@ -65,12 +65,10 @@ public:
             for (const std::uint32_t p : before) successors[p].push_back(b);
         }
         successors_ = std::move(successors);
-        tbb::task_arena arena(options_.threads > 0 ? options_.threads : tbb::task_arena::automatic);
-        arena.execute([&] {
+        withThreads(options_.threads, [&] {
             tbb::task_group group;
             group_ = &group;
-            for (std::uint32_t b = 0; b < lattice_.size(); ++b)
-                if (lattice_.order()[0] == b) group.run([this, b] { process(b); });
+            group.run([this] { process(lattice_.order().front()); });
             group.wait();
         });
         return collect();
@@ -224,6 +222,17 @@ PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& option
     PackResult<Dim> result = wavefront.run();
     if (result.pack.spheres.empty() && !result.interrupted) {
         const Sphere<Dim> place = largestPlace(domain);
+        // A place hardly larger than the smallest sphere is easily missed by a search in cells.
+        Sphere<Dim> only{place.center, options.sizes.quantile(0)};
+        for (int d = 0; d < Dim; ++d)
+            only.center[d] = std::nearbyint(place.center[d] / result.quantum) * result.quantum;
+        WallPoint<Dim> wall;
+        if (place.radius > only.radius &&
+            !domain.sampler()->nearestWall(only.center, only.radius, wall)) {
+            result.pack.spheres.push_back(only);
+            result.pack.order.push_back(0);
+            return result;
+        }
         std::string at;
         for (int d = 0; d < Dim; ++d) at += fmt::format("{}{:.6g}", d ? ", " : "", place.center[d]);
         throw InputError(fmt::format(

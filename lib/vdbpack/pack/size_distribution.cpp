@@ -33,12 +33,14 @@ struct SizeDistribution::Shape {
 
     double cdf(double r, bool below) const;
     double invert(double u) const;
+    double bisect(double u, double from, double to) const;
     void finish();
 };
 
 namespace {
 
 constexpr std::size_t kQuantileNodes = 1 << 14;
+constexpr double kTail = 0.01;
 
 double normalCdf(double z) {
     return 0.5 * std::erfc(-z / std::sqrt(2.0));
@@ -153,12 +155,22 @@ double SizeDistribution::Shape::cdf(double r, bool below) const {
     return 1;
 }
 
+double SizeDistribution::Shape::bisect(double u, double from, double to) const {
+    for (int i = 0; i < 60 && from < to; ++i) {
+        const double middle = 0.5 * (from + to);
+        (cdf(middle, false) < u ? from : to) = middle;
+    }
+    return to;
+}
+
 double SizeDistribution::Shape::invert(double u) const {
     if (kind == Kind::uniform) return lo + u * (hi - lo);
     if (kind == Kind::discrete) {
         const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1, u);
         return radius[static_cast<std::size_t>(at - cumulative.begin())];
     }
+    // The tails are too curved for the table.
+    if (u < kTail || u > 1 - kTail) return bisect(u, lo, hi);
     const double x = u * static_cast<double>(kQuantileNodes);
     const auto k = std::min(static_cast<std::size_t>(x), kQuantileNodes - 1);
     const double t = x - static_cast<double>(k);
@@ -171,13 +183,8 @@ void SizeDistribution::Shape::finish() {
         double a = lo;
         for (std::size_t k = 0; k <= kQuantileNodes; ++k) {
             const double u = static_cast<double>(k) / static_cast<double>(kQuantileNodes);
-            double b = hi;
-            double from = a;
-            for (int i = 0; i < 60 && from < b; ++i) {
-                const double m = 0.5 * (from + b);
-                (cdf(m, false) < u ? from : b) = m;
-            }
-            quantiles[k] = a = b;
+            a = bisect(u, a, hi);
+            quantiles[k] = a;
         }
         quantiles.front() = lo;
         quantiles.back() = hi;
