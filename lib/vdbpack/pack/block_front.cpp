@@ -2,20 +2,17 @@
 
 #include "vdbpack/pack/caps.h"
 #include "vdbpack/pack/cell_list.h"
+#include "vdbpack/pack/lanes.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <experimental/simd>
 #include <limits>
 #include <queue>
 
 namespace vdbpack {
 
 namespace {
-
-constexpr std::size_t kLanes = 8;
-using Lanes = stdx::fixed_size_simd<float, kLanes>;
 
 /// Body numbers at and above this are wall planes of the pivot, below it neighbors.
 constexpr std::uint32_t kWallBody = 0x40000000u;
@@ -73,13 +70,6 @@ private:
     struct Plane {
         Vec<Dim> point, normal;  ///< on the wall; unit, into the domain
     };
-    /// A sphere within reach, seen from the pivot.
-    struct Neighbor {
-        Vec<Dim> axis;  ///< unit, from the pivot
-        double distance;
-        double radius;
-        std::uint32_t sphere;
-    };
     struct Queued {
         double key;
         std::uint32_t sphere;
@@ -96,13 +86,13 @@ private:
     void runFront();
     void growFrom(std::uint32_t pivot);
     void gather(std::uint32_t pivot, double reach);
-    void addNeighbor(std::uint32_t sphere);
     bool heightOf(std::uint32_t body, double radius, Vec<Dim>& axis, double& height) const;
     bool buildCaps(double radius);
     bool addCapLater(std::uint32_t body, double radius);
     void looseVertices();
     bool restingCenter(const Vertex& vertex, double radius, Vec<Dim>& fromPivot) const;
     bool seemsFree(const Vec<Dim>& fromPivot, double radius) const;
+    bool overlaps(const Vec<Dim>& center, double radius) const;
     /// What came of placing a sphere at a vertex.
     enum class Outcome { placed, blocked, wallLearned };
     Outcome tryVertex(const Vertex& vertex, double radius, Vec<Dim> center);
@@ -132,8 +122,7 @@ private:
     std::priority_queue<Queued> front_;
     // Of the pivot being grown from.
     Sphere<Dim> pivot_;
-    std::vector<Neighbor> neighbors_;
-    std::array<std::vector<float>, Dim + 1> near_;  ///< neighbors' centers from the pivot, radii
+    typename CellList<Dim>::Around around_;  ///< spheres in reach; bodies are their places here
     std::vector<Plane> planes_;
     CapSet<Dim> caps_;
     std::vector<Vertex> vertices_;
@@ -219,28 +208,8 @@ void BlockFront<Dim>::Work::runFront() {
 }
 
 template <int Dim>
-void BlockFront<Dim>::Work::addNeighbor(std::uint32_t sphere) {
-    const Sphere<Dim>& s = spheres_[sphere];
-    const Vec<Dim> from = s.center - pivot_.center;
-    const double distance = length(from);
-    const std::size_t n = neighbors_.size();
-    neighbors_.push_back({from * (1 / distance), distance, s.radius, sphere});
-    for (std::size_t d = 0; d <= Dim; ++d) {
-        // Padding: far away and small.
-        if (n % kLanes == 0) near_[d].resize(n + kLanes, d == Dim ? 0.0f : 1e18f);
-        near_[d][n] =
-            static_cast<float>(d == Dim ? s.radius : from.c[std::min<std::size_t>(d, Dim - 1)]);
-    }
-}
-
-template <int Dim>
 void BlockFront<Dim>::Work::gather(std::uint32_t pivot, double reach) {
-    neighbors_.clear();
-    for (auto& v : near_) v.clear();
-    cells_.near(pivot_.center, reach, settings_.maxRadius, [&](std::uint32_t i) {
-        if (i != pivot) addNeighbor(i);
-        return true;
-    });
+    cells_.collect(pivot_.center, reach, settings_.maxRadius, pivot, around_);
     planes_.clear();
     const double depth = -sampler_->signedDistance(pivot_.center + origin_);
     if (depth < reach + settings_.fieldError) {
@@ -308,8 +277,9 @@ void BlockFront<Dim>::Work::growFrom(std::uint32_t index) {
         }
         if (outcome == Outcome::placed) {
             pool_->take(fits);
-            addNeighbor(static_cast<std::uint32_t>(spheres_.size() - 1));
-            if (!addCapLater(static_cast<std::uint32_t>(neighbors_.size() - 1), smallest)) return;
+            const auto child = static_cast<std::uint32_t>(spheres_.size() - 1);
+            around_.add(spheres_[child], pivot_.center, child);
+            if (!addCapLater(static_cast<std::uint32_t>(around_.count - 1), smallest)) return;
         } else if (outcome == Outcome::wallLearned) {
             const auto plane = kWallBody + static_cast<std::uint32_t>(planes_.size() - 1);
             if (!addCapLater(plane, smallest)) return;
@@ -344,12 +314,14 @@ bool BlockFront<Dim>::Work::heightOf(std::uint32_t body, double radius, Vec<Dim>
         height = (above - radius - settings_.quantum) / rolling;
         return height < 1;
     }
-    const Neighbor& n = neighbors_[body];
-    const double other = n.radius + radius + settings_.quantum;
-    if (n.distance >= rolling + other) return false;
-    axis = n.axis;
-    height =
-        (n.distance * n.distance + rolling * rolling - other * other) / (2 * rolling * n.distance);
+    const Sphere<Dim>& s = spheres_[around_.index[body]];
+    const Vec<Dim> to = s.center - pivot_.center;
+    const double square = squaredLength(to);
+    const double other = s.radius + radius + settings_.quantum;
+    if (square >= (rolling + other) * (rolling + other)) return false;
+    const double inverse = 1 / std::sqrt(square);
+    axis = to * inverse;
+    height = (square + rolling * rolling - other * other) / (2 * rolling) * inverse;
     return true;
 }
 
@@ -366,8 +338,31 @@ bool BlockFront<Dim>::Work::buildCaps(double radius) {
     };
     for (std::uint32_t p = 0; p < planes_.size(); ++p)
         if (!add(kWallBody + p)) return false;
-    for (std::uint32_t n = 0; n < neighbors_.size(); ++n)
-        if (!add(n)) return false;
+    const Lanes rolling = static_cast<float>(pivot_.radius + radius + settings_.quantum);
+    const Lanes own = static_cast<float>(radius + settings_.quantum);
+    for (std::size_t i = 0; i < around_.count; i += kLanes) {
+        Lanes square = 0.0f;
+        for (std::size_t d = 0; d < Dim; ++d) {
+            const Lanes to = load(&around_.to[d][i]);
+            square += to * to;
+        }
+        const Lanes other = load(&around_.radius[i]) + own;
+        const auto reached = square < (rolling + other) * (rolling + other);
+        if (none_of(reached)) continue;
+        const Lanes inverse = 1.0f / sqrt(square);
+        float axis[Dim][kLanes], height[kLanes];
+        for (std::size_t d = 0; d < Dim; ++d)
+            (load(&around_.to[d][i]) * inverse).copy_to(axis[d], stdx::element_aligned);
+        const Lanes h = (square + (rolling * rolling - other * other)) / (2.0f * rolling) * inverse;
+        h.copy_to(height, stdx::element_aligned);
+        bool open = true;
+        forEachSet(reached, [&](std::size_t l) {
+            std::array<float, Dim> a;
+            for (std::size_t d = 0; d < Dim; ++d) a[d] = axis[d][l];
+            open = caps_.add(a, height[l], static_cast<std::uint32_t>(i + l)) && open;
+        });
+        if (!open) return false;
+    }
     return true;
 }
 
@@ -392,7 +387,7 @@ void BlockFront<Dim>::Work::looseVertices() {
         if (heightOf(body, pool_->smallest(), axis, height)) caps.emplace_back(axis, height);
     };
     for (std::uint32_t p = 0; p < planes_.size(); ++p) collect(kWallBody + p);
-    for (std::uint32_t n = 0; n < neighbors_.size(); ++n) collect(n);
+    for (std::uint32_t n = 0; n < around_.count; ++n) collect(n);
     const auto emit = [&](const Vec<Dim>& n) {
         for (const auto& [axis, height] : caps)
             if (dot(n, axis) > height) return;
@@ -463,19 +458,48 @@ bool BlockFront<Dim>::Work::seemsFree(const Vec<Dim>& fromPivot, double radius) 
     const Lanes r = static_cast<float>(radius * (1 - kSlack));
     std::array<Lanes, Dim> x;
     for (std::size_t d = 0; d < Dim; ++d) x[d] = static_cast<float>(fromPivot.c[d]);
-    for (std::size_t i = 0; i < near_[0].size(); i += kLanes) {
+    for (std::size_t i = 0; i < around_.count; i += kLanes) {
         Lanes square = 0.0f;
         for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = Lanes(&near_[d][i], stdx::element_aligned) - x[d];
+            const Lanes to = load(&around_.to[d][i]) - x[d];
             square += to * to;
         }
-        const Lanes least = Lanes(&near_[Dim][i], stdx::element_aligned) + r;
+        const Lanes least = load(&around_.radius[i]) + r;
         if (any_of(square < least * least)) return false;
     }
     for (const Plane& plane : planes_)
         if (dot(fromPivot + pivot_.center - plane.point, plane.normal) < radius * (1 - kSlack))
             return false;
     return true;
+}
+
+/// The decision, in double: whether a sphere there would overlap the pivot or a neighbor.
+template <int Dim>
+bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) const {
+    const double contact = pivot_.radius + radius;
+    const Vec<Dim> from = center - pivot_.center;
+    if (squaredLength(from) < contact * contact) return true;
+    const Lanes r = static_cast<float>(radius * (1 + 1e-4));
+    std::array<Lanes, Dim> x;
+    for (std::size_t d = 0; d < Dim; ++d) x[d] = static_cast<float>(from.c[d]);
+    for (std::size_t i = 0; i < around_.count; i += kLanes) {
+        Lanes square = 0.0f;
+        for (std::size_t d = 0; d < Dim; ++d) {
+            const Lanes to = load(&around_.to[d][i]) - x[d];
+            square += to * to;
+        }
+        const Lanes least = load(&around_.radius[i]) + r;
+        const auto close = square < least * least;
+        if (none_of(close)) continue;
+        bool disjoint = true;
+        forEachSet(close, [&](std::size_t l) {
+            const Sphere<Dim>& s = spheres_[around_.index[i + l]];
+            const double exact = s.radius + radius;
+            disjoint = disjoint && squaredLength(center - s.center) >= exact * exact;
+        });
+        if (!disjoint) return true;
+    }
+    return false;
 }
 
 /// Follows the resting place to curved walls, where the plane was only a first guess.
@@ -513,7 +537,7 @@ bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>
                     residual[static_cast<int>(b) + 1] =
                         radius + slack - dot(center - plane.point, plane.normal);
                 } else {
-                    const Sphere<Dim>& other = spheres_[neighbors_[body].sphere];
+                    const Sphere<Dim>& other = spheres_[around_.index[body]];
                     const Vec<Dim> away = center - other.center;
                     const double d = length(away);
                     gradient[b + 1] = away * (1 / d);
@@ -540,13 +564,7 @@ typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryVertex(const V
     if (!polish(radius, vertex, center)) return Outcome::blocked;
     center = snapped(center);
     if (!owns(center)) return Outcome::blocked;
-    const double contact = pivot_.radius + radius;
-    if (squaredLength(center - pivot_.center) < contact * contact) return Outcome::blocked;
-    for (const Neighbor& n : neighbors_) {
-        const double least = n.radius + radius;
-        if (squaredLength(center - spheres_[n.sphere].center) < least * least)
-            return Outcome::blocked;
-    }
+    if (overlaps(center, radius)) return Outcome::blocked;
     Plane plane;
     if (!findPlane(center, radius, plane)) {
         place(center, radius);
@@ -685,7 +703,7 @@ void BlockFront<Dim>::Work::refine(const Vec<Dim>& center, double edge) {
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     for (;;) {
         nearby_.clear();
-        cells_.near(center, wanted_ + corner, settings_.maxRadius, [&](std::uint32_t i) {
+        cells_.near(center, wanted_, settings_.maxRadius, [&](std::uint32_t i) {
             nearby_.push_back(i);
             return true;
         });

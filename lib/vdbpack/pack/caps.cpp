@@ -1,19 +1,14 @@
 #include "vdbpack/pack/caps.h"
 
+#include "vdbpack/pack/lanes.h"
+
 #include <algorithm>
 #include <cmath>
-#include <experimental/simd>
-#include <numeric>
+#include <cstring>
 
 namespace vdbpack {
 
 namespace {
-
-namespace stdx = std::experimental;
-
-/// Eight lanes on every machine, whatever its registers: the same pack everywhere.
-constexpr std::size_t kLanes = 8;
-using Lanes = stdx::fixed_size_simd<float, kLanes>;
 
 /// How deep inside another cap a vertex may seem to lie: above the rounding of the vertex on its
 /// own caps, far below what matters; the decision is made in double.
@@ -21,65 +16,67 @@ constexpr float kSlack = 2e-5f;
 /// Cap circles whose axes are this close to (anti)parallel, by 1 - cos², cross too flatly.
 constexpr float kParallel = 1e-5f;
 
-Lanes load(const float* p) {
-    return Lanes(p, stdx::element_aligned);
-}
-
-std::size_t paddedSize(std::size_t n) {
-    return (n + kLanes - 1) / kLanes * kLanes;
-}
-
 }  // namespace
 
 template <int Dim>
 void CapSet<Dim>::clear() {
     count_ = 0;
-    for (auto& a : axis_) a.clear();
-    height_.clear();
-    body_.clear();
 }
 
 template <int Dim>
 bool CapSet<Dim>::add(const std::array<float, Dim>& axis, float height, std::uint32_t body) {
     if (height >= 1.0f) return true;
     if (height <= -1.0f) return false;
-    for (std::size_t d = 0; d < Dim; ++d) axis_[d].push_back(axis[d]);
-    height_.push_back(height);
-    body_.push_back(body);
-    ++count_;
+    if (count_ == body_.size()) {
+        const std::size_t room = padded(2 * count_ + 64);
+        for (auto& a : axis_) a.resize(room);
+        height_.resize(room);
+        body_.resize(room);
+    }
+    for (std::size_t d = 0; d < Dim; ++d) axis_[d][count_] = axis[d];
+    height_[count_] = height;
+    body_[count_++] = body;
     return true;
 }
 
 template <int Dim>
 void CapSet<Dim>::pad() {
     // Padding caps forbid nothing: height 2 is beyond every direction and crosses no circle.
-    for (auto& a : axis_) a.resize(paddedSize(count_), 0.0f);
-    height_.resize(paddedSize(count_), 2.0f);
+    for (std::size_t i = count_; i < padded(count_); ++i) {
+        for (auto& a : axis_) a[i] = 0.0f;
+        height_[i] = 2.0f;
+    }
 }
 
 template <int Dim>
 void CapSet<Dim>::sort() {
-    rank_.resize(count_);
-    std::iota(rank_.begin(), rank_.end(), 0u);
-    std::sort(rank_.begin(), rank_.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return height_[a] < height_[b] || (height_[a] == height_[b] && body_[a] < body_[b]);
-    });
-    const auto arrange = [&](auto& values, auto& scratch) {
-        scratch.resize(count_);
-        for (std::size_t i = 0; i < count_; ++i) scratch[i] = values[rank_[i]];
-        values.swap(scratch);
+    // By height, then in the order of adding: heights lie in (-1, 1), and the bits of a positive
+    // float rise with its value.
+    keys_.resize(count_);
+    for (std::size_t i = 0; i < count_; ++i) {
+        const float positive = height_[i] + 2.0f;
+        std::uint32_t bits;
+        std::memcpy(&bits, &positive, sizeof bits);
+        keys_[i] = std::uint64_t{bits} << 32 | i;
+    }
+    std::sort(keys_.begin(), keys_.end());
+    scratch_.resize(count_);
+    const auto arrange = [&](std::vector<float>& values) {
+        for (std::size_t i = 0; i < count_; ++i) scratch_[i] = values[keys_[i] & 0xffffffffu];
+        std::copy(scratch_.begin(), scratch_.end(), values.begin());
     };
-    for (auto& a : axis_) arrange(a, scratch_);
-    arrange(height_, scratch_);
-    arrange(body_, bodyScratch_);
+    for (auto& a : axis_) arrange(a);
+    arrange(height_);
+    bodyScratch_.resize(count_);
+    for (std::size_t i = 0; i < count_; ++i) bodyScratch_[i] = body_[keys_[i] & 0xffffffffu];
+    std::copy(bodyScratch_.begin(), bodyScratch_.end(), body_.begin());
 }
 
 /// Appends the caps from `from` on whose boundary crosses that of cap `i`.
 template <int Dim>
 void CapSet<Dim>::findPairs(std::size_t i, std::size_t from) {
     const Lanes ax = axis_[0][i], ay = axis_[1][i], az = axis_[Dim - 1][i], ah = height_[i];
-    std::size_t used = pairs_.size();
-    pairs_.resize(used + count_);
+    if (pairs_.size() < pairCount_ + count_) pairs_.resize(2 * (pairCount_ + count_));
     for (std::size_t j0 = from / kLanes * kLanes; j0 < count_; j0 += kLanes) {
         const Lanes c =
             ax * load(&axis_[0][j0]) + ay * load(&axis_[1][j0]) + az * load(&axis_[Dim - 1][j0]);
@@ -88,17 +85,14 @@ void CapSet<Dim>::findPairs(std::size_t i, std::size_t from) {
         // 1 - c² - h_i² - h_j² + 2 c h_i h_j > 0.
         const Lanes d = 1.0f - c * c;
         const Lanes crossing = stdx::min(d - ah * ah - bh * bh + 2.0f * c * ah * bh, d - kParallel);
-        if (none_of(crossing > 0.0f)) continue;
-        float value[kLanes];
-        crossing.copy_to(value, stdx::element_aligned);
-        const std::size_t first = j0 < from ? from - j0 : 0;
-        const std::size_t last = std::min(kLanes, count_ - j0);
-        for (std::size_t l = first; l < last; ++l) {
-            pairs_[used] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(j0 + l)};
-            used += value[l] > 0.0f ? 1 : 0;
-        }
+        auto live = crossing > 0.0f;
+        if (j0 < from)
+            for (std::size_t l = 0; l < from - j0; ++l) live[l] = false;
+        forEachSet(live, [&](std::size_t l) {
+            pairs_[pairCount_++] = {static_cast<std::uint32_t>(i),
+                                    static_cast<std::uint32_t>(j0 + l)};
+        });
     }
-    pairs_.resize(used);
 }
 
 /// Appends the vertices of `pairs_` that no cap forbids.
@@ -108,8 +102,8 @@ void CapSet<Dim>::keepLive(std::vector<Vertex>& vertices) {
     const float* const uy = axis_[1].data();
     const float* const uz = axis_[Dim - 1].data();
     const float* const h = height_.data();
-    for (std::size_t p0 = 0; p0 < pairs_.size(); p0 += kLanes) {
-        const std::size_t used = std::min(kLanes, pairs_.size() - p0);
+    for (std::size_t p0 = 0; p0 < pairCount_; p0 += kLanes) {
+        const std::size_t used = std::min(kLanes, pairCount_ - p0);
         // The two vertices of a pair are middle + side and middle - side.
         Lanes mx, my, mz, wx, wy, wz;
         float a[4][kLanes], b[4][kLanes];
@@ -174,11 +168,12 @@ void CapSet<Dim>::findVertices(std::vector<Vertex>& vertices) {
     vertices.clear();
     sort();
     pad();
-    pairs_.clear();
+    pairCount_ = 0;
     if constexpr (Dim == 3) {
         for (std::size_t i = 0; i + 1 < count_; ++i) findPairs(i, i + 1);
     } else {
-        for (std::uint32_t i = 0; i < count_; ++i) pairs_.push_back({i, i});
+        if (pairs_.size() < count_) pairs_.resize(2 * count_);
+        for (std::uint32_t i = 0; i < count_; ++i) pairs_[pairCount_++] = {i, i};
     }
     keepLive(vertices);
 }
@@ -199,16 +194,15 @@ bool CapSet<Dim>::addLater(const std::array<float, Dim>& axis, float height, std
                                       return along > height + kSlack;
                                   }),
                    vertices.end());
-    for (std::size_t d = 0; d < Dim; ++d) axis_[d].resize(count_);
-    height_.resize(count_);
     add(axis, height, body);
     pad();
-    pairs_.clear();
+    pairCount_ = 0;
     const std::size_t last = count_ - 1;
     if constexpr (Dim == 3) {
         findPairs(last, 0);  // never crosses itself: too parallel
     } else {
-        pairs_.push_back({static_cast<std::uint32_t>(last), static_cast<std::uint32_t>(last)});
+        if (pairs_.empty()) pairs_.resize(1);
+        pairs_[pairCount_++] = {static_cast<std::uint32_t>(last), static_cast<std::uint32_t>(last)};
     }
     keepLive(vertices);
     return true;

@@ -48,15 +48,16 @@ private:
     void findPairs(std::size_t i, std::size_t from);
     void keepLive(std::vector<Vertex>& vertices);
 
-    std::size_t count_ = 0;
+    std::size_t count_ = 0;  ///< in use; the arrays are longer
     std::array<std::vector<float>, Dim> axis_;
     std::vector<float> height_;
     std::vector<std::uint32_t> body_;
-    std::vector<std::uint32_t> rank_;
+    std::vector<std::uint64_t> keys_;
     std::vector<float> scratch_;
     std::vector<std::uint32_t> bodyScratch_;
     /// Caps whose boundaries cross; in 2D the second of a pair is not used.
     std::vector<std::array<std::uint32_t, 2>> pairs_;
+    std::size_t pairCount_ = 0;
 };
 
 extern template class CapSet<2>;

@@ -3,17 +3,15 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/pack/lanes.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <experimental/simd>
 #include <vector>
 
 namespace vdbpack {
-
-namespace stdx = std::experimental;
 
 /// A uniform cell list that grows while a block is filled. Coordinates are the caller's;
 /// keep them small (relative to the block), since they are stored as float for searching.
@@ -58,6 +56,87 @@ public:
     /// `visit` returns false to stop.
     template <class Visit>
     bool near(const Vec<Dim>& x, double reach, double maxRadius, Visit visit) const {
+        return forEachChunk(x, reach, maxRadius, [&](const Chunk& c, const auto&, auto inside) {
+            bool on = true;
+            forEachSet(inside, [&](std::size_t l) { on = on && visit(c.index[l]); });
+            return on;
+        });
+    }
+
+    /// Spheres around a point, as arrays of equal length padded to whole lanes with spheres that
+    /// are far away and have no radius.
+    struct Around {
+        std::array<std::vector<float>, Dim> to;  ///< centers, from the point
+        std::vector<float> radius;
+        std::vector<std::uint32_t> index;
+        std::size_t count = 0;
+
+        void add(const Sphere<Dim>& s, const Vec<Dim>& from, std::uint32_t i) {
+            resize(count + 1);
+            for (int d = 0; d < Dim; ++d)
+                to[static_cast<std::size_t>(d)][count] = static_cast<float>(s.center[d] - from[d]);
+            radius[count] = static_cast<float>(s.radius);
+            index[count++] = i;
+        }
+        /// Room for `n` spheres and the padding.
+        void resize(std::size_t n) {
+            if (padded(n) <= index.size()) return;
+            for (auto& v : to) v.resize(padded(n), kFar);
+            radius.resize(padded(n), 0.0f);
+            index.resize(padded(n), 0);
+        }
+        void pad() {
+            resize(count);
+            for (std::size_t l = count; l < padded(count); ++l) {
+                for (auto& v : to) v[l] = kFar;
+                radius[l] = 0;
+            }
+        }
+        static constexpr float kFar = 1e18f;
+    };
+
+    /// The spheres that `near` finds, but for sphere `except`.
+    void collect(const Vec<Dim>& x, double reach, double maxRadius, std::uint32_t except,
+                 Around& around) const {
+        around.count = 0;
+        forEachChunk(x, reach, maxRadius,
+                     [&](const Chunk& c, const std::array<Lanes, Dim>& to, auto inside) {
+                         around.resize(around.count + 2 * kLanes);
+                         float away[Dim][kLanes];
+                         for (std::size_t d = 0; d < Dim; ++d)
+                             to[d].copy_to(away[d], stdx::element_aligned);
+                         forEachSet(inside, [&](std::size_t l) {
+                             const std::size_t n = around.count;
+                             for (std::size_t d = 0; d < Dim; ++d) around.to[d][n] = away[d][l];
+                             around.radius[n] = c.radius[l];
+                             around.index[n] = c.index[l];
+                             around.count += c.index[l] != except ? 1 : 0;
+                         });
+                         return true;
+                     });
+        around.pad();
+    }
+
+private:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    static constexpr std::uint32_t kChunk = kLanes;
+    struct Chunk {
+        std::array<std::array<float, kChunk>, Dim> x{};
+        std::array<float, kChunk> radius = unused();
+        std::array<std::uint32_t, kChunk> index;
+        std::uint32_t count = 0;
+        std::uint32_t next = kNone;
+
+        static std::array<float, kChunk> unused() {
+            std::array<float, kChunk> r;
+            r.fill(-1e18f);
+            return r;
+        }
+    };
+
+    /// Calls `visit(chunk, centers from x, which are in reach)` until it returns false.
+    template <class Visit>
+    bool forEachChunk(const Vec<Dim>& x, double reach, double maxRadius, Visit visit) const {
         int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
         std::array<Lanes, Dim> at;
         for (int d = 0; d < Dim; ++d) {
@@ -76,35 +155,20 @@ public:
                     for (std::uint32_t q = head_[row + static_cast<std::size_t>(i)]; q != kNone;
                          q = chunks_[q].next) {
                         const Chunk& c = chunks_[q];
+                        std::array<Lanes, Dim> away;
                         Lanes square = 0.0f;
                         for (std::size_t d = 0; d < Dim; ++d) {
-                            const Lanes away = Lanes(c.x[d].data(), stdx::element_aligned) - at[d];
-                            square += away * away;
+                            away[d] = load(c.x[d].data()) - at[d];
+                            square += away[d] * away[d];
                         }
-                        const Lanes limit = stdx::max(
-                            Lanes(c.radius.data(), stdx::element_aligned) + r, Lanes(0.0f));
-                        const Lanes inside = limit * limit - square;
-                        if (none_of(inside > 0.0f)) continue;
-                        float value[kChunk];
-                        inside.copy_to(value, stdx::element_aligned);
-                        for (std::uint32_t l = 0; l < c.count; ++l)
-                            if (value[l] > 0.0f && !visit(c.index[l])) return false;
+                        // Lanes not in use have a radius that no reach makes up for.
+                        const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
+                        const auto inside = square < limit * limit;
+                        if (any_of(inside) && !visit(c, away, inside)) return false;
                     }
             }
         return true;
     }
-
-private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
-    static constexpr std::uint32_t kChunk = 8;
-    using Lanes = stdx::fixed_size_simd<float, kChunk>;
-    struct Chunk {
-        std::array<std::array<float, kChunk>, Dim> x{};
-        std::array<float, kChunk> radius{};
-        std::array<std::uint32_t, kChunk> index;
-        std::uint32_t count = 0;
-        std::uint32_t next = kNone;
-    };
 
     int coordinate(double x, int d) const {
         const double c = (x - lo_[d]) * inverse_;

@@ -353,7 +353,21 @@ const std::string& SizeDistribution::spec() const {
 
 SizeDistribution SizeDistribution::scaled(double factor) const {
     SizeDistribution result(shape_, factor_ * factor);
-    result.spec_ = fmt::format("{} x {:.6g}", shape_->spec, result.factor_);
+    const Shape& s = *shape_;
+    const double f = result.factor_;
+    const std::string kind = s.spec.substr(0, s.spec.find(':'));
+    if (kind == "constant")
+        result.spec_ = fmt::format("constant:{:.6g}", s.hi * f);
+    else if (kind == "uniform")
+        result.spec_ = fmt::format("uniform:{:.6g},{:.6g}", s.lo * f, s.hi * f);
+    else if (kind == "normal")
+        result.spec_ = fmt::format("normal:{:.6g},{:.6g},{:.6g},{:.6g}", s.center * f, s.spread * f,
+                                   s.lo * f, s.hi * f);
+    else if (kind == "lognormal")
+        result.spec_ = fmt::format("lognormal:{:.6g},{:.6g},{:.6g},{:.6g}", s.center * f, s.spread,
+                                   s.lo * f, s.hi * f);
+    else
+        result.spec_ = fmt::format("{} x {:.6g}", s.spec, f);
     return result;
 }
 

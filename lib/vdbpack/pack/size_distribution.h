@@ -37,7 +37,8 @@ public:
     double meanBall(int dim) const;   ///< mean volume (2D: area) of a sphere, mm^dim
     const std::string& spec() const;  ///< as parsed; scaled ones say so
 
-    /// The same shape with all radii times `factor` > 0.
+    /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with
+    /// its lengths multiplied and rounded to six digits.
     SizeDistribution scaled(double factor) const;
 
 private:
