@@ -700,7 +700,6 @@ void BlockFront<Dim>::Work::searchPlaces() {
 /// Fills all places with a center in the cell.
 template <int Dim>
 void BlockFront<Dim>::Work::refine(const Vec<Dim>& center, double edge) {
-    const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     for (;;) {
         nearby_.clear();
         cells_.near(center, wanted_, settings_.maxRadius, [&](std::uint32_t i) {

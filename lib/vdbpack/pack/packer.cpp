@@ -30,13 +30,13 @@ constexpr double kBlockSide = Dim == 3 ? 20 : 60;
 int radiiTried(Effort effort) {
     switch (effort) {
         case Effort::fast:
-            return 2;
+            return 3;
         case Effort::normal:
-            return 4;
+            return 5;
         case Effort::dense:
             return 8;
     }
-    return 4;
+    return 5;
 }
 
 template <int Dim>
