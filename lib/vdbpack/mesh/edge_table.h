@@ -4,6 +4,7 @@
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -77,5 +78,38 @@ private:
     std::vector<std::size_t> rows_;
     std::vector<Use> uses_;
 };
+
+/// Groups edges that hang together by their vertices: a number for each edge, from 0 on.
+inline std::vector<std::uint32_t> groupEdges(
+    const std::vector<std::array<std::uint32_t, 2>>& edges) {
+    // The vertices in question get small numbers for the union-find.
+    std::vector<std::uint32_t> vertices;
+    for (const auto& e : edges) vertices.insert(vertices.end(), e.begin(), e.end());
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    const auto number = [&](std::uint32_t v) {
+        return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                          vertices.begin());
+    };
+    std::vector<std::uint32_t> parent(vertices.size());
+    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
+    const auto root = [&](std::uint32_t i) {
+        while (parent[i] != i) i = parent[i] = parent[parent[i]];
+        return i;
+    };
+    for (const auto& e : edges) {
+        const std::uint32_t a = root(number(e[0]));
+        const std::uint32_t b = root(number(e[1]));
+        parent[std::max(a, b)] = std::min(a, b);
+    }
+    std::vector<std::uint32_t> name(parent.size(), 0);
+    std::uint32_t groups = 0;
+    for (std::uint32_t i = 0; i < parent.size(); ++i)
+        if (parent[i] == i) name[i] = groups++;
+    std::vector<std::uint32_t> result;
+    result.reserve(edges.size());
+    for (const auto& e : edges) result.push_back(name[root(number(e[0]))]);
+    return result;
+}
 
 }  // namespace vdbpack

@@ -3,9 +3,11 @@
 #include "vdbpack/mesh/edge_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 namespace vdbpack {
 
@@ -264,7 +266,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
     ShellAnalysis result;
     auto& of = result.shellOfTriangle;
     of.resize(n);
-    std::vector<std::uint32_t> firstTriangle;
+    std::vector<Vec<3>> origins;  // a point of each piece
     {
         std::vector<std::uint32_t> shellOfRoot(n, kNone);
         for (std::size_t i = 0; i < n; ++i) {
@@ -272,7 +274,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
             if (shellOfRoot[root] == kNone) {
                 shellOfRoot[root] = static_cast<std::uint32_t>(result.shells.size());
                 result.shells.emplace_back();
-                firstTriangle.push_back(static_cast<std::uint32_t>(i));
+                origins.push_back(mesh.vertices[mesh.triangles[i][0]]);
             }
             of[i] = shellOfRoot[root];
         }
@@ -281,16 +283,49 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
         auto& shell = result.shells[of[i]];
         ++shell.triangles;
         const auto& t = mesh.triangles[i];
-        const Vec<3>& origin = mesh.vertices[mesh.triangles[firstTriangle[of[i]]][0]];
+        const Vec<3>& origin = origins[of[i]];
         shell.signedVolume +=
             dot(mesh.vertices[t[0]] - origin,
                 cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
     }
+    // Where the triangles at an edge do not cancel, the sum depends on the origin until cones
+    // close the surface.
+    std::vector<std::array<std::uint32_t, 2>> open;
+    std::vector<std::pair<std::uint32_t, double>> openUses;  // shell; forward less backward uses
+    edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                      const EdgeTable::Use* last) {
+        const std::uint32_t s = of[first->triangle()];
+        if (last - first == 1) ++result.shells[s].boundaryEdges;
+        int forward = 0;
+        for (const auto* use = first; use < last; ++use) forward += edges.isForward(*use) ? 1 : -1;
+        if (forward == 0) return;
+        open.push_back({lower, upper});
+        openUses.emplace_back(s, forward);
+    });
+    const auto group = groupEdges(open);
+    struct Middle {
+        Vec<3> offset;  // of the mean of the edges from the first vertex of the group
+        double edges = 0;
+        std::uint32_t first = 0;
+    };
+    std::vector<Middle> middles(
+        open.empty() ? 0 : *std::max_element(group.begin(), group.end()) + std::size_t{1});
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        auto& middle = middles[group[i]];
+        if (middle.edges == 0) middle.first = open[i][0];
+        ++middle.edges;
+        for (const auto v : open[i])
+            middle.offset += (mesh.vertices[v] - mesh.vertices[middle.first]) * 0.5;
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const auto& middle = middles[group[i]];
+        const auto [s, forward] = openUses[i];
+        const Vec<3> apex = mesh.vertices[middle.first] + middle.offset * (1.0 / middle.edges);
+        result.shells[s].signedVolume -=
+            forward * dot(mesh.vertices[open[i][0]] - origins[s],
+                          cross(mesh.vertices[open[i][1]] - origins[s], apex - origins[s]));
+    }
     for (auto& shell : result.shells) shell.signedVolume /= 6.0;
-    edges.forEach(
-        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            if (last - first == 1) ++result.shells[of[first->triangle()]].boundaryEdges;
-        });
 
     // Largest first; the order of the triangles breaks ties.
     std::vector<std::uint32_t> order(result.shells.size());

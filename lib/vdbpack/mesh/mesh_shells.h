@@ -26,8 +26,8 @@ struct ShellAnalysis {
     double enclosedVolume() const;
 };
 
-/// Splits a mesh into its pieces and finds their nesting. `mesh` is welded (mesh_io.h) and holds
-/// no duplicate triangles (`withoutDuplicates`, mesh_check.h), which would upset the parity.
+/// Splits a mesh into its pieces and finds their nesting. `mesh` is welded (mesh_io.h). Duplicate
+/// triangles may stay: where every edge has an even number of triangles, rays count right.
 ///
 /// Triangles at an edge shared by three or more are one piece; a piece that touches another in a
 /// vertex only is a piece of its own. A triangle that names a vertex twice belongs to a piece at
@@ -36,7 +36,9 @@ struct ShellAnalysis {
 /// triangles lie inside the larger.
 ///
 /// Cost: linear in the triangles, but for rays (along z) from five triangles of each piece.
-/// Volumes are taken about a point of their own piece and so keep their digits far from zero.
+/// Volumes are taken about a point of their own piece and so keep their digits far from zero. The
+/// volume of an open piece is that of the piece with every hole closed by a cone to the middle of
+/// its edge (exact for plane holes), wherever the mesh lies.
 ShellAnalysis analyzeShells(const TriangleMesh& mesh);
 
 }  // namespace vdbpack
