@@ -1,0 +1,283 @@
+#include "vdbpack/mesh/mesh_check.h"
+
+#include "vdbpack/mesh/edge_table.h"
+#include "vdbpack/mesh/mesh_shells.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+/// Height over longest side under which a triangle has no area but for rounding.
+constexpr double kFlat = 1e-9;
+
+std::string text(const Vec<3>& p) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g})", p[0], p[1], p[2]);
+}
+
+std::string plural(std::size_t n, const char* one) {
+    return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
+}
+
+/// [i] is 1 if an earlier triangle has the same three vertices as triangle i. Rows by the lowest
+/// vertex: linear time for any mesh but a fan of very many triangles.
+std::vector<char> findCopies(const TriangleMesh& mesh) {
+    struct Entry {
+        std::uint32_t middle;
+        std::uint32_t upper;
+        std::uint32_t triangle;
+    };
+    const auto sorted = [](std::array<std::uint32_t, 3> t) {
+        std::sort(t.begin(), t.end());
+        return t;
+    };
+    std::vector<std::size_t> rows(mesh.vertices.size() + 1, 0);
+    for (const auto& t : mesh.triangles) ++rows[*std::min_element(t.begin(), t.end()) + 1];
+    std::partial_sum(rows.begin(), rows.end(), rows.begin());
+    std::vector<Entry> entries(mesh.triangles.size());
+    {
+        auto next = rows;
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const auto t = sorted(mesh.triangles[i]);
+            entries[next[t[0]]++] = {t[1], t[2], static_cast<std::uint32_t>(i)};
+        }
+    }
+    std::vector<char> isCopy(mesh.triangles.size(), 0);
+    for (std::size_t v = 0; v + 1 < rows.size(); ++v) {
+        const auto first = entries.begin() + static_cast<std::ptrdiff_t>(rows[v]);
+        const auto last = entries.begin() + static_cast<std::ptrdiff_t>(rows[v + 1]);
+        std::sort(first, last, [](const Entry& a, const Entry& b) {
+            if (a.middle != b.middle) return a.middle < b.middle;
+            return a.upper != b.upper ? a.upper < b.upper : a.triangle < b.triangle;
+        });
+        for (auto e = first; e != last && e + 1 != last; ++e)
+            if (e->middle == (e + 1)->middle && e->upper == (e + 1)->upper)
+                isCopy[(e + 1)->triangle] = 1;
+    }
+    return isCopy;
+}
+
+/// Groups boundary edges by the vertices they share and measures the longest group.
+MeshLeak measureLeak(const TriangleMesh& mesh,
+                     const std::vector<std::array<std::uint32_t, 2>>& boundary) {
+    const auto group = groupEdges(boundary);
+    std::vector<BoundaryLoop> loops(*std::max_element(group.begin(), group.end()) + std::size_t{1});
+    for (std::size_t i = 0; i < boundary.size(); ++i) {
+        const Vec<3>& a = mesh.vertices[boundary[i][0]];
+        const Vec<3>& b = mesh.vertices[boundary[i][1]];
+        auto& loop = loops[group[i]];
+        const double l = length(b - a);
+        ++loop.edges;
+        loop.length += l;
+        loop.center += (a + b) * (0.5 * l);
+    }
+    MeshLeak leak;
+    leak.vertex = boundary.front()[0];  // edges come by rising lower vertex
+    leak.position = mesh.vertices[leak.vertex];
+    leak.loops = loops.size();
+    leak.largest = *std::max_element(
+        loops.begin(), loops.end(),
+        [](const BoundaryLoop& a, const BoundaryLoop& b) { return a.length < b.length; });
+    leak.largest.center =
+        leak.largest.length > 0 ? leak.largest.center * (1.0 / leak.largest.length) : leak.position;
+    return leak;
+}
+
+nlohmann::json json(const Vec<3>& p) {
+    return {p[0], p[1], p[2]};
+}
+
+/// Groups of triangles that hang together by vertices.
+std::size_t countPieces(const TriangleMesh& mesh) {
+    std::vector<std::uint32_t> parent(mesh.vertices.size(), kNone);
+    const auto root = [&](std::uint32_t v) {
+        while (parent[v] != v) v = parent[v] = parent[parent[v]];
+        return v;
+    };
+    std::size_t pieces = 0;
+    for (const auto& t : mesh.triangles) {
+        for (const auto v : t)
+            if (parent[v] == kNone) {
+                parent[v] = v;
+                ++pieces;
+            }
+        for (std::size_t k = 1; k < 3; ++k) {
+            const std::uint32_t a = root(t[0]);
+            const std::uint32_t b = root(t[k]);
+            if (a == b) continue;
+            parent[std::max(a, b)] = std::min(a, b);
+            --pieces;
+        }
+    }
+    return pieces;
+}
+
+}  // namespace
+
+std::string MeshHealth::describeLeak() const {
+    if (!leak) return {};
+    return fmt::format("{}, first at vertex {} {}; largest hole: {}, {:.4g} mm around, at {}",
+                       plural(boundaryEdges, "boundary edge"), leak->vertex, text(leak->position),
+                       plural(leak->largest.edges, "edge"), leak->largest.length,
+                       text(leak->largest.center));
+}
+
+MeshHealth checkMesh(const TriangleMesh& mesh) {
+    MeshHealth health;
+    health.triangles = mesh.triangles.size();
+
+    std::vector<char> isUsed(mesh.vertices.size(), 0);
+    std::size_t collapsed = 0;
+    for (const auto& t : mesh.triangles) {
+        for (const auto v : t) isUsed[v] = 1;
+        if (isCollapsed(t)) {
+            ++collapsed;
+            ++health.degenerateTriangles;
+            continue;
+        }
+        const Vec<3> ab = mesh.vertices[t[1]] - mesh.vertices[t[0]];
+        const Vec<3> ac = mesh.vertices[t[2]] - mesh.vertices[t[0]];
+        const double twice = length(cross(ab, ac));
+        const double longest =
+            std::max({squaredLength(ab), squaredLength(ac), squaredLength(ac - ab)});
+        health.area += 0.5 * twice;
+        // Height = twice the area over the longest side.
+        if (!(twice > kFlat * longest)) ++health.degenerateTriangles;
+    }
+    for (std::size_t v = 0; v < isUsed.size(); ++v)
+        if (isUsed[v] != 0) {
+            ++health.vertices;
+            health.bounds.add(mesh.vertices[v]);
+        }
+
+    std::vector<std::array<std::uint32_t, 2>> boundary;
+    {
+        const EdgeTable edges(mesh);
+        edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                          const EdgeTable::Use* last) {
+            ++health.edges;
+            const auto uses = last - first;
+            if (uses == 1) boundary.push_back({lower, upper});
+            if (uses == 2 && edges.isForward(first[0]) == edges.isForward(first[1]))
+                ++health.inconsistentEdges;
+            if (uses > 2) ++health.nonManifoldEdges;
+        });
+    }
+    health.boundaryEdges = boundary.size();
+    if (!boundary.empty()) health.leak = measureLeak(mesh, boundary);
+    health.eulerNumber = static_cast<std::int64_t>(health.vertices) -
+                         static_cast<std::int64_t>(health.edges) +
+                         static_cast<std::int64_t>(health.triangles - collapsed);
+
+    const auto isCopy = findCopies(mesh);
+    health.duplicateTriangles =
+        static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
+    const ShellAnalysis analysis = analyzeShells(mesh);
+    health.pieces = countPieces(mesh);
+    health.shells = analysis.shells.size();
+    health.enclosedVolume = analysis.enclosedVolume();
+    for (const auto& shell : analysis.shells) {
+        health.signedVolume += shell.signedVolume;
+        const auto depth = static_cast<std::size_t>(shell.depth);
+        if (health.shellsAtDepth.size() <= depth) health.shellsAtDepth.resize(depth + 1);
+        ++health.shellsAtDepth[depth];
+        if (shell.boundaryEdges == 0 && shell.signedVolume != 0 &&
+            (shell.signedVolume > 0) != (shell.depth % 2 == 0))
+            ++health.invertedShells;
+    }
+    return health;
+}
+
+TriangleMesh withoutDuplicates(const TriangleMesh& mesh) {
+    const auto isCopy = findCopies(mesh);
+    TriangleMesh clean;
+    clean.vertices = mesh.vertices;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (isCopy[i] == 0 && !isCollapsed(mesh.triangles[i]))
+            clean.triangles.push_back(mesh.triangles[i]);
+    return clean;
+}
+
+nlohmann::json toJson(const MeshHealth& health) {
+    nlohmann::json leak = nullptr;
+    if (health.leak)
+        leak = {{"vertex", health.leak->vertex},
+                {"position", json(health.leak->position)},
+                {"loops", health.leak->loops},
+                {"largest",
+                 {{"edges", health.leak->largest.edges},
+                  {"length", health.leak->largest.length},
+                  {"center", json(health.leak->largest.center)}}}};
+    nlohmann::json bounds = nullptr;
+    if (!health.bounds.empty())
+        bounds = {{"min", json(health.bounds.lo)}, {"max", json(health.bounds.hi)}};
+    return {{"triangles", health.triangles},
+            {"vertices", health.vertices},
+            {"edges", health.edges},
+            {"pieces", health.pieces},
+            {"shells", health.shells},
+            {"boundaryEdges", health.boundaryEdges},
+            {"nonManifoldEdges", health.nonManifoldEdges},
+            {"inconsistentEdges", health.inconsistentEdges},
+            {"duplicateTriangles", health.duplicateTriangles},
+            {"degenerateTriangles", health.degenerateTriangles},
+            {"eulerNumber", health.eulerNumber},
+            {"bounds", bounds},
+            {"area", health.area},
+            {"signedVolume", health.signedVolume},
+            {"enclosedVolume", health.enclosedVolume},
+            {"shellsAtDepth", health.shellsAtDepth},
+            {"invertedShells", health.invertedShells},
+            {"closed", health.isClosed()},
+            {"watertight", health.isWatertight()},
+            {"leak", leak}};
+}
+
+std::string toText(const MeshHealth& health) {
+    std::string out;
+    const auto row = [&](const char* name, const std::string& value) {
+        out += fmt::format("{:<22}{}\n", name, value);
+    };
+    row("triangles", fmt::format("{}", health.triangles));
+    row("vertices", fmt::format("{}", health.vertices));
+    row("pieces", fmt::format("{}", health.pieces));
+    row("shells", fmt::format("{}", health.shells));
+    row("boundary edges", fmt::format("{}", health.boundaryEdges));
+    row("non-manifold edges", fmt::format("{}", health.nonManifoldEdges));
+    row("inconsistent edges", fmt::format("{}", health.inconsistentEdges));
+    row("duplicate triangles", fmt::format("{}", health.duplicateTriangles));
+    row("degenerate triangles", fmt::format("{}", health.degenerateTriangles));
+    row("Euler number", fmt::format("{}", health.eulerNumber));
+    if (!health.bounds.empty()) {
+        const Vec<3> size = health.bounds.size();
+        row("bounds", fmt::format("{} .. {} mm", text(health.bounds.lo), text(health.bounds.hi)));
+        row("size", fmt::format("{:.6g} x {:.6g} x {:.6g} mm", size[0], size[1], size[2]));
+    }
+    row("area", fmt::format("{:.6g} mm²", health.area));
+    row("signed volume", fmt::format("{:.6g} mm³", health.signedVolume));
+    row("enclosed volume", fmt::format("{:.6g} mm³", health.enclosedVolume));
+    for (std::size_t d = 0; d < health.shellsAtDepth.size(); ++d)
+        row(d == 0 ? "nesting" : "",
+            d == 0 ? fmt::format("{} outermost", health.shellsAtDepth[d])
+                   : fmt::format("{} inside {} ({})", health.shellsAtDepth[d], plural(d, "other"),
+                                 d % 2 == 1 ? "bounding a cavity" : "solid in a cavity"));
+    if (health.invertedShells > 0) row("inverted shells", fmt::format("{}", health.invertedShells));
+    if (health.isWatertight())
+        row("verdict", "watertight");
+    else if (health.isClosed())
+        row("verdict", "closed, but edges with more than two triangles");
+    else
+        row("verdict", "open: " + health.describeLeak());
+    return out;
+}
+
+}  // namespace vdbpack

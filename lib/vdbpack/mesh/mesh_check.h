@@ -1,0 +1,82 @@
+// The health of a triangle mesh: what a packer must know before it trusts the inside.
+#pragma once
+
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// The largest hole: boundary edges that hang together, by total length.
+struct BoundaryLoop {
+    std::size_t edges = 0;
+    double length = 0;  ///< mm
+    Vec<3> center;      ///< of the edges, weighted by length, mm
+};
+
+/// Where a mesh is open.
+struct MeshLeak {
+    std::uint32_t vertex = 0;  ///< the lowest vertex on a boundary edge, counted from 0
+    Vec<3> position;           ///< of that vertex, mm
+    std::size_t loops = 0;     ///< groups of boundary edges that hang together
+    BoundaryLoop largest;
+};
+
+/// Counts and measures of a mesh. Edges and Euler number leave out triangles that name a vertex
+/// twice; they are counted as degenerate.
+struct MeshHealth {
+    std::size_t triangles = 0;
+    std::size_t vertices = 0;             ///< that a triangle names
+    std::size_t edges = 0;                ///< distinct
+    std::size_t pieces = 0;               ///< joined by shared vertices
+    std::size_t shells = 0;               ///< joined by shared edges (mesh_shells.h)
+    std::size_t boundaryEdges = 0;        ///< with one triangle
+    std::size_t nonManifoldEdges = 0;     ///< with three triangles or more
+    std::size_t inconsistentEdges = 0;    ///< with two triangles that face opposite ways
+    std::size_t duplicateTriangles = 0;   ///< with the three vertices of an earlier one
+    std::size_t degenerateTriangles = 0;  ///< without area: height under 1e-9 of the longest side
+    std::int64_t eulerNumber = 0;         ///< vertices - edges + triangles
+    Box<3> bounds;                        ///< mm
+    double area = 0;                      ///< mm²
+    double signedVolume = 0;    ///< divergence theorem over all shells, mm³; < 0: inside out
+    double enclosedVolume = 0;  ///< cavities taken off, facing either way, mm³ (mesh_shells.h)
+    std::vector<std::size_t> shellsAtDepth;  ///< [d]: shells inside d closed ones
+    /// Closed shells that face the wrong way: outer ones inward, cavities outward.
+    std::size_t invertedShells = 0;
+    std::optional<MeshLeak> leak;  ///< none if no edge is a boundary
+
+    /// No boundary edges: every shell has an inside.
+    bool isClosed() const { return boundaryEdges == 0; }
+    /// Closed, and no edge has more than two triangles.
+    bool isWatertight() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }
+    /// Such as "14 boundary edges, first at vertex 2031 (1.5, -3, 20); largest hole: 10 edges,
+    /// 12.3 mm around, at (1, -2, 20)"; empty for a closed mesh.
+    std::string describeLeak() const;
+};
+
+/// Examines a welded mesh (mesh_io.h). Cost: linear in the triangles.
+MeshHealth checkMesh(const TriangleMesh& mesh);
+
+/// The mesh without triangles that name a vertex twice and without copies: of triangles with the
+/// same three vertices the first stays, so the surface as a set of points is the same. Vertices
+/// stay as they are.
+///
+/// Triangles without area but with three vertices stay: their neighbors meet at their edges, and
+/// without them a closed mesh would have a slit. An edge where only copies met is a boundary edge
+/// afterwards, and rays and volumes that counted right with both copies may not with one: for
+/// these questions ask `checkMesh` and `analyzeShells` before.
+TriangleMesh withoutDuplicates(const TriangleMesh& mesh);
+
+/// All members by name, lengths in mm; `leak` is null for a closed mesh.
+nlohmann::json toJson(const MeshHealth& health);
+
+/// The report for a reader, several lines.
+std::string toText(const MeshHealth& health);
+
+}  // namespace vdbpack

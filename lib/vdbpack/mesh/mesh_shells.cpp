@@ -1,0 +1,349 @@
+#include "vdbpack/mesh/mesh_shells.h"
+
+#include "vdbpack/mesh/edge_table.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+/// Triangles of a piece that vote on what encloses it: the answer must survive one or two that
+/// touch another piece.
+constexpr std::size_t kVotes = 5;
+
+/// Union-find over triangles, by rising index so that a root is the first triangle of its piece.
+class Pieces {
+public:
+    explicit Pieces(std::size_t n) : parent_(n) {
+        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    }
+    std::uint32_t root(std::uint32_t i) {
+        while (parent_[i] != i) {
+            parent_[i] = parent_[parent_[i]];
+            i = parent_[i];
+        }
+        return i;
+    }
+    void join(std::uint32_t a, std::uint32_t b) {
+        a = root(a);
+        b = root(b);
+        if (a != b) parent_[std::max(a, b)] = std::min(a, b);
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+/// A point that asks which pieces enclose it.
+struct Probe {
+    Vec<3> p;
+    std::uint32_t shell;
+};
+
+/// Probes in square cells of the xy plane.
+class ProbeGrid {
+public:
+    explicit ProbeGrid(std::vector<Probe> probes) : probes_(std::move(probes)) {
+        for (const auto& probe : probes_) bounds_.add({{probe.p[0], probe.p[1]}});
+        const double extent = std::max(bounds_.size()[0], bounds_.size()[1]);
+        const double side = std::ceil(std::sqrt(static_cast<double>(probes_.size())));
+        cells_ = static_cast<int>(std::clamp(side, 1.0, 1024.0));
+        perLength_ = extent > 0 ? cells_ / extent : 0.0;
+        first_.assign(static_cast<std::size_t>(cells_) * static_cast<std::size_t>(cells_) + 1, 0);
+        for (const auto& probe : probes_) ++first_[cellOf(probe.p) + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        auto next = first_;
+        order_.resize(probes_.size());
+        for (std::uint32_t i = 0; i < probes_.size(); ++i) order_[next[cellOf(probes_[i].p)]++] = i;
+    }
+
+    /// Calls `f(index, probe)` for every probe in the cells that a rectangle of the xy plane meets.
+    template <typename F>
+    void visit(double x0, double x1, double y0, double y1, F&& f) const {
+        if (x1 < bounds_.lo[0] || x0 > bounds_.hi[0] || y1 < bounds_.lo[1] || y0 > bounds_.hi[1])
+            return;
+        const int i0 = index(x0, 0);
+        const int i1 = index(x1, 0);
+        const int j0 = index(y0, 1);
+        const int j1 = index(y1, 1);
+        for (int j = j0; j <= j1; ++j)
+            for (std::size_t k = first_[cell(i0, j)]; k < first_[cell(i1, j) + 1]; ++k)
+                f(order_[k], probes_[order_[k]]);
+    }
+
+private:
+    int index(double x, int axis) const {
+        return static_cast<int>(
+            std::clamp((x - bounds_.lo[axis]) * perLength_, 0.0, static_cast<double>(cells_ - 1)));
+    }
+    std::size_t cell(int i, int j) const {
+        return static_cast<std::size_t>(j) * static_cast<std::size_t>(cells_) +
+               static_cast<std::size_t>(i);
+    }
+    std::size_t cellOf(const Vec<3>& p) const { return cell(index(p[0], 0), index(p[1], 1)); }
+
+    std::vector<Probe> probes_;
+    Box<2> bounds_;
+    int cells_ = 1;
+    double perLength_ = 0;
+    std::vector<std::size_t> first_;
+    std::vector<std::uint32_t> order_;
+};
+
+/// True if the half line from (x, y) towards +x crosses the edge a-b, seen along z.
+///
+/// Takes the vertices in the order of their indices, so that two triangles at an edge always get
+/// the same answer, rounding included. Then the triangles of a closed piece that a vertical line
+/// passes through are even in number, whatever the line hits.
+bool crossesEdge(const TriangleMesh& mesh, std::uint32_t ia, std::uint32_t ib, double x, double y) {
+    if (ia > ib) std::swap(ia, ib);
+    const Vec<3>& a = mesh.vertices[ia];
+    const Vec<3>& b = mesh.vertices[ib];
+    if ((a[1] > y) == (b[1] > y)) return false;
+    const double side = (b[0] - a[0]) * (y - a[1]) - (b[1] - a[1]) * (x - a[0]);
+    return b[1] > a[1] ? side > 0 : side < 0;
+}
+
+bool coversLine(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t, const Vec<3>& p) {
+    return (static_cast<int>(crossesEdge(mesh, t[0], t[1], p[0], p[1])) +
+            static_cast<int>(crossesEdge(mesh, t[1], t[2], p[0], p[1])) +
+            static_cast<int>(crossesEdge(mesh, t[2], t[0], p[0], p[1]))) %
+               2 ==
+           1;
+}
+
+enum class Height { below, above, unclear };
+
+/// Where the plane of a triangle passes `p`, seen along z.
+Height heightOver(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t,
+                  const Vec<3>& p) {
+    const Vec<3> a = mesh.vertices[t[0]] - p;
+    const Vec<3> b = mesh.vertices[t[1]] - p;
+    const Vec<3> c = mesh.vertices[t[2]] - p;
+    if (a[2] > 0 && b[2] > 0 && c[2] > 0) return Height::above;
+    if (a[2] < 0 && b[2] < 0 && c[2] < 0) return Height::below;
+    const Vec<3> n = cross(b - a, c - a);
+    const double volume = dot(n, a);
+    // Rounding of the products; a plane nearer than that to the point decides nothing.
+    const double size = std::sqrt(std::max({squaredLength(a), squaredLength(b), squaredLength(c),
+                                            std::numeric_limits<double>::min()}));
+    const double noise = 1e-14 * size * size * size;
+    if (!(std::fabs(volume) > noise) || n[2] == 0) return Height::unclear;
+    return (volume > 0) == (n[2] > 0) ? Height::above : Height::below;
+}
+
+/// A ray from a probe met a triangle of a piece.
+struct Hit {
+    std::uint32_t probe;
+    std::uint32_t shell;  ///< of the triangle
+    bool unclear;
+};
+
+/// Sets `depth` of every shell.
+void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
+    auto& shells = analysis.shells;
+    if (shells.size() < 2) return;
+
+    std::vector<Probe> probes;
+    std::vector<std::uint32_t> probeCount(shells.size(), 0);
+    {
+        std::vector<std::size_t> seen(shells.size(), 0);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const std::uint32_t s = analysis.shellOfTriangle[i];
+            const std::size_t rank = seen[s]++;
+            // The triangles with rank = floor(k n / kVotes) vote, k = 0, 1, ...
+            const std::size_t votes = std::min(kVotes, shells[s].triangles);
+            if (probeCount[s] == votes || rank != probeCount[s] * shells[s].triangles / votes)
+                continue;
+            ++probeCount[s];
+            const auto& t = mesh.triangles[i];
+            // Centers, as corners may be shared with the piece that is asked about.
+            const Vec<3>& a = mesh.vertices[t[0]];
+            const Vec<3> toCenter =
+                ((mesh.vertices[t[1]] - a) + (mesh.vertices[t[2]] - a)) * (1.0 / 3.0);
+            probes.push_back({a + toCenter, s});
+        }
+    }
+    const std::vector<Probe> probeList = probes;
+    const ProbeGrid grid(std::move(probes));
+
+    std::vector<Hit> hits;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const std::uint32_t s = analysis.shellOfTriangle[i];
+        const auto& t = mesh.triangles[i];
+        if (shells[s].boundaryEdges != 0 || isCollapsed(t)) continue;
+        const Vec<3>& a = mesh.vertices[t[0]];
+        const Vec<3>& b = mesh.vertices[t[1]];
+        const Vec<3>& c = mesh.vertices[t[2]];
+        const double top = std::max({a[2], b[2], c[2]});
+        grid.visit(std::min({a[0], b[0], c[0]}), std::max({a[0], b[0], c[0]}),
+                   std::min({a[1], b[1], c[1]}), std::max({a[1], b[1], c[1]}),
+                   [&](std::uint32_t index, const Probe& probe) {
+                       if (probe.shell == s || top < probe.p[2] || !coversLine(mesh, t, probe.p))
+                           return;
+                       const Height height = heightOver(mesh, t, probe.p);
+                       if (height != Height::below)
+                           hits.push_back({index, s, height == Height::unclear});
+                   });
+    }
+    std::sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) {
+        const std::uint32_t sa = probeList[a.probe].shell;
+        const std::uint32_t sb = probeList[b.probe].shell;
+        if (sa != sb) return sa < sb;
+        return a.shell != b.shell ? a.shell < b.shell : a.probe < b.probe;
+    });
+    for (std::size_t i = 0; i < hits.size();) {
+        const std::uint32_t inner = probeList[hits[i].probe].shell;
+        const std::uint32_t outer = hits[i].shell;
+        std::size_t inside = 0;
+        std::size_t voting = probeCount[inner];
+        const auto samePair = [&](std::size_t k) {
+            return k < hits.size() && hits[k].shell == outer &&
+                   probeList[hits[k].probe].shell == inner;
+        };
+        while (samePair(i)) {
+            const std::uint32_t probe = hits[i].probe;
+            bool odd = false;
+            bool unclear = false;
+            for (; samePair(i) && hits[i].probe == probe; ++i) {
+                odd = !odd;
+                unclear = unclear || hits[i].unclear;
+            }
+            if (unclear)
+                --voting;
+            else if (odd)
+                ++inside;
+        }
+        // The smaller never encloses the larger, as pieces that cut each other could both claim.
+        if (2 * inside > voting && outer < inner) ++shells[inner].depth;
+    }
+}
+
+}  // namespace
+
+double ShellAnalysis::enclosedVolume() const {
+    double sum = 0;
+    for (const auto& shell : shells)
+        sum += (shell.depth % 2 == 0 ? 1.0 : -1.0) * std::fabs(shell.signedVolume);
+    return sum;
+}
+
+ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
+    const std::size_t n = mesh.triangles.size();
+    const EdgeTable edges(mesh);
+    Pieces pieces(n);
+    edges.forEach(
+        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
+            for (const auto* use = first + 1; use < last; ++use)
+                pieces.join(first->triangle(), use->triangle());
+        });
+
+    // Collapsed triangles have no edges of their own: they go where one of their corners is.
+    std::vector<std::uint32_t> atVertex;
+    for (std::size_t i = 0; i < n; ++i) {
+        if (!isCollapsed(mesh.triangles[i])) continue;
+        if (atVertex.empty()) {
+            atVertex.assign(mesh.vertices.size(), kNone);
+            for (std::size_t k = 0; k < n; ++k)
+                if (!isCollapsed(mesh.triangles[k]))
+                    for (const auto v : mesh.triangles[k])
+                        if (atVertex[v] == kNone) atVertex[v] = static_cast<std::uint32_t>(k);
+        }
+        for (const auto v : mesh.triangles[i]) {
+            if (atVertex[v] == kNone) continue;
+            pieces.join(atVertex[v], static_cast<std::uint32_t>(i));
+            break;
+        }
+    }
+
+    ShellAnalysis result;
+    auto& of = result.shellOfTriangle;
+    of.resize(n);
+    std::vector<Vec<3>> origins;  // a point of each piece
+    {
+        std::vector<std::uint32_t> shellOfRoot(n, kNone);
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::uint32_t root = pieces.root(static_cast<std::uint32_t>(i));
+            if (shellOfRoot[root] == kNone) {
+                shellOfRoot[root] = static_cast<std::uint32_t>(result.shells.size());
+                result.shells.emplace_back();
+                origins.push_back(mesh.vertices[mesh.triangles[i][0]]);
+            }
+            of[i] = shellOfRoot[root];
+        }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        auto& shell = result.shells[of[i]];
+        ++shell.triangles;
+        const auto& t = mesh.triangles[i];
+        const Vec<3>& origin = origins[of[i]];
+        shell.signedVolume +=
+            dot(mesh.vertices[t[0]] - origin,
+                cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
+    }
+    // Where the triangles at an edge do not cancel, the sum depends on the origin until cones
+    // close the surface.
+    std::vector<std::array<std::uint32_t, 2>> open;
+    std::vector<std::pair<std::uint32_t, double>> openUses;  // shell; forward less backward uses
+    edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                      const EdgeTable::Use* last) {
+        const std::uint32_t s = of[first->triangle()];
+        if (last - first == 1) ++result.shells[s].boundaryEdges;
+        int forward = 0;
+        for (const auto* use = first; use < last; ++use) forward += edges.isForward(*use) ? 1 : -1;
+        if (forward == 0) return;
+        open.push_back({lower, upper});
+        openUses.emplace_back(s, forward);
+    });
+    const auto group = groupEdges(open);
+    struct Middle {
+        Vec<3> offset;  // of the mean of the edges from the first vertex of the group
+        double edges = 0;
+        std::uint32_t first = 0;
+    };
+    std::vector<Middle> middles(
+        open.empty() ? 0 : *std::max_element(group.begin(), group.end()) + std::size_t{1});
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        auto& middle = middles[group[i]];
+        if (middle.edges == 0) middle.first = open[i][0];
+        ++middle.edges;
+        for (const auto v : open[i])
+            middle.offset += (mesh.vertices[v] - mesh.vertices[middle.first]) * 0.5;
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const auto& middle = middles[group[i]];
+        const auto [s, forward] = openUses[i];
+        const Vec<3> apex = mesh.vertices[middle.first] + middle.offset * (1.0 / middle.edges);
+        result.shells[s].signedVolume -=
+            forward * dot(mesh.vertices[open[i][0]] - origins[s],
+                          cross(mesh.vertices[open[i][1]] - origins[s], apex - origins[s]));
+    }
+    for (auto& shell : result.shells) shell.signedVolume /= 6.0;
+
+    // Largest first; the order of the triangles breaks ties.
+    std::vector<std::uint32_t> order(result.shells.size());
+    std::iota(order.begin(), order.end(), std::uint32_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::fabs(result.shells[a].signedVolume) > std::fabs(result.shells[b].signedVolume);
+    });
+    std::vector<std::uint32_t> rank(order.size());
+    std::vector<Shell> sorted(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k) {
+        rank[order[k]] = static_cast<std::uint32_t>(k);
+        sorted[k] = result.shells[order[k]];
+    }
+    result.shells = std::move(sorted);
+    for (auto& s : of) s = rank[s];
+
+    findNesting(mesh, result);
+    return result;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,200 @@
+#include "support/generators.h"
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/mesh_shells.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <numeric>
+
+namespace vdbpack::test {
+namespace {
+
+/// Edges used by one triangle, by looking at all pairs: an oracle.
+std::size_t boundaryEdgesByPairs(const TriangleMesh& mesh) {
+    std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+    for (const auto& t : mesh.triangles)
+        for (std::size_t k = 0; k < 3; ++k) ++uses[std::minmax(t[k], t[(k + 1) % 3])];
+    return static_cast<std::size_t>(
+        std::count_if(uses.begin(), uses.end(), [](const auto& u) { return u.second == 1; }));
+}
+
+/// The mesh with triangles in an order drawn from `seed`, each starting at another corner.
+TriangleMesh shuffled(TriangleMesh mesh, std::uint64_t seed) {
+    RandomStream random(seed, 0);
+    for (std::size_t i = mesh.triangles.size(); i > 1; --i)
+        std::swap(mesh.triangles[i - 1], mesh.triangles[random.bits() % i]);
+    for (auto& t : mesh.triangles)
+        std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(random.bits() % 3), t.end());
+    return mesh;
+}
+
+std::vector<int> depths(const ShellAnalysis& analysis) {
+    std::vector<int> all;
+    for (const auto& shell : analysis.shells) all.push_back(shell.depth);
+    return all;
+}
+
+TEST_CASE("a cube is one closed piece with the volume of a cube", "[mesh]") {
+    const auto analysis = analyzeShells(boxMesh({{0, 0, 0}}, {{2, 3, 4}}));
+    REQUIRE(analysis.shells.size() == 1);
+    CHECK(analysis.shells[0].triangles == 12);
+    CHECK(analysis.shells[0].boundaryEdges == 0);
+    CHECK(analysis.shells[0].signedVolume == Approx(24).epsilon(1e-14));
+    CHECK(analysis.shells[0].depth == 0);
+    CHECK(analysis.enclosedVolume() == Approx(24).epsilon(1e-14));
+}
+
+TEST_CASE("an empty mesh has no pieces", "[mesh]") {
+    const auto analysis = analyzeShells({});
+    CHECK(analysis.shells.empty());
+    CHECK(analysis.enclosedVolume() == 0);
+}
+
+TEST_CASE("a cavity is taken off, whichever way its triangles face", "[mesh]") {
+    const bool inward = GENERATE(false, true);
+    const bool outerInward = GENERATE(false, true);
+    CAPTURE(inward, outerInward);
+    auto mesh = hollowBallMesh(10, 5, 3, inward);
+    if (outerInward) mesh = flipped(mesh);
+    const auto analysis = analyzeShells(mesh);
+    REQUIRE(analysis.shells.size() == 2);
+    CHECK(depths(analysis) == std::vector<int>{0, 1});
+    CHECK((analysis.shells[0].signedVolume > 0) == !outerInward);
+    const double ball = analyzeShells(ballMesh(1, 3)).enclosedVolume();
+    CHECK(analysis.enclosedVolume() == Approx(ball * (1000 - 125)).epsilon(1e-12));
+}
+
+TEST_CASE("nesting is found at any depth and for any order of the triangles", "[mesh]") {
+    const auto seed = GENERATE(range(1u, 6u));
+    CAPTURE(seed);
+    TriangleMesh mesh;
+    // Five balls in one another, and beside the innermost a second one at the same depth.
+    for (int k = 1; k <= 5; ++k) mesh = merged(mesh, ballMesh(10.0 * k, 2));
+    mesh = merged(mesh, ballMesh(1, 2, {{15, 0, 0}}));
+    mesh = rotated(shuffled(mesh, seed), {{1, 2, 3}}, seed);
+    const auto analysis = analyzeShells(mesh);
+    CHECK(depths(analysis) == std::vector<int>{0, 1, 2, 3, 4, 4});
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        REQUIRE(analysis.shellOfTriangle[i] < analysis.shells.size());
+}
+
+TEST_CASE("rays through edges and corners of a lattice of boxes count right", "[mesh]") {
+    // Everything on whole numbers: rays from small boxes run along faces, edges and corners.
+    auto mesh = boxMesh({{0, 0, 0}}, {{20, 20, 20}});
+    mesh = subdivided(subdivided(mesh));
+    mesh = merged(mesh, subdivided(boxMesh({{2, 2, 2}}, {{14, 14, 14}})));
+    for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 5; ++j)
+            mesh = merged(mesh, boxMesh({{3.0 + 2 * i, 3.0 + 2 * j, 5.0}},
+                                        {{4.0 + 2 * i, 4.0 + 2 * j, 6.0}}));
+    mesh = merged(mesh, boxMesh({{25, 5, 5}}, {{26, 6, 6}}));
+    const auto analysis = analyzeShells(mesh);
+    REQUIRE(analysis.shells.size() == 28);
+    CHECK(analysis.shells[0].depth == 0);
+    CHECK(analysis.shells[1].depth == 1);
+    int atDepthTwo = 0;
+    for (const auto& shell : analysis.shells) atDepthTwo += static_cast<int>(shell.depth == 2);
+    CHECK(atDepthTwo == 25);
+    CHECK(analysis.enclosedVolume() == Approx(8000 - 1728 + 25 + 1).epsilon(1e-12));
+}
+
+TEST_CASE("a box that stands on the inner wall of another is enclosed by it", "[mesh]") {
+    const auto mesh =
+        merged(boxMesh({{0, 0, 0}}, {{10, 10, 10}}), boxMesh({{4, 4, 0}}, {{6, 6, 2}}));
+    CHECK(depths(analyzeShells(mesh)) == std::vector<int>{0, 1});
+}
+
+TEST_CASE("boxes on both sides of a common wall do not enclose each other", "[mesh]") {
+    const auto mesh =
+        merged(boxMesh({{0, 0, 0}}, {{10, 10, 10}}), boxMesh({{4, 4, 10}}, {{6, 6, 12}}));
+    CHECK(depths(analyzeShells(mesh)) == std::vector<int>{0, 0});
+}
+
+TEST_CASE("only closed pieces enclose others", "[mesh]") {
+    auto outer = ballMesh(10, 2);
+    outer.triangles.pop_back();
+    const auto analysis = analyzeShells(merged(outer, ballMesh(5, 2)));
+    REQUIRE(analysis.shells.size() == 2);
+    CHECK(analysis.shells[0].boundaryEdges == 3);
+    CHECK(depths(analysis) == std::vector<int>{0, 0});
+}
+
+TEST_CASE("boundary edges agree with a count over all pairs", "[mesh]") {
+    const auto seed = GENERATE(range(1u, 21u));
+    CAPTURE(seed);
+    RandomStream random(seed, 1);
+    auto mesh = merged(torusMesh(5, 2, 12, 8), ballMesh(1, 1));
+    mesh = shuffled(mesh, seed);
+    mesh.triangles.resize(mesh.triangles.size() - random.bits() % 100);
+    const auto analysis = analyzeShells(mesh);
+    std::size_t boundary = 0;
+    std::size_t triangles = 0;
+    for (const auto& shell : analysis.shells) {
+        boundary += shell.boundaryEdges;
+        triangles += shell.triangles;
+    }
+    CHECK(boundary == boundaryEdgesByPairs(mesh));
+    CHECK(triangles == mesh.triangles.size());
+}
+
+TEST_CASE("pieces that share an edge are one, those that share a vertex are two", "[mesh]") {
+    // Two tetrahedra; their apexes or one edge coincide.
+    TriangleMesh vertexOnly;
+    vertexOnly.vertices = {{{0, 0, 0}},  {{1, 0, 1}},  {{0, 1, 1}},   {{-1, -1, 1}},
+                           {{1, 0, -1}}, {{0, 1, -1}}, {{-1, -1, -1}}};
+    vertexOnly.triangles = {{0, 2, 1}, {0, 3, 2}, {0, 1, 3}, {1, 2, 3},
+                            {0, 4, 5}, {0, 5, 6}, {0, 6, 4}, {4, 6, 5}};
+    CHECK(analyzeShells(vertexOnly).shells.size() == 2);
+
+    TriangleMesh edge;
+    edge.vertices = {{{0, 0, 0}}, {{0, 0, 1}},  {{1, 0, 0}},
+                     {{1, 1, 0}}, {{-1, 0, 0}}, {{-1, -1, 0}}};
+    edge.triangles = {{0, 1, 2}, {0, 3, 1}, {0, 2, 3}, {1, 3, 2},
+                      {0, 1, 4}, {0, 5, 1}, {0, 4, 5}, {1, 5, 4}};
+    const auto analysis = analyzeShells(edge);
+    CHECK(analysis.shells.size() == 1);
+    CHECK(analysis.shells[0].boundaryEdges == 0);
+}
+
+TEST_CASE("volumes keep their digits far from the origin", "[mesh]") {
+    const double shift = GENERATE(0.0, 1e4, 1e6);
+    CAPTURE(shift);
+    // Whole numbers and halves: moving the boxes rounds nothing.
+    const auto mesh = translated(
+        merged(boxMesh({{0, 0, 0}}, {{10, 10, 10}}), boxMesh({{4.5, 4.5, 4.5}}, {{5, 5, 5}})),
+        {{shift, -shift, shift}});
+    const auto analysis = analyzeShells(mesh);
+    CHECK(depths(analysis) == std::vector<int>{0, 1});
+    CHECK(analysis.shells[0].signedVolume == Approx(1000).epsilon(1e-14));
+    CHECK(analysis.shells[1].signedVolume == Approx(0.125).epsilon(1e-14));
+}
+
+TEST_CASE("triangles that name a vertex twice open no hole and make no piece", "[mesh]") {
+    auto mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
+    mesh.triangles.insert(mesh.triangles.begin(), {0, 0, 1});
+    mesh.triangles.push_back({5, 5, 5});
+    const auto analysis = analyzeShells(mesh);
+    REQUIRE(analysis.shells.size() == 1);
+    CHECK(analysis.shells[0].triangles == 14);
+    CHECK(analysis.shells[0].boundaryEdges == 0);
+    CHECK(analysis.enclosedVolume() == Approx(1));
+}
+
+TEST_CASE("thousands of pieces are nested in linear time", "[mesh]") {
+    TriangleMesh mesh = boxMesh({{-1, -1, -1}}, {{61, 61, 61}});
+    const auto ball = ballMesh(0.4, 0);
+    mesh.vertices.reserve(30000 * ball.vertices.size());
+    for (int i = 0; i < 30; ++i)
+        for (int j = 0; j < 30; ++j)
+            for (int k = 0; k < 30; ++k)
+                mesh = merged(std::move(mesh), translated(ball, {{2.0 * i, 2.0 * j, 2.0 * k}}));
+    const auto analysis = analyzeShells(mesh);
+    REQUIRE(analysis.shells.size() == 27001);
+    const double one = analyzeShells(ball).enclosedVolume();
+    CHECK(analysis.enclosedVolume() == Approx(62.0 * 62 * 62 - 27000 * one).epsilon(1e-10));
+}
+
+}  // namespace
+}  // namespace vdbpack::test
