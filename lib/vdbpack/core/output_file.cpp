@@ -28,8 +28,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
         const auto slash = path_.find_last_of('/');
         const std::string folder = slash == std::string::npos ? "." : path_.substr(0, slash + 1);
         throw IoError(path_ + ": cannot create a file in folder '" + folder +
-                      "': " + std::strerror(cause) +
-                      "; create the folder or choose another one");
+                      "': " + std::strerror(cause) + "; create the folder or choose another one");
     }
     // mkstemp makes files private; give them the permissions any new file would get.
     const mode_t mask = ::umask(0);

@@ -1,0 +1,29 @@
+// Which spheres touch.
+#pragma once
+
+#include "vdbpack/core/sphere.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+struct ContactCheck {
+    std::vector<std::int32_t> counts;  ///< spheres and walls that each sphere touches
+    double mean = 0;                   ///< mean of `counts`, the coordination number; 0 if empty
+    std::uint64_t pairs = 0;           ///< touching pairs of spheres
+    std::uint64_t wallContacts = 0;    ///< spheres that touch the wall
+};
+
+/// Counts contacts.
+///
+/// @param tolerance  two spheres touch if their gap is below this share of the smaller radius
+///                   (overlapping ones do), a sphere and the wall if |depth - radius| is at most
+///                   this share of its radius; 0 to 1.
+/// @param depth      distance of each center to the wall, mm; empty: walls are not counted.
+/// @throws ParameterError for another tolerance or number of depths; InputError as `checkOverlap`.
+template <int Dim>
+ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                           const std::vector<float>& depth = {});
+
+}  // namespace vdbpack

@@ -1,0 +1,199 @@
+#include "vdbpack/measure/report.h"
+
+#include "vdbpack/core/sphere.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+
+namespace vdbpack {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json orNull(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t n) {
+    std::string text = std::to_string(n);
+    for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+    return text;
+}
+
+/// Columns on a terminal of UTF-8 text.
+std::size_t columns(const std::string& text) {
+    std::size_t n = 0;
+    for (const char c : text) n += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    return n;
+}
+
+/// Lines under labels, wrapped between words.
+class Summary {
+public:
+    void line(const std::string& label, const std::string& text) {
+        constexpr std::size_t kLabel = 11, kWidth = 80;
+        std::string row = fmt::format("{:<{}}", label, kLabel);
+        std::size_t used = kLabel;
+        bool fresh = true;
+        for (std::size_t at = 0; at < text.size();) {
+            const std::size_t end = std::min(text.find(' ', at), text.size());
+            const std::string word = text.substr(at, end - at);
+            if (!fresh && used + 1 + columns(word) > kWidth) {
+                text_ += row + "\n";
+                row = std::string(kLabel, ' ');
+                used = kLabel;
+                fresh = true;
+            }
+            row += (fresh ? "" : " ") + word;
+            used += columns(word) + (fresh ? 0 : 1);
+            fresh = false;
+            at = end + 1;
+        }
+        text_ += row + "\n";
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+void addDomain(Summary& out, const Report& r) {
+    const bool plane = r.dim == 2;
+    const char* volume = plane ? Measure<2>::kVolume : Measure<3>::kVolume;
+    const char* unit = plane ? Measure<2>::kVolumeUnit : Measure<3>::kVolumeUnit;
+    std::string text = r.domain.kind;
+    if (r.domain.triangles > 0) text += fmt::format(", {} triangles", grouped(r.domain.triangles));
+    text += fmt::format(", {} {:.6g} {}", volume, r.volume, unit);
+    if (r.domain.meshVolume > 0) text += fmt::format(" (mesh: {:.6g})", r.domain.meshVolume);
+    text += fmt::format(", wall {:.6g} {}", r.area, plane ? "mm" : "mm²");
+    out.line("domain", text);
+    if (r.domain.voxelSize > 0)
+        out.line("", fmt::format("field of {} active voxels of {:.4g} mm",
+                                 grouped(r.domain.activeVoxels), r.domain.voxelSize));
+    if (r.domain.boundaryEdges > 0 || r.domain.nonManifoldEdges > 0)
+        out.line("",
+                 fmt::format("the mesh has {} boundary and {} non-manifold edges",
+                             grouped(r.domain.boundaryEdges), grouped(r.domain.nonManifoldEdges)));
+}
+
+void addChecks(Summary& out, const Report& r, const char* spheres) {
+    if (r.overlap) {
+        const auto& o = *r.overlap;
+        out.line("overlap",
+                 o.pairs == 0
+                     ? fmt::format("none (largest {:.2g} of a radius)", o.max)
+                     : fmt::format("CHECK FAILED: {}{} pairs, largest {:.3g} of the "
+                                   "smaller radius",
+                                   o.complete ? "" : "more than ", grouped(o.pairs), o.max));
+    }
+    if (r.protrusion) {
+        const auto& p = *r.protrusion;
+        out.line("protrusion",
+                 p.spheres == 0 ? fmt::format("none (largest {:.2g} of a radius)", p.max)
+                                : fmt::format("CHECK FAILED: {} {}, largest {:.3g} of the radius",
+                                              grouped(p.spheres), spheres, p.max));
+    }
+}
+
+}  // namespace
+
+nlohmann::ordered_json toJson(const Report& r) {
+    Json json;
+    json["version"] = r.version;
+    json["command"] = r.command;
+    json["seed"] = r.seed;
+    json["threads"] = r.threads;
+    json["hash"] = hashText(r.hash);
+    json["interrupted"] = r.interrupted;
+    json["domain"] = {{"kind", r.domain.kind},
+                      {"triangles", r.domain.triangles},
+                      {"volume", r.volume},
+                      {"meshVolume", r.domain.meshVolume > 0 ? Json(r.domain.meshVolume) : Json()},
+                      {"area", r.area},
+                      {"voxelSize", r.domain.voxelSize > 0 ? Json(r.domain.voxelSize) : Json()},
+                      {"activeVoxels", r.domain.activeVoxels},
+                      {"boundaryEdges", r.domain.boundaryEdges},
+                      {"nonManifoldEdges", r.domain.nonManifoldEdges}};
+    const bool any = r.count > 0;
+    json["spheres"] = {{"count", r.count},
+                       {"requested", r.requested.empty() ? Json() : Json(r.requested)},
+                       {"radius",
+                        {{"min", any ? Json(r.radius.min) : Json()},
+                         {"mean", any ? Json(r.radius.mean) : Json()},
+                         {"max", any ? Json(r.radius.max) : Json()},
+                         {"sd", any ? Json(r.radius.sd) : Json()}}},
+                       {"ks", orNull(r.ks)}};
+    json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
+                             {"interior", orNull(r.solidFractionInterior)}};
+    json["contacts"] = {{"mean", orNull(r.contactsMean)}, {"tolerance", r.contactTolerance}};
+    json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
+                       {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
+    json["protrusion"] = {{"max", r.protrusion ? Json(r.protrusion->max) : Json()},
+                          {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()}};
+    json["voids"] = {{"count", r.voidCount}, {"bvtv", orNull(r.bvtv)}, {"culled", r.culled}};
+    json["seconds"] = {{"mesh", r.seconds.mesh},       {"domain", r.seconds.domain},
+                       {"pack", r.seconds.pack},       {"voids", r.seconds.voids},
+                       {"measure", r.seconds.measure}, {"write", r.seconds.write},
+                       {"total", r.seconds.total}};
+    json["peakMemoryBytes"] = r.peakMemoryBytes;
+    return json;
+}
+
+std::string summary(const Report& r) {
+    const char* spheres = r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    const char* sphere = r.dim == 2 ? Measure<2>::kSphere : Measure<3>::kSphere;
+    Summary out;
+    addDomain(out, r);
+    for (std::size_t i = 0; i < r.chosen.size(); ++i)
+        out.line(i == 0 ? "by default" : "", r.chosen[i]);
+    std::string count = grouped(r.count);
+    if (!r.requested.empty()) count += ", asked for " + r.requested;
+    if (r.ks) count += fmt::format(" (Kolmogorov-Smirnov distance {:.2g})", *r.ks);
+    if (r.interrupted) count += "; INTERRUPTED, this is what was complete";
+    out.line(spheres, count);
+    if (r.count > 0)
+        out.line("", fmt::format("radius {:.5g} to {:.5g} mm, mean {:.5g}, deviation {:.4g}",
+                                 r.radius.min, r.radius.max, r.radius.mean, r.radius.sd));
+    if (r.solidFractionTotal) {
+        std::string text = fmt::format("{:.4f} of the domain", *r.solidFractionTotal);
+        if (r.solidFractionInterior)
+            text +=
+                fmt::format(", {:.4f} deeper than three largest radii", *r.solidFractionInterior);
+        out.line("solid", text);
+    }
+    if (r.contactsMean)
+        out.line("contacts", fmt::format("{:.3g} a {} (gap within {:g} of the smaller radius)",
+                                         *r.contactsMean, sphere, r.contactTolerance));
+    if (r.voidCount > 0) {
+        std::string text = grouped(r.voidCount);
+        if (r.bvtv) text += fmt::format(", BV/TV {:.4f}", *r.bvtv);
+        out.line("voids", text + fmt::format(", {} {} culled", grouped(r.culled), spheres));
+    }
+    addChecks(out, r, spheres);
+    std::string seconds;
+    const std::pair<const char*, double> stages[] = {
+        {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},   {"pack", r.seconds.pack},
+        {"voids", r.seconds.voids}, {"measure", r.seconds.measure}, {"write", r.seconds.write}};
+    for (const auto& [name, value] : stages)
+        if (value > 0) seconds += fmt::format("{} {:.2f}, ", name, value);
+    out.line("seconds", seconds + fmt::format("total {:.2f} on {} thread{}", r.seconds.total,
+                                              r.threads, r.threads == 1 ? "" : "s"));
+    if (r.seconds.pack > 0 && r.count > 0)
+        out.line("", fmt::format("{} {} placed a second",
+                                 grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /
+                                                                    r.seconds.pack)),
+                                 spheres));
+    if (r.peakMemoryBytes > 0)
+        out.line("memory", fmt::format("{:.0f} MiB at most",
+                                       static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
+    out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
+    for (std::size_t i = 0; i < r.files.size(); ++i) out.line(i == 0 ? "written" : "", r.files[i]);
+    return out.text();
+}
+
+}  // namespace vdbpack

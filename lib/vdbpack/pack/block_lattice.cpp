@@ -1,0 +1,138 @@
+#include "vdbpack/pack/block_lattice.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace vdbpack {
+
+template <int Dim>
+BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum) {
+    side_ = std::ceil(side / quantum) * quantum;
+    lag_ = std::ceil(lag / quantum) * quantum;
+    double total = 1;
+    for (int d = 0; d < Dim; ++d) {
+        lo_[d] = std::floor(bounds.lo[d] / quantum) * quantum;
+        const double blocks = std::ceil((bounds.hi[d] - lo_[d]) / side_);
+        total *= std::max(1.0, blocks);
+        if (!(total < 5e7))
+            throw ResourceError(fmt::format(
+                "the domain would need more than {:.2g} blocks of {:.3g} mm; ask for larger "
+                "radii or clip the domain",
+                5e7, side_));
+        count_[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(blocks));
+    }
+    // Weight 1 to the axis with most blocks.
+    std::array<std::size_t, Dim> axes;
+    std::iota(axes.begin(), axes.end(), std::size_t{0});
+    std::stable_sort(axes.begin(), axes.end(),
+                     [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
+    chain_ = 1;
+    for (std::size_t k = 0; k < Dim; ++k) {
+        weight_[axes[k]] = 1 << k;
+        chain_ += static_cast<std::size_t>(count_[axes[k]] - 1) << k;
+    }
+    order_.resize(static_cast<std::size_t>(total));
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::vector<int> ranks(order_.size());
+    for (const std::uint32_t b : order_) ranks[b] = rank(indexOf(b));
+    std::stable_sort(order_.begin(), order_.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return ranks[a] < ranks[b]; });
+
+    // Pools: along each row, then from the ends of rows to the starts of later ones.
+    donors_.resize(order_.size());
+    std::vector<std::uint32_t> starts, ends;
+    for (const std::uint32_t b : order_) {
+        Index i = indexOf(b);
+        const std::size_t along = axes[0];
+        if (i[along] > 0) {
+            Index before = i;
+            --before[along];
+            donors_[b].push_back(blockAt(before));
+        } else {
+            starts.push_back(b);
+        }
+        if (i[along] == count_[along] - 1) ends.push_back(b);
+    }
+    std::size_t next = 0;
+    for (const std::uint32_t start : starts)  // both by rising rank
+        if (next < ends.size() && ranks[ends[next]] < ranks[start])
+            donors_[start].push_back(ends[next++]);
+}
+
+template <int Dim>
+typename BlockLattice<Dim>::Index BlockLattice<Dim>::indexOf(std::uint32_t b) const {
+    Index i;
+    std::size_t rest = b;
+    for (std::size_t d = 0; d < Dim; ++d) {
+        i[d] = static_cast<int>(rest % static_cast<std::size_t>(count_[d]));
+        rest /= static_cast<std::size_t>(count_[d]);
+    }
+    return i;
+}
+
+template <int Dim>
+std::uint32_t BlockLattice<Dim>::blockAt(const Index& i) const {
+    std::size_t b = 0;
+    for (std::size_t d = Dim; d-- > 0;) {
+        if (i[d] < 0 || i[d] >= count_[d]) return kNone;
+        b = b * static_cast<std::size_t>(count_[d]) + static_cast<std::size_t>(i[d]);
+    }
+    return static_cast<std::uint32_t>(b);
+}
+
+template <int Dim>
+int BlockLattice<Dim>::rank(const Index& i) const {
+    int r = 0;
+    for (std::size_t d = 0; d < Dim; ++d) r += weight_[d] * i[d];
+    return r;
+}
+
+template <int Dim>
+Box<Dim> BlockLattice<Dim>::own(std::uint32_t b) const {
+    const Index i = indexOf(b);
+    Box<Dim> box;
+    for (int d = 0; d < Dim; ++d) {
+        box.lo[d] = lo_[d] + side_ * i[static_cast<std::size_t>(d)];
+        box.hi[d] = box.lo[d] + side_;
+    }
+    return box;
+}
+
+template <int Dim>
+Box<Dim> BlockLattice<Dim>::search(std::uint32_t b) const {
+    const Index i = indexOf(b);
+    Box<Dim> box = own(b);
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        if (i[at] > 0) box.lo[d] -= lag_;
+        if (i[at] + 1 < count_[at]) box.hi[d] -= lag_;
+    }
+    return box;
+}
+
+template <int Dim>
+std::vector<std::uint32_t> BlockLattice<Dim>::lowerNeighbors(std::uint32_t b) const {
+    const Index i = indexOf(b);
+    const int own = rank(i);
+    std::vector<std::uint32_t> lower;
+    const int neighbors = Dim == 3 ? 27 : 9;
+    for (int n = 0; n < neighbors; ++n) {
+        Index j = i;
+        int rest = n;
+        for (std::size_t d = 0; d < Dim; ++d, rest /= 3) j[d] += rest % 3 - 1;
+        if (rank(j) >= own) continue;
+        const std::uint32_t other = blockAt(j);
+        if (other != kNone) lower.push_back(other);
+    }
+    return lower;
+}
+
+template class BlockLattice<2>;
+template class BlockLattice<3>;
+
+}  // namespace vdbpack

@@ -1,0 +1,65 @@
+// The blocks of a domain and the order in which they may be filled.
+#pragma once
+
+#include "vdbpack/core/box.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Blocks on a lattice fixed to the domain, filled as a wavefront.
+///
+/// Block (i, j, k) has rank i + 2 j + 4 k, so that it never shares its rank with one of its 26
+/// neighbors, and waits for those of lower rank: every front starts from finished blocks and
+/// none grow towards each other. A row is a line of blocks along the first axis; its pool of
+/// pending radii is handed from block to block, and at its end to a later row that starts after
+/// it anyway. The weights 1, 2, 4 go to the axes from the longest to the shortest.
+template <int Dim>
+class BlockLattice {
+public:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+
+    /// @param bounds   of the domain, mm.
+    /// @param side     wanted edge of a block, mm.
+    /// @param lag      how far the search for places lags behind the front, mm.
+    /// @param quantum  faces are multiples of this power of two, mm.
+    BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum);
+
+    std::size_t size() const { return order_.size(); }
+    double side() const { return side_; }
+    /// Blocks on the longest chain of dependencies: the least time, in blocks, on any number of
+    /// threads.
+    std::size_t longestChain() const { return chain_; }
+
+    /// Where block `b` grows, and where it leaves no place; see BlockFront::fill.
+    Box<Dim> own(std::uint32_t b) const;
+    Box<Dim> search(std::uint32_t b) const;
+    /// Finished neighbors of `b`, by rising index.
+    std::vector<std::uint32_t> lowerNeighbors(std::uint32_t b) const;
+    /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
+    /// a row the ends of rows that finished earlier.
+    const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
+    /// All blocks by rank: an order that meets every dependency.
+    const std::vector<std::uint32_t>& order() const { return order_; }
+
+private:
+    using Index = std::array<int, Dim>;
+    Index indexOf(std::uint32_t b) const;
+    std::uint32_t blockAt(const Index& i) const;
+    int rank(const Index& i) const;
+
+    Vec<Dim> lo_;
+    double side_ = 0, lag_ = 0;
+    Index count_{};
+    Index weight_{};
+    std::size_t chain_ = 0;
+    std::vector<std::uint32_t> order_;
+    std::vector<std::vector<std::uint32_t>> donors_;
+};
+
+extern template class BlockLattice<2>;
+extern template class BlockLattice<3>;
+
+}  // namespace vdbpack

@@ -1,0 +1,340 @@
+#include "vdbpack/pack/packer.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/pack/block_front.h"
+#include "vdbpack/pack/block_lattice.h"
+#include "vdbpack/pack/radius_pool.h"
+
+#include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/task_group.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+
+namespace vdbpack {
+
+namespace {
+
+/// Pending radii a row holds: more raise the density a little, but are lost at the last rows.
+constexpr std::size_t kPoolCapacity = 64;
+
+/// Edge of a block in largest radii. Shorter ones cost density (box 120, radii 1 to 2: total
+/// 0.614 as one block, 0.613 at 20, 0.610 at 14), longer ones leave threads without work.
+template <int Dim>
+constexpr double kBlockSide = Dim == 3 ? 20 : 60;
+
+int radiiTried(Effort effort) {
+    switch (effort) {
+        case Effort::fast:
+            return 3;
+        case Effort::normal:
+            return 5;
+        case Effort::dense:
+            return 8;
+    }
+    return 5;
+}
+
+template <int Dim>
+class Wavefront {
+public:
+    Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks)
+        : domain_(domain),
+          options_(options),
+          callbacks_(callbacks),
+          settings_(makeSettings(domain, options)),
+          lattice_(domain.bounds(), side(options), 2 * settings_.maxRadius, settings_.quantum),
+          blocks_(lattice_.size()) {
+        cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
+        expected_ = 0.6 * domain.measure() / options.sizes.meanBall(Dim);
+    }
+
+    PackResult<Dim> run() {
+        std::vector<std::vector<std::uint32_t>> successors(lattice_.size());
+        for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
+            auto before = lattice_.lowerNeighbors(b);
+            const auto& donors = lattice_.poolDonors(b);
+            before.insert(before.end(), donors.begin(), donors.end());
+            std::sort(before.begin(), before.end());
+            before.erase(std::unique(before.begin(), before.end()), before.end());
+            blocks_[b].waiting.store(static_cast<int>(before.size()));
+            for (const std::uint32_t p : before) successors[p].push_back(b);
+        }
+        successors_ = std::move(successors);
+        withThreads(options_.threads, [&] {
+            tbb::task_group group;
+            group_ = &group;
+            group.run([this] { process(lattice_.order().front()); });
+            group.wait();
+        });
+        return collect();
+    }
+
+private:
+    struct Block {
+        std::atomic<int> waiting{0};
+        bool complete = false;
+        std::vector<Sphere<Dim>> spheres;
+        std::unique_ptr<RadiusPool> pool;
+    };
+    struct Thread {
+        std::unique_ptr<BlockFront<Dim>> front;
+        std::unique_ptr<DomainSampler<Dim>> sampler;
+        std::vector<Sphere<Dim>> around;
+    };
+
+    static double side(const PackOptions& options) {
+        const double least = 8 * options.sizes.max();
+        return std::max(least, options.blockSide > 0 ? options.blockSide
+                                                     : kBlockSide<Dim> * options.sizes.max());
+    }
+
+    static FrontSettings<Dim> makeSettings(const Domain<Dim>& domain, const PackOptions& options) {
+        FrontSettings<Dim> s;
+        s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
+        s.radiiTried = radiiTried(options.effort);
+        // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
+        s.quantum = std::exp2(std::floor(std::log2(options.sizes.mean())) - 22);
+        s.minRadius = options.sizes.min();
+        s.meanRadius = options.sizes.mean();
+        s.meanBall = options.sizes.meanBall(Dim);
+        s.maxRadius = options.sizes.max();
+        s.fieldError = domain.facts().voxelSize;
+        s.fieldDepth = domain.fieldDepth();
+        return s;
+    }
+
+    void process(std::uint32_t b) {
+        for (;;) {
+            if (!stopped_) fillBlock(b);
+            // One successor that became ready goes on in this task: its neighborhood is warm.
+            std::uint32_t next = BlockLattice<Dim>::kNone;
+            for (const std::uint32_t s : successors_[b])
+                if (blocks_[s].waiting.fetch_sub(1) == 1) {
+                    if (next != BlockLattice<Dim>::kNone)
+                        group_->run([this, next] { process(next); });
+                    next = s;
+                }
+            if (next == BlockLattice<Dim>::kNone) return;
+            b = next;
+        }
+    }
+
+    void fillBlock(std::uint32_t b) {
+        Thread& thread = threads_.local();
+        if (!thread.front) {
+            thread.front = std::make_unique<BlockFront<Dim>>(settings_);
+            thread.sampler = domain_.sampler();
+        }
+        Block& block = blocks_[b];
+        for (const std::uint32_t donor : lattice_.poolDonors(b)) {
+            if (!blocks_[donor].pool) return;  // interrupted there
+            if (!block.pool)
+                block.pool = std::move(blocks_[donor].pool);
+            else
+                block.pool->absorb(*blocks_[donor].pool);
+        }
+        if (!block.pool)
+            block.pool =
+                std::make_unique<RadiusPool>(options_.sizes, options_.seed, b, kPoolCapacity);
+        const Box<Dim> own = lattice_.own(b);
+        const Box<Dim> search = lattice_.search(b);
+        Box<Dim> reach = own;
+        for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
+        reach = reach.grown(2 * settings_.maxRadius);
+        thread.around.clear();
+        for (const std::uint32_t n : lattice_.lowerNeighbors(b))
+            for (const auto& s : blocks_[n].spheres)
+                if (reach.contains(s.center)) thread.around.push_back(s);
+        thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
+                           block.spheres);
+        if (stopped_) return;
+        block.complete = true;
+        report(block.spheres.size());
+    }
+
+    void report(std::size_t placed) {
+        const std::int64_t count = count_ += static_cast<std::int64_t>(placed);
+        const std::lock_guard<std::mutex> lock(reporting_);
+        callbacks_.report("pack", std::min(1.0, static_cast<double>(count) / expected_),
+                          static_cast<double>(count));
+        if (callbacks_.isCancelled()) stopped_ = interrupted_ = true;
+    }
+
+    PackResult<Dim> collect() {
+        PackResult<Dim> result;
+        result.blocks = lattice_.size();
+        result.longestChain = lattice_.longestChain();
+        result.quantum = settings_.quantum;
+        result.interrupted = interrupted_;
+        for (auto& thread : threads_)
+            if (thread.front) result.fronts += thread.front->seeds();
+        auto& spheres = result.pack.spheres;
+        std::size_t total = 0;
+        for (const auto& block : blocks_) total += block.complete ? block.spheres.size() : 0;
+        spheres.reserve(total);
+        for (const std::uint32_t b : lattice_.order()) {
+            if (blocks_[b].complete)
+                spheres.insert(spheres.end(), blocks_[b].spheres.begin(), blocks_[b].spheres.end());
+            std::vector<Sphere<Dim>>().swap(blocks_[b].spheres);
+        }
+        if (options_.maxCount > 0 && spheres.size() > static_cast<std::size_t>(options_.maxCount))
+            spheres.resize(static_cast<std::size_t>(options_.maxCount));
+        result.pack.order.resize(spheres.size());
+        for (std::size_t i = 0; i < spheres.size(); ++i)
+            result.pack.order[i] = static_cast<std::int64_t>(i);
+        return result;
+    }
+
+    const Domain<Dim>& domain_;
+    const PackOptions& options_;
+    const Callbacks& callbacks_;
+    FrontSettings<Dim> settings_;
+    BlockLattice<Dim> lattice_;
+    std::vector<Block> blocks_;
+    std::vector<std::vector<std::uint32_t>> successors_;
+    tbb::enumerable_thread_specific<Thread> threads_;
+    tbb::task_group* group_ = nullptr;
+    std::function<bool()> cancelled_;
+    std::atomic<bool> stopped_{false};
+    std::atomic<bool> interrupted_{false};
+    std::atomic<std::int64_t> count_{0};
+    std::mutex reporting_;
+    double expected_ = 1;
+};
+
+}  // namespace
+
+template <int Dim>
+PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& options,
+                            const Callbacks& callbacks) {
+    const double expected = domain.measure() / options.sizes.meanBall(Dim);
+    if (!(expected < 2e9))
+        throw ResourceError(fmt::format(
+            "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: ask for larger "
+            "radii or check the unit of the domain",
+            options.sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres));
+    Wavefront<Dim> wavefront(domain, options, callbacks);
+    PackResult<Dim> result = wavefront.run();
+    if (result.pack.spheres.empty() && !result.interrupted) {
+        const Sphere<Dim> place = largestPlace(domain);
+        // A place hardly larger than the smallest sphere is easily missed by a search in cells.
+        Sphere<Dim> only{place.center, options.sizes.quantile(0)};
+        for (int d = 0; d < Dim; ++d)
+            only.center[d] = std::nearbyint(place.center[d] / result.quantum) * result.quantum;
+        WallPoint<Dim> wall;
+        if (place.radius > only.radius &&
+            !domain.sampler()->nearestWall(only.center, only.radius, wall)) {
+            result.pack.spheres.push_back(only);
+            result.pack.order.push_back(0);
+            return result;
+        }
+        std::string at;
+        for (int d = 0; d < Dim; ++d) at += fmt::format("{}{:.6g}", d ? ", " : "", place.center[d]);
+        throw InputError(fmt::format(
+            "no {} of radius {:.6g} mm or more fits: the largest place has radius {:.6g} mm, at "
+            "({}); ask for smaller radii or check the unit of the domain",
+            Measure<Dim>::kSphere, options.sizes.min(), place.radius, at));
+    }
+    return result;
+}
+
+template <int Dim>
+Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
+    const auto sampler = domain.sampler();
+    const Box<Dim> bounds = domain.bounds();
+    Sphere<Dim> best{bounds.center(), -std::numeric_limits<double>::infinity()};
+    const double longest = [&] {
+        double l = 0;
+        for (int d = 0; d < Dim; ++d) l = std::max(l, bounds.size()[d]);
+        return l;
+    }();
+    // Field clamped where it is deep: then the exact distance decides.
+    const auto depthAt = [&](const Vec<Dim>& x) {
+        const double field = -sampler->signedDistance(x);
+        if (field < 0) return field;
+        WallPoint<Dim> wall;
+        return sampler->nearestWall(x, longest, wall) ? wall.distance : field;
+    };
+    constexpr int kSteps = Dim == 3 ? 48 : 256;
+    int n[3] = {1, 1, 1};
+    for (int d = 0; d < Dim; ++d)
+        n[d] = std::max(1, static_cast<int>(std::ceil(kSteps * bounds.size()[d] / longest)));
+    for (int k = 0; k < n[2]; ++k)
+        for (int j = 0; j < n[1]; ++j)
+            for (int i = 0; i < n[0]; ++i) {
+                const int at[3] = {i, j, k};
+                Vec<Dim> x;
+                for (int d = 0; d < Dim; ++d)
+                    x[d] = bounds.lo[d] + (at[d] + 0.5) / n[d] * bounds.size()[d];
+                if (-sampler->signedDistance(x) <= std::min(best.radius, domain.fieldDepth() * 0.9))
+                    continue;
+                const double depth = depthAt(x);
+                if (depth > best.radius) best = {x, depth};
+            }
+    for (double step = longest / kSteps; step > 1e-6 * longest;) {
+        Sphere<Dim> better = best;
+        for (int d = 0; d < Dim; ++d)
+            for (const double sign : {-1.0, 1.0}) {
+                Vec<Dim> x = best.center;
+                x[d] += sign * step;
+                const double depth = depthAt(x);
+                if (depth > better.radius) better = {x, depth};
+            }
+        if (better.radius > best.radius)
+            best = better;
+        else
+            step *= 0.5;
+    }
+    return best;
+}
+
+template <int Dim>
+double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
+                     const Callbacks& callbacks) {
+    if (!(count >= 1))
+        throw ParameterError(fmt::format("target count {} is not a positive number", count));
+    const double unit = domain.measure() / options.sizes.meanBall(Dim);
+    // Solid fraction against the scale: f = a - b s, since a layer as thick as the radii is
+    // packed worse along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
+    const auto scaleFor = [&](double fraction, double n) {
+        return std::pow(fraction * unit / n, 1.0 / Dim);
+    };
+    PackOptions trial = options;
+    trial.maxCount = 0;
+    Callbacks quiet = callbacks;
+    quiet.progress = nullptr;
+    const auto fractionAt = [&](double scale) {
+        trial.sizes = options.sizes.scaled(scale);
+        const auto result = packSpheres(domain, trial, quiet);
+        double sum = 0;
+        for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius);
+        return sum / domain.measure();
+    };
+    const double guess = Dim == 3 ? 0.58 : 0.8;
+    const double coarse = scaleFor(guess, std::max(count / 20, 50.0));
+    const double fine = scaleFor(guess, std::max(count / 5, 100.0));
+    if (callbacks.isCancelled()) return fine;
+    const double f1 = fractionAt(coarse);
+    const double f2 = fractionAt(fine);
+    const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
+    double scale = scaleFor(f2, count);
+    for (int i = 0; i < 20; ++i) {
+        const double fraction = std::clamp(f2 + slope * (fine - scale), 0.01, 0.9);
+        scale = scaleFor(fraction, count);
+    }
+    return scale;
+}
+
+template PackResult<2> packSpheres(const Domain<2>&, const PackOptions&, const Callbacks&);
+template PackResult<3> packSpheres(const Domain<3>&, const PackOptions&, const Callbacks&);
+template double scaleForCount(const Domain<2>&, const PackOptions&, double, const Callbacks&);
+template double scaleForCount(const Domain<3>&, const PackOptions&, double, const Callbacks&);
+template Sphere<2> largestPlace(const Domain<2>&);
+template Sphere<3> largestPlace(const Domain<3>&);
+
+}  // namespace vdbpack

@@ -1,0 +1,48 @@
+// Radii that were drawn but not placed yet.
+#pragma once
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/pack/size_distribution.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Pending radii, sorted. Taking what fits biases a pack towards small spheres; a pool that is
+/// refilled from the distribution keeps it exact: all that was drawn gets placed, but for what
+/// is pending at the end.
+///
+/// Draws follow the additive golden-ratio sequence from a random start, so that any run of draws
+/// is spread over the distribution far more evenly than independent ones.
+class RadiusPool {
+public:
+    RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
+               std::size_t capacity);
+
+    std::size_t size() const { return radii_.size(); }
+    /// The `k`-th smallest pending radius, mm.
+    double operator[](std::size_t k) const { return radii_[k]; }
+    double smallest() const { return radii_.front(); }
+    double largest() const { return radii_.back(); }
+    /// How many pending radii are <= `r`.
+    std::size_t countUpTo(double r) const;
+
+    /// Removes the `k`-th smallest and draws a new one.
+    void take(std::size_t k);
+    /// Draws until the pool is full and holds a radius of at most the mean: every place that
+    /// takes a mean sphere can then be filled.
+    void refill();
+    /// Moves the radii pending in `other` into this pool.
+    void absorb(RadiusPool& other);
+
+private:
+    void draw();
+
+    SizeDistribution sizes_;
+    std::uint64_t share_;
+    std::size_t capacity_;
+    std::vector<double> radii_;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,172 @@
+#include "measure/packs.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/measure/density.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+/// A ball whose signed distance is cut off at a depth, as that of a mesh is.
+class ShallowBall : public Domain<3> {
+public:
+    ShallowBall(double radius, double known) : ball_(ballDomain<3>(radius)), known_(known) {}
+    Box<3> bounds() const override { return ball_->bounds(); }
+    double measure() const override { return ball_->measure(); }
+    double wallMeasure() const override { return ball_->wallMeasure(); }
+    double measureDeeperThan(double depth) const override {
+        return ball_->measureDeeperThan(depth);
+    }
+    double fieldDepth() const override { return known_; }
+    DomainFacts facts() const override { return ball_->facts(); }
+    std::unique_ptr<DomainSampler<3>> sampler() const override {
+        struct Sampler : DomainSampler<3> {
+            std::unique_ptr<DomainSampler<3>> ball;
+            double known = 0;
+            double signedDistance(const Vec<3>& x) override {
+                return std::clamp(ball->signedDistance(x), -known, 0.5);
+            }
+            bool nearestWall(const Vec<3>& x, double reach, WallPoint<3>& wall) override {
+                return ball->nearestWall(x, reach, wall);
+            }
+        };
+        auto s = std::make_unique<Sampler>();
+        s->ball = ball_->sampler();
+        s->known = known_;
+        return s;
+    }
+
+private:
+    std::shared_ptr<const Domain<3>> ball_;
+    double known_;
+};
+
+/// Share of the ball of radius `R` covered by lattice spheres of radius 1, by plain sampling.
+double sampledFraction(const std::vector<Sphere<3>>& spheres, double R) {
+    RandomStream random(3, 3);
+    int inside = 0, covered = 0;
+    while (inside < 40000) {
+        Vec<3> x;
+        for (int i = 0; i < 3; ++i) x[i] = (2 * random.uniform() - 1) * R;
+        if (squaredLength(x) > R * R) continue;
+        ++inside;
+        covered += std::any_of(spheres.begin(), spheres.end(), [&](const Sphere<3>& s) {
+            return squaredLength(x - s.center) < s.radius * s.radius;
+        });
+    }
+    return static_cast<double>(covered) / inside;
+}
+
+}  // namespace
+
+TEST_CASE("lattices fill what crystallography says", "[measure]") {
+    const auto [lattice, expected] =
+        GENERATE(std::make_tuple(Lattice::sc, kPi / 6),
+                 std::make_tuple(Lattice::bcc, kPi * std::sqrt(3.0) / 8),
+                 std::make_tuple(Lattice::fcc, kPi / std::sqrt(18.0)));
+    double edge = 0;
+    const int cells = 14;
+    const auto spheres = latticeSpheres(lattice, cells, edge);
+    // Whole cells of the lattice, whose boundary the interior is cut along by the depth.
+    const double border = 2 * edge;
+    const auto domain = boxDomain<3>(Box<3>{{{0, 0, 0}}, Vec<3>{{1, 1, 1}} * (cells * edge)});
+    REQUIRE(*interiorFraction(spheres, *domain, border) == Approx(expected).margin(2e-4));
+    REQUIRE(solidFraction(spheres, *domain) == Approx(expected).epsilon(1e-12));
+}
+
+TEST_CASE("squares of circles fill a quarter of pi", "[measure]") {
+    std::vector<Sphere<2>> circles = disjointSpheres<2>(30, 1);
+    for (auto& c : circles) c.radius = 1;
+    const auto domain = boxDomain<2>(Box<2>{{{0, 0}}, {{60, 60}}});
+    REQUIRE(solidFraction(circles, *domain) == Approx(kPi / 4));
+    REQUIRE(*interiorFraction(circles, *domain, 6.0) == Approx(kPi / 4).margin(2e-4));
+    REQUIRE(*interiorFraction(circles, *domain, 5.0) == Approx(kPi / 4).margin(2e-4));
+    REQUIRE_FALSE(interiorFraction(circles, *domain, 30.5));
+}
+
+TEST_CASE("a field that ends at the depth asked for gives the same interior", "[measure]") {
+    double edge = 0;
+    auto spheres = latticeSpheres(Lattice::fcc, 14, edge);
+    for (auto& s : spheres) s.center -= Vec<3>{{1, 1, 1}} * (7 * edge);
+    const double R = 18, depth = 3;
+    const auto exact = interiorFraction(spheres, *ballDomain<3>(R), depth);
+    const auto shallow = interiorFraction(spheres, ShallowBall(R, depth), depth);
+    const auto barely = interiorFraction(spheres, ShallowBall(R, depth + 0.4), depth);
+    REQUIRE(*exact == Approx(sampledFraction(spheres, R - depth)).margin(0.01));
+    REQUIRE(*shallow == Approx(*exact).margin(1e-3));
+    REQUIRE(*barely == Approx(*exact).margin(1e-3));
+    REQUIRE_THROWS_AS(interiorFraction(spheres, ShallowBall(R, depth), depth + 0.1),
+                      ParameterError);
+    REQUIRE_THROWS_AS(interiorFraction(spheres, *ballDomain<3>(R), -1.0), ParameterError);
+}
+
+TEST_CASE("an empty ball has its largest place in the middle", "[measure]") {
+    const auto domain = ballDomain<3>(10, {{5, 6, 7}});
+    const auto check = findPlaces<3>({}, *domain, 9.0, 200000);
+    REQUIRE(check.largest <= 10);
+    REQUIRE(check.largest > 10 - check.spacing);
+    REQUIRE(length(check.at - Vec<3>{{5, 6, 7}}) < check.spacing);
+    // Points within 1 of the middle: a thousandth of them all.
+    REQUIRE(static_cast<double>(check.places) == Approx(200).epsilon(0.1));
+}
+
+TEMPLATE_TEST_CASE_SIG("a sphere taken out leaves a place of its size", "[measure]",
+                       ((int Dim), Dim), 2, 3) {
+    const int n = Dim == 2 ? 12 : 6;
+    auto spheres = disjointSpheres<Dim>(n, 5);
+    for (auto& s : spheres) s.radius = 1;
+    Box<Dim> box{Box<Dim>::filled(0), Box<Dim>::filled(2.0 * n)};
+    const auto domain = boxDomain<Dim>(box);
+    const std::uint64_t points = 300000;
+    // Between touching spheres of a square or cubic lattice: sqrt(Dim) - 1.
+    auto check = findPlaces<Dim>(spheres, *domain, 0.75, points);
+    REQUIRE(check.places == 0);
+    REQUIRE(check.largest <= std::sqrt(Dim) - 1 + 1e-9);
+    REQUIRE(check.largest > std::sqrt(Dim) - 1 - check.spacing);
+    const auto at = spheres[spheres.size() / 2 + n / 2].center;
+    spheres.erase(spheres.begin() + static_cast<std::ptrdiff_t>(spheres.size() / 2 + n / 2));
+    check = findPlaces<Dim>(spheres, *domain, 0.75, points);
+    REQUIRE(check.places > 0);
+    REQUIRE(check.largest <= 1 + 1e-9);
+    REQUIRE(check.largest > 1 - check.spacing);
+    REQUIRE(length(check.at - at) < 2 * check.spacing);
+}
+
+TEST_CASE("places are those of a search over the same clearances", "[measure]") {
+    const auto spheres = randomSpheres<3>(300, 18, 0.5, 8, 21);
+    const auto domain = cylinderDomain(8, 14);
+    const double radius = 1.2;
+    const auto check = findPlaces<3>(spheres, *domain, radius, 400000);
+    RandomStream random(8, 8);
+    const auto sampler = domain->sampler();
+    const auto clearance = [&](const Vec<3>& x) {
+        double c = -sampler->signedDistance(x);
+        for (const auto& s : spheres) c = std::min(c, length(x - s.center) - s.radius);
+        return c;
+    };
+    REQUIRE(clearance(check.at) == Approx(check.largest).epsilon(1e-9));
+    int inside = 0, places = 0;
+    const Box<3> bounds = domain->bounds();
+    while (inside < 40000) {
+        Vec<3> x;
+        for (int i = 0; i < 3; ++i)
+            x[i] = bounds.lo[i] + random.uniform() * (bounds.hi[i] - bounds.lo[i]);
+        if (!(sampler->signedDistance(x) < 0)) continue;
+        ++inside;
+        const double c = clearance(x);
+        places += c >= radius;
+        REQUIRE(c <= check.largest + check.spacing);
+    }
+    // Ten times fewer points at random: four standard errors.
+    REQUIRE(static_cast<double>(check.places) / 10 ==
+            Approx(places).margin(4 * std::sqrt(static_cast<double>(places)) + 4));
+    REQUIRE_THROWS_AS(findPlaces<3>(spheres, *domain, 0.0), ParameterError);
+}

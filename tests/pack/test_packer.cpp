@@ -1,0 +1,237 @@
+#include "vdbpack/pack/packer.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/domain/analytic_domain.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+
+using namespace vdbpack;
+
+namespace {
+
+template <int Dim>
+Box<Dim> cube(double side) {
+    return {Box<Dim>::filled(-side / 2), Box<Dim>::filled(side / 2)};
+}
+
+template <int Dim>
+std::map<std::string, std::shared_ptr<const Domain<Dim>>> domains() {
+    std::map<std::string, std::shared_ptr<const Domain<Dim>>> all;
+    const double size = Dim == 3 ? 24 : 90;
+    all["box"] = boxDomain<Dim>(cube<Dim>(size));
+    all["ball"] = ballDomain<Dim>(size / 2);
+    if constexpr (Dim == 3) {
+        all["cylinder"] = cylinderDomain(size / 2, size);
+        HalfSpace<3> cut;
+        cut.normal = {{1, 1, 0.3}};
+        cut.offset = 3;
+        all["clipped ball"] = clippedDomain<3>(ballDomain<3>(size / 2), {cut});
+    }
+    return all;
+}
+
+template <int Dim>
+PackResult<Dim> packWith(const Domain<Dim>& domain, std::uint64_t seed, int threads,
+                         const std::string& spec = "uniform:1,2") {
+    PackOptions options(SizeDistribution::parse(spec, Dim));
+    options.seed = seed;
+    options.threads = threads;
+    options.blockSide = 16;
+    return packSpheres(domain, options);
+}
+
+template <int Dim>
+double solidFraction(const Pack<Dim>& pack, const Domain<Dim>& domain) {
+    double sum = 0;
+    for (const auto& s : pack.spheres) sum += Measure<Dim>::ball(s.radius);
+    return sum / domain.measure();
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("spheres stay inside, do not overlap and touch what they rest on", "[pack]",
+                       ((int Dim), Dim), 2, 3) {
+    const auto seed = GENERATE(1u, 2u, 3u);
+    for (const auto& [name, domain] : domains<Dim>()) {
+        CAPTURE(Dim, seed, name);
+        const auto result = packWith<Dim>(*domain, seed, 2);
+        const auto& spheres = result.pack.spheres;
+        REQUIRE(spheres.size() > 100);
+        CHECK(result.fronts >= 1);
+        const auto sampler = domain->sampler();
+        std::size_t fewContacts = 0;
+        for (std::size_t i = 0; i < spheres.size(); ++i) {
+            const auto& s = spheres[i];
+            REQUIRE(sampler->signedDistance(s.center) < 0);
+            WallPoint<Dim> wall;
+            REQUIRE_FALSE(sampler->nearestWall(s.center, s.radius, wall));
+            for (int d = 0; d < Dim; ++d) REQUIRE(std::remainder(s.center[d], result.quantum) == 0);
+            int contacts = sampler->nearestWall(s.center, s.radius * (1 + 1e-5), wall) ? 1 : 0;
+            for (std::size_t j = 0; j < spheres.size(); ++j) {
+                if (i == j) continue;
+                const double open = gap(s, spheres[j]);
+                REQUIRE(open >= 0);
+                if (open < 1e-5) ++contacts;
+            }
+            if (contacts < Dim) ++fewContacts;
+        }
+        // The first spheres of a front rest on fewer, and one in a corner touches a wall that
+        // is counted once.
+        CHECK(static_cast<double>(fewContacts) < static_cast<double>(Dim * result.fronts) +
+                                                     0.03 * static_cast<double>(spheres.size()));
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("a pack is the same for any number of threads", "[pack]", ((int Dim), Dim),
+                       2, 3) {
+    const auto seed = GENERATE(range(1u, 6u));
+    CAPTURE(Dim, seed);
+    const auto domain = ballDomain<Dim>(Dim == 3 ? 24.0 : 60.0);
+    const auto one = packWith<Dim>(*domain, seed, 1);
+    const auto eight = packWith<Dim>(*domain, seed, 8);
+    REQUIRE(one.blocks > 8);
+    REQUIRE(one.pack.spheres == eight.pack.spheres);
+    const auto other = packWith<Dim>(*domain, seed + 100, 2);
+    REQUIRE_FALSE(one.pack.spheres == other.pack.spheres);
+}
+
+TEMPLATE_TEST_CASE_SIG("no place is left that could take a mean sphere", "[pack]", ((int Dim), Dim),
+                       2, 3) {
+    for (const auto& [name, domain] : domains<Dim>()) {
+        CAPTURE(Dim, name);
+        const auto result = packWith<Dim>(*domain, 5, 2);
+        const auto sampler = domain->sampler();
+        RandomStream random(11, 0);
+        const Box<Dim> bounds = domain->bounds();
+        double largest = 0;
+        for (int k = 0; k < 40000; ++k) {
+            Vec<Dim> x;
+            for (int d = 0; d < Dim; ++d)
+                x[d] = bounds.lo[d] + random.uniform() * (bounds.hi[d] - bounds.lo[d]);
+            double room = -sampler->signedDistance(x);
+            for (const auto& s : result.pack.spheres) {
+                if (room < largest) break;
+                room = std::min(room, length(s.center - x) - s.radius);
+            }
+            largest = std::max(largest, room);
+        }
+        CHECK(largest < 1.02 * 1.5);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("packs are dense and follow the distribution", "[pack]", ((int Dim), Dim), 2,
+                       3) {
+    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 60.0 : 300.0));
+    PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
+    const auto result = packSpheres(*domain, options);
+    CHECK(solidFraction(result.pack, *domain) > (Dim == 3 ? 0.59 : 0.815));
+    std::vector<double> radii;
+    for (const auto& s : result.pack.spheres) radii.push_back(s.radius);
+    std::sort(radii.begin(), radii.end());
+    double ks = 0;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+        ks = std::max(ks, std::fabs(options.sizes.cdf(radii[i]) -
+                                    static_cast<double>(i) / static_cast<double>(radii.size())));
+    CHECK(ks < 0.01);
+}
+
+TEST_CASE("more effort is denser", "[pack]") {
+    const auto domain = boxDomain<3>(cube<3>(50));
+    double before = 0.57;
+    for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense}) {
+        PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+        options.effort = effort;
+        const double fraction = solidFraction(packSpheres(*domain, options).pack, *domain);
+        CHECK(fraction > before);
+        before = fraction;
+    }
+}
+
+TEST_CASE("blocks cost little density", "[pack]") {
+    const auto domain = boxDomain<3>(cube<3>(80));
+    PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+    options.blockSide = 1000;
+    const double one = solidFraction(packSpheres(*domain, options).pack, *domain);
+    options.blockSide = 0;
+    const double many = solidFraction(packSpheres(*domain, options).pack, *domain);
+    CHECK(many > one - 0.004);
+}
+
+TEMPLATE_TEST_CASE_SIG("moving or scaling the domain does the same to the fraction", "[pack]",
+                       ((int Dim), Dim), 2, 3) {
+    const double size = Dim == 3 ? 30 : 120;
+    const double plain = [&] {
+        const auto domain = boxDomain<Dim>(cube<Dim>(size));
+        return solidFraction(packWith<Dim>(*domain, 1, 2).pack, *domain);
+    }();
+    Box<Dim> moved = cube<Dim>(size);
+    for (int d = 0; d < Dim; ++d) moved.lo[d] += 1e4 + d, moved.hi[d] += 1e4 + d;
+    const auto far = boxDomain<Dim>(moved);
+    CHECK(solidFraction(packWith<Dim>(*far, 1, 2).pack, *far) == Approx(plain).margin(0.004));
+    const double unit = 1e-3;  // a bone in micrometers or in meters
+    const auto small = boxDomain<Dim>(cube<Dim>(size * unit));
+    PackOptions options(SizeDistribution::parse("uniform:0.001,0.002", Dim));
+    options.blockSide = 16 * unit;
+    CHECK(solidFraction(packSpheres(*small, options).pack, *small) == Approx(plain).margin(0.004));
+}
+
+TEST_CASE("the target count is met", "[pack]") {
+    const auto domain = cylinderDomain(30, 80);
+    PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+    const double scale = scaleForCount(*domain, options, 9000);
+    options.sizes = options.sizes.scaled(scale);
+    const auto count = static_cast<double>(packSpheres(*domain, options).pack.spheres.size());
+    CHECK(count == Approx(9000).epsilon(0.02));
+    CHECK_THROWS_AS(scaleForCount(*domain, options, 0), ParameterError);
+}
+
+TEST_CASE("the maximum count stops the pack", "[pack]") {
+    const auto domain = ballDomain<3>(20.0);
+    PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+    options.maxCount = 100;
+    CHECK(packSpheres(*domain, options).pack.spheres.size() == 100);
+}
+
+TEST_CASE("a radius that fits nowhere is refused with the largest place", "[pack]") {
+    const auto domain = ballDomain<3>(3.0);
+    PackOptions options(SizeDistribution::parse("uniform:4,5", 3));
+    CHECK_THROWS_AS(packSpheres(*domain, options), InputError);
+    CHECK_THROWS_WITH(packSpheres(*domain, options), Catch::Contains("largest place has radius 3"));
+    const Sphere<3> place = largestPlace(*domain);
+    CHECK(place.radius == Approx(3).epsilon(1e-4));
+    CHECK(length(place.center) < 0.01);
+}
+
+TEST_CASE("an absurd count is refused before the work", "[pack]") {
+    const auto domain = boxDomain<3>(cube<3>(1000));
+    PackOptions options(SizeDistribution::parse("uniform:0.001,0.002", 3));
+    CHECK_THROWS_AS(packSpheres(*domain, options), ResourceError);
+}
+
+TEST_CASE("a sphere that just fits is placed", "[pack]") {
+    const auto domain = ballDomain<3>(1.0001);
+    PackOptions options(SizeDistribution::parse("constant:1", 3));
+    CHECK(packSpheres(*domain, options).pack.spheres.size() == 1);
+}
+
+TEST_CASE("a cancelled pack keeps what is complete and valid", "[pack]") {
+    const auto domain = boxDomain<3>(cube<3>(100));
+    PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+    std::atomic<int> reports{0};
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) {
+        ++reports;
+        CHECK(p.fraction <= 1);
+    };
+    callbacks.cancelled = [&] { return reports >= 4; };
+    const auto result = packSpheres(*domain, options, callbacks);
+    CHECK(result.interrupted);
+    CHECK(result.pack.spheres.size() > 100);
+    CHECK(solidFraction(result.pack, *domain) < 0.5);
+}

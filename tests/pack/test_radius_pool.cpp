@@ -1,0 +1,62 @@
+#include "vdbpack/pack/radius_pool.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+using namespace vdbpack;
+
+TEST_CASE("what a pool hands out follows the distribution, whatever is taken", "[pack][pool]") {
+    const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
+    const auto seed = GENERATE(range(1u, 6u));
+    // Always the largest, always the smallest, or alternating: the pool must not drift.
+    const int habit = GENERATE(0, 1, 2);
+    CAPTURE(seed, habit);
+    RadiusPool pool(sizes, seed, 7, 64);
+    pool.refill();
+    std::vector<double> taken;
+    for (int i = 0; i < 20000; ++i) {
+        const bool large = habit == 0 || (habit == 2 && i % 2 == 0);
+        const std::size_t k = large ? pool.size() - 1 : 0;
+        taken.push_back(pool[k]);
+        pool.take(k);
+        REQUIRE(std::is_sorted(&taken[0], &taken[0]));
+    }
+    std::sort(taken.begin(), taken.end());
+    double ks = 0;
+    for (std::size_t i = 0; i < taken.size(); ++i)
+        ks = std::max(ks, std::fabs(sizes.cdf(taken[i]) -
+                                    static_cast<double>(i) / static_cast<double>(taken.size())));
+    // All that is missing are the radii still pending.
+    CHECK(ks < (static_cast<double>(pool.size()) + 20) / 20000);
+}
+
+TEST_CASE("a full pool is sorted and always has a radius up to the mean", "[pack][pool]") {
+    const auto sizes = SizeDistribution::parse("lognormal:1,0.5,0.3,3", 3);
+    RadiusPool pool(sizes, 3, 1, 16);
+    pool.refill();
+    for (int i = 0; i < 1000; ++i) {
+        REQUIRE(pool.size() >= 16);
+        REQUIRE(pool.smallest() <= sizes.mean());
+        for (std::size_t k = 1; k < pool.size(); ++k) REQUIRE(pool[k - 1] <= pool[k]);
+        REQUIRE(pool.countUpTo(pool.largest()) == pool.size());
+        REQUIRE(pool.countUpTo(pool.smallest() * 0.5) == 0);
+        pool.take(0);
+    }
+}
+
+TEST_CASE("an absorbed pool loses nothing", "[pack][pool]") {
+    const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
+    RadiusPool a(sizes, 1, 1, 32), b(sizes, 1, 2, 32);
+    a.refill();
+    b.refill();
+    std::vector<double> all;
+    for (std::size_t k = 0; k < 32; ++k) all.push_back(a[k]), all.push_back(b[k]);
+    std::sort(all.begin(), all.end());
+    a.absorb(b);
+    REQUIRE(b.size() == 0);
+    REQUIRE(a.size() == 64);
+    for (std::size_t k = 0; k < 64; ++k) CHECK(a[k] == all[k]);
+}

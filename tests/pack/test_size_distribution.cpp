@@ -1,0 +1,110 @@
+#include "vdbpack/pack/size_distribution.h"
+
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/sphere.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <fstream>
+
+using namespace vdbpack;
+
+TEST_CASE("quantile and cdf of a continuous distribution are inverse", "[pack][sizes]") {
+    const auto spec = GENERATE(as<std::string>{}, "uniform:1,2", "normal:1.5,0.3,1,2",
+                               "lognormal:1,0.5,0.3,3", "normal:5,0.1,1,5.2");
+    CAPTURE(spec);
+    const auto sizes = SizeDistribution::parse(spec, 3);
+    double before = 0;
+    for (int i = 0; i <= 1000; ++i) {
+        const double u = i / 1000.0;
+        const double r = sizes.quantile(u);
+        REQUIRE(r >= sizes.min());
+        REQUIRE(r <= sizes.max());
+        REQUIRE(r >= before);
+        REQUIRE(sizes.cdf(r) == Approx(u).margin(2e-4));
+        before = r;
+    }
+    REQUIRE(sizes.cdf(sizes.min() * 0.999) == 0);
+    REQUIRE(sizes.cdf(sizes.max()) == 1);
+}
+
+TEST_CASE("moments match the integrals", "[pack][sizes]") {
+    const auto uniform = SizeDistribution::parse("uniform:1,2", 3);
+    CHECK(uniform.mean() == Approx(1.5));
+    CHECK(uniform.meanBall(3) == Approx(Measure<3>::ball(1) * 15.0 / 4));
+    CHECK(uniform.meanBall(2) == Approx(kPi * 7.0 / 3));
+    // A wide truncation leaves the plain log-normal mean.
+    const auto lognormal = SizeDistribution::parse("lognormal:2,0.25,0.1,40", 3);
+    CHECK(lognormal.mean() == Approx(2 * std::exp(0.25 * 0.25 / 2)).epsilon(1e-4));
+    const auto scaled = uniform.scaled(3);
+    CHECK(scaled.mean() == Approx(4.5));
+    CHECK(scaled.meanBall(3) == Approx(27 * uniform.meanBall(3)));
+    CHECK(scaled.max() == Approx(6));
+}
+
+TEST_CASE("drawn radii are floats inside the range", "[pack][sizes]") {
+    // 0.31 and 0.62 are not floats: rounding must not leave the range.
+    const auto sizes = SizeDistribution::parse("uniform:0.31,0.62", 3);
+    for (const double u : {0.0, 1e-9, 0.3, 1 - 1e-9, 1.0}) {
+        const double r = sizes.quantile(u);
+        CHECK(r == static_cast<double>(static_cast<float>(r)));
+        CHECK(r >= 0.31);
+        CHECK(r <= 0.62);
+    }
+}
+
+TEST_CASE("a table is discrete and can be weighted by volume", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("sizes.csv");
+    std::ofstream(file) << "radius,weight\n2,1\n1,8\n";
+    const auto byCount = SizeDistribution::parse("table:" + file, 3);
+    CHECK(byCount.cdf(1) == Approx(8.0 / 9));
+    CHECK(byCount.cdfBelow(1) == 0);
+    CHECK(byCount.quantile(0.5) == 1);
+    CHECK(byCount.quantile(0.95) == 2);
+    // Equal volumes of r = 1 and (1/8 of them) r = 2 ... weights 8 and 1 by volume are 64 to 1.
+    const auto byVolume = SizeDistribution::parse("table:" + file, 3, WeightBy::volume);
+    CHECK(byVolume.cdf(1) == Approx(64.0 / 65));
+}
+
+TEST_CASE("a grading curve is met by mass", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("curve.csv");
+    std::ofstream(file) << "diameter,finer\n1,0\n2,30\n4,100\n";
+    const auto sizes = SizeDistribution::parse("psd:" + file, 3);
+    double mass = 0, below = 0;
+    constexpr int kDraws = 200000;
+    for (int i = 0; i < kDraws; ++i) {
+        const double r = sizes.quantile((i + 0.5) / kDraws);
+        mass += r * r * r;
+        if (r < 1) below += r * r * r;
+    }
+    CHECK(below / mass == Approx(0.3).margin(1e-3));
+}
+
+TEST_CASE("a malformed SPEC is refused with its form", "[pack][sizes]") {
+    const auto spec = GENERATE(
+        as<std::string>{}, "", "uniform", "uniform:", "uniform:1", "uniform:1,2,3", "uniform:2,1",
+        "uniform:0,1", "uniform:-1,1", "uniform:nan,1", "uniform:1,inf", "uniform:1,2x",
+        "uniform:1e300,2e300", "constant:", "constant:-1", "normal:1,0,1,2", "normal:1,1,2,2",
+        "normal:1,0.01,5,6", "lognormal:0,1,1,2", "gauss:1,2", "table:", "psd:");
+    CAPTURE(spec);
+    REQUIRE_THROWS_AS(SizeDistribution::parse(spec, 3), ParameterError);
+}
+
+TEST_CASE("a bad table is refused with its line", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("bad.csv");
+    CHECK_THROWS_AS(SizeDistribution::parse("table:" + file, 3), IoError);
+    std::ofstream(file) << "radius,weight\n1,1\nx,2\n";
+    CHECK_THROWS_WITH(SizeDistribution::parse("table:" + file, 3), Catch::Contains("line 3"));
+    std::ofstream(file) << "";
+    CHECK_THROWS_AS(SizeDistribution::parse("table:" + file, 3), InputError);
+    std::ofstream(file) << "1,0\n";
+    CHECK_THROWS_AS(SizeDistribution::parse("table:" + file, 3), InputError);
+    std::ofstream(file) << "1,50\n2,20\n";
+    CHECK_THROWS_AS(SizeDistribution::parse("psd:" + file, 3), InputError);
+}
