@@ -148,16 +148,15 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         return;
     }
     const double scale = recipe.scale * millimetersPer(recipe.unit);
-    if (text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0) {
-        levelSet_ = levelSetDomain(text, recipe.gridName, scale, callbacks);
-        fileBounds_ = levelSet_->bounds();
-        fileVolume_ = levelSet_->measure();
-        return;
+    isLevelSet_ = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
+    if (isLevelSet_) {
+        mesh_ = levelSetMesh(text, recipe.gridName, scale);
+    } else {
+        MeshReadOptions options;
+        options.unit = recipe.unit;
+        options.scale = recipe.scale;
+        mesh_ = readMesh(text, options);
     }
-    MeshReadOptions options;
-    options.unit = recipe.unit;
-    options.scale = recipe.scale;
-    mesh_ = readMesh(text, options);
     fileBounds_ = mesh_->bounds();
     fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
     const double extent = length(fileBounds_.size());
@@ -192,9 +191,10 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         // A pivot must know its clearance up to its reach, and so must the interior fraction.
         options.depth = 3 * maxRadius;
         options.name = recipe_.source;
-        built.mesh = meshDomain(*mesh_, options, callbacks);
-    } else {
-        built.mesh = levelSet_;
+        built.mesh = isLevelSet_ ? levelSetDomain(recipe_.source, recipe_.gridName,
+                                                  recipe_.scale * millimetersPer(recipe_.unit),
+                                                  options, callbacks)
+                                 : meshDomain(*mesh_, options, callbacks);
     }
     built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
     if (slice_) {
@@ -214,7 +214,7 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) 
         shape.clips = clips_;
         return checkProtrusion(spheres, shape);
     }
-    return checkProtrusion(spheres, mesh_ ? *mesh_ : levelSet_->wall(), clips_);
+    return checkProtrusion(spheres, *mesh_, clips_);
 }
 
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
@@ -225,8 +225,7 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) 
         shape->clips = inPlane(clips_, slice_.value_or(0));
         return checkProtrusion(circles, *shape);
     }
-    const TriangleMesh& mesh = mesh_ ? *mesh_ : levelSet_->wall();
-    return checkProtrusion(circles, sliceSegments(mesh, *slice_), inPlane(clips_, *slice_));
+    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
 }
 
 }  // namespace vdbpack

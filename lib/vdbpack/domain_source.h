@@ -36,7 +36,7 @@ public:
 
     int dim() const;         ///< 2 for rect, disc and slices
     double measure() const;  ///< estimate before the field is made, mm^dim
-    bool isFile() const { return mesh_.has_value() || levelSet_ != nullptr; }
+    bool isFile() const { return mesh_.has_value(); }
     const Box<3>& fileBounds() const { return fileBounds_; }
 
     /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).
@@ -58,8 +58,8 @@ public:
 
 private:
     DomainRecipe recipe_;
-    std::optional<TriangleMesh> mesh_;
-    std::shared_ptr<const MeshDomain> levelSet_;
+    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
+    bool isLevelSet_ = false;
     std::shared_ptr<const Domain<3>> space_;  ///< of a shape
     std::shared_ptr<const Domain<2>> plane_;
     std::optional<Shape<3>> shape3_;  ///< the same for checks
