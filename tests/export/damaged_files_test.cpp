@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
 
+#include <filesystem>
 #include <string>
 
 using namespace vdbpack;
@@ -17,8 +18,9 @@ std::string prefixed(const std::string& format, const std::string& path) {
 }
 
 Pack<3> smallPack() {
-    auto pack = latticePack<3>(12, {}, 30, 21);
-    pack.columns.push_back({"name", {}, std::vector<std::string>(12, "left, \"upper\"")});
+    // In one octant: OpenVDB's tree takes 300 kB for each that is touched.
+    auto pack = latticePack<3>(4, {{9, 9, 9}}, 9, 21);
+    pack.columns.push_back({"name", {}, std::vector<std::string>(4, "left, \"upper\"")});
     return pack;
 }
 
@@ -48,9 +50,9 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[export
     // the last sphere of a .vtp or .vdb does not matter.
     const bool announces = format == "ply" || format == "vdb" || format == "vtp";
     std::size_t readable = 0;
-    for (std::size_t size = 0; size < whole.size(); ++size) {
+    for (std::size_t size = whole.size(); size-- > 0;) {
         CAPTURE(size);
-        putContent(path, whole.substr(0, size));
+        std::filesystem::resize_file(path, size);
         readable += reads(prefixed(format, path)) ? 1 : 0;
     }
     if (format == "ply") REQUIRE(readable == 0);
@@ -65,7 +67,7 @@ TEST_CASE("a file with flipped bits is an error or another pack", "[export]") {
     writePack(smallPack(), prefixed(format, path), {});
     const std::string whole = contentOf(path);
     RandomStream random(22, 1);
-    for (int trial = 0; trial < 3000; ++trial) {
+    for (int trial = 0; trial < 500; ++trial) {
         CAPTURE(trial);
         std::string damaged = whole;
         for (int flips = 0; flips < 1 + trial % 4; ++flips)

@@ -298,7 +298,7 @@ TEST_CASE("unusable PLY is refused with line or byte", "[export]") {
                  Contains("cut short"));
     REQUIRE_THAT(errorOf("p.ply", "ply\nformat ascii 1.0\nelement vertex 2\n" + properties +
                                       "1 2 3 4\n1 2 inf 4\n"),
-                 Contains("line 9") && Contains("finite"));
+                 Contains("line 10") && Contains("finite"));
     REQUIRE_THAT(errorOf("p.ply", "ply\nformat pdp 1.0\n"), Contains("line 2"));
     REQUIRE_THAT(errorOf("p.ply",
                          "ply\nformat binary_little_endian 1.0\nelement vertex 1\nproperty "

@@ -29,6 +29,12 @@ bool fits(std::int64_t value) {
 
 }  // namespace
 
+void dropDefaultIds(Pack<3>& pack) {
+    for (std::size_t i = 0; i < pack.id.size(); ++i)
+        if (pack.id[i] != static_cast<std::int64_t>(i)) return;
+    pack.id = {};
+}
+
 PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit)
     : file_(std::move(file)), unit_(unit), names_(names), roles_(names.size()) {
     std::vector<std::string> low;
@@ -241,10 +247,7 @@ void PackBuilder::failRow(const std::string& where) const {
 }
 
 Pack<3> PackBuilder::finish() {
-    bool counts = true;
-    for (std::size_t i = 0; i < pack_.id.size() && counts; ++i)
-        counts = pack_.id[i] == static_cast<std::int64_t>(i);
-    if (counts) pack_.id = {};
+    dropDefaultIds(pack_);
     return std::move(pack_);
 }
 

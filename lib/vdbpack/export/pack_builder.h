@@ -12,6 +12,9 @@
 
 namespace vdbpack {
 
+/// Empties ids that count 0, 1, 2, ...: an empty `id` means just that.
+void dropDefaultIds(Pack<3>& pack);
+
 /// Collects the rows of a pack file. Names say what a column holds, in any case: x, y, z (also
 /// ParaView's Points:0 and Points_0), radius, r or pscale or else diameter, id, region, order,
 /// depth, contacts; all others are kept as further columns.
@@ -49,7 +52,7 @@ public:
     /// @throws InputError "file: where: problem"
     [[noreturn]] void failRow(const std::string& where) const;
 
-    /// The pack in mm. Ids that count 0, 1, 2, ... are dropped as the default that they are.
+    /// The pack in mm, without ids that say nothing.
     Pack<3> finish();
 
 private:

@@ -612,6 +612,7 @@ Pack<3> packOf(const points::PointDataGrid& grid, const std::string& path, Unit 
     }
     Pack<3> pack = builder.finish();
     sortById(pack);
+    dropDefaultIds(pack);
     return pack;
 }
 
