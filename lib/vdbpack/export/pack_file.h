@@ -6,16 +6,16 @@
 
 #include <memory>
 #include <string>
-#include <variant>
 
 namespace vdbpack {
 
 class VdbGrid;
 
-/// Length of an edge of the point grid's voxels in a .vdb file, mm times `scale`: a power of two,
-/// about 8 points a voxel. Positions that are whole multiples of 2^-25 of it survive the file's
-/// 32-bit offsets unchanged.
-/// @param count, measure  spheres, and volume (2D: area) that they fill, mm^Dim.
+/// Length of an edge of the point grid's voxels in a .vdb file, in the unit of `measure`: a power
+/// of two, about 8 points a voxel. Positions that are whole multiples of 2^-25 of it survive the
+/// file's 32-bit offsets unchanged.
+/// @param count    spheres; 1 is returned where there are none.
+/// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
 struct PackWriteOptions {
@@ -23,14 +23,27 @@ struct PackWriteOptions {
     std::string generator;         ///< program and version, recorded where the format can
     /// Written beside the points as `surface` in a .vdb; may be null.
     std::shared_ptr<const VdbGrid> surface;
-    /// Voxel edge of the point grid, mm; 0: from the pack's bounds.
+    /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
+    /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
 };
 
-/// Writes a pack; the format by prefix ("yade:f.txt") or extension: .vdb .vtp .ply .csv.
-/// Whole or absent. @throws ParameterError (unknown format), IoError
+/// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
+/// .csv. Whole or absent: a former file stays as it is until the new one is complete.
+///
+/// .csv and .vtp keep every double and every column. .vdb keeps positions to 2^-26 of a voxel (in
+/// mm those of a packer exactly) and radii as float; points lie sorted by place, and `readPack`
+/// gives them back by id. .ply (float positions, radius, id) and YADE (positions, radius, region)
+/// hold no further attributes. Columns of attributes that are empty are left out. The unit is
+/// recorded in every format but .csv, which has no place for it. 2D: z = `sliceHeight`.
+///
+/// @throws ParameterError (unknown format; attributes of the wrong length; a sphere that is not
+/// finite or has no positive radius), IoError
 template <int Dim>
 void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options);
+
+extern template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
+extern template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
 
 /// Whether `file` names a format that `writePack` knows. @throws ParameterError if not,
 /// with the list of formats: ask before hours of work.
@@ -41,7 +54,13 @@ struct PackReadOptions {
     std::string gridName;          ///< .vdb: the point grid; empty: the first one
 };
 
-/// Reads a pack in mm. @throws IoError, InputError (with line or offset)
+/// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
+/// order and case; id, region, order, depth and contacts where there are; all else as `columns`.
+/// .vtp: ASCII, base64 or raw, plain or deflated. .ply: text or binary, either byte order.
+///
+/// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are in proportion to the file.
+/// @throws IoError, InputError (with line or offset), ParameterError (unknown format),
+/// ResourceError (not enough memory)
 Pack<3> readPack(const std::string& file, const PackReadOptions& options = {});
 
 /// The same spheres as circles, where all lie at one height. @throws InputError otherwise.

@@ -1,0 +1,86 @@
+// Private: numbers in binary files.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <optional>
+#include <string_view>
+
+namespace vdbpack {
+
+/// Types of numbers in .ply and .vtp.
+enum class NumberType { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
+
+inline std::size_t bytesOf(NumberType type) {
+    switch (type) {
+        case NumberType::i8:
+        case NumberType::u8:
+            return 1;
+        case NumberType::i16:
+        case NumberType::u16:
+            return 2;
+        case NumberType::i32:
+        case NumberType::u32:
+        case NumberType::f32:
+            return 4;
+        default:
+            return 8;
+    }
+}
+
+inline bool isReal(NumberType type) {
+    return type == NumberType::f32 || type == NumberType::f64;
+}
+
+inline bool hostIsBigEndian() {
+    const std::uint16_t probe = 1;
+    unsigned char first = 0;
+    std::memcpy(&first, &probe, 1);
+    return first == 0;
+}
+
+/// The value at `bytes`, its bytes in reverse order if `swap`.
+template <typename T>
+T loadAs(const char* bytes, bool swap) {
+    char copy[sizeof(T)];
+    std::memcpy(copy, bytes, sizeof(T));
+    if (swap) std::reverse(copy, copy + sizeof(T));
+    T value;
+    std::memcpy(&value, copy, sizeof(T));
+    return value;
+}
+
+/// A number of `type`: calls `use` with a double or, for whole numbers, an int64.
+/// @return what `use` returns; false for a whole number beyond int64.
+template <typename Use>
+bool loadNumber(NumberType type, const char* bytes, bool swap, const Use& use) {
+    switch (type) {
+        case NumberType::i8:
+            return use(std::int64_t{loadAs<std::int8_t>(bytes, swap)});
+        case NumberType::u8:
+            return use(std::int64_t{loadAs<std::uint8_t>(bytes, swap)});
+        case NumberType::i16:
+            return use(std::int64_t{loadAs<std::int16_t>(bytes, swap)});
+        case NumberType::u16:
+            return use(std::int64_t{loadAs<std::uint16_t>(bytes, swap)});
+        case NumberType::i32:
+            return use(std::int64_t{loadAs<std::int32_t>(bytes, swap)});
+        case NumberType::u32:
+            return use(std::int64_t{loadAs<std::uint32_t>(bytes, swap)});
+        case NumberType::i64:
+            return use(loadAs<std::int64_t>(bytes, swap));
+        case NumberType::u64: {
+            const auto value = loadAs<std::uint64_t>(bytes, swap);
+            return value <= INT64_MAX && use(static_cast<std::int64_t>(value));
+        }
+        case NumberType::f32:
+            return use(static_cast<double>(loadAs<float>(bytes, swap)));
+        case NumberType::f64:
+            return use(loadAs<double>(bytes, swap));
+    }
+    return false;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,73 @@
+// Private: packs from rows of named columns, whatever the format.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/units.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+/// Empties ids that count 0, 1, 2, ...: an empty `id` means just that.
+void dropDefaultIds(Pack<3>& pack);
+
+/// Collects the rows of a pack file. Names say what a column holds, in any case: x, y, z (also
+/// ParaView's Points:0 and Points_0), radius, r or pscale or else diameter, id, region, order,
+/// depth, contacts; all others are kept as further columns.
+class PackBuilder {
+public:
+    /// @param unit  of lengths in the file.
+    /// @throws InputError without a column for x, y, z or the radius, or with two of one name.
+    PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit);
+
+    std::size_t columns() const { return roles_.size(); }
+    /// Whether the column holds whole numbers: set those with the integer form of `set`.
+    bool isWhole(std::size_t column) const;
+    /// Whether the column is none of those that the pack knows by name.
+    bool isFurther(std::size_t column) const { return roles_[column].role == Role::further; }
+    /// Makes a further column one of texts; before the first row.
+    void makeText(std::size_t column) { roles_[column].text = true; }
+    bool isText(std::size_t column) const { return roles_[column].text; }
+
+    void reserve(std::size_t rows);
+    void addRow();
+
+    /// The cell of the last row. @return false if the column cannot hold the value.
+    bool set(std::size_t column, double value);
+    bool set(std::size_t column, std::int64_t value);
+    void setText(std::size_t column, std::string_view value);
+    /// The cell of the last row from text. @return false if the column cannot hold it.
+    bool parse(std::size_t column, std::string_view text);
+
+    /// What is wrong with the last row ("radius is -1; ..."), or an empty text.
+    std::string problem() const;
+
+    /// @throws InputError "file: where: column 'name' is 'value'; ..."
+    [[noreturn]] void failCell(const std::string& where, std::size_t column,
+                               std::string_view value) const;
+    /// @throws InputError "file: where: problem"
+    [[noreturn]] void failRow(const std::string& where) const;
+
+    /// The pack in mm, without ids that say nothing.
+    Pack<3> finish();
+
+private:
+    enum class Role { x, y, z, radius, diameter, id, region, order, depth, contacts, further };
+    struct ColumnRole {
+        Role role = Role::further;
+        std::size_t index = 0;  ///< of the further column
+        bool text = false;
+    };
+
+    std::string file_;
+    Unit unit_;
+    std::vector<std::string> names_;
+    std::vector<ColumnRole> roles_;
+    Pack<3> pack_;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,221 @@
+#include "vdbpack/export/pack_file.h"
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_formats.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr const char* kFormats = "use .vdb, .vtp, .ply, .csv or yade:FILE";
+
+enum class Format { vdb, vtp, ply, csv, yade };
+
+struct Target {
+    Format format;
+    std::string path;
+};
+
+bool formatNamed(std::string name, Format& format) {
+    for (char& c : name)
+        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    if (name == "vdb") return format = Format::vdb, true;
+    if (name == "vtp") return format = Format::vtp, true;
+    if (name == "ply") return format = Format::ply, true;
+    if (name == "csv") return format = Format::csv, true;
+    if (name == "yade") return format = Format::yade, true;
+    return false;
+}
+
+/// Format by prefix, else by extension.
+Target target(const std::string& file) {
+    Target t{Format::csv, file};
+    const auto colon = file.find(':');
+    if (colon != std::string::npos && formatNamed(file.substr(0, colon), t.format)) {
+        t.path = file.substr(colon + 1);
+        if (t.path.empty())
+            throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
+        return t;
+    }
+    const auto dot = file.rfind('.');
+    const auto slash = file.rfind('/');
+    const bool extended =
+        dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
+    const std::string extension = extended ? file.substr(dot + 1) : "";
+    // "yade" is a prefix, not an extension.
+    if (formatNamed(extension, t.format) && t.format != Format::yade) return t;
+    throw ParameterError(file + ": '" + (extended ? "." + extension : "") +
+                         "' is not a pack format; " + kFormats);
+}
+
+template <int Dim>
+void checkPack(const Pack<Dim>& pack) {
+    const std::size_t n = pack.spheres.size();
+    const auto check = [n](const std::string& name, std::size_t size) {
+        if (size != 0 && size != n)
+            throw ParameterError(fmt::format(
+                "pack attribute '{}' has {} values for {} spheres; give one each, or none", name,
+                size, n));
+    };
+    check("id", pack.id.size());
+    check("region", pack.region.size());
+    check("order", pack.order.size());
+    check("depth", pack.depth.size());
+    check("contacts", pack.contacts.size());
+    for (const auto& column : pack.columns) {
+        check(column.name, column.numbers.size());
+        check(column.name, column.texts.size());
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto& s = pack.spheres[i];
+        // Float holds no more, in any unit.
+        bool sound = s.radius > 1e-30 && s.radius < 1e30;
+        for (int d = 0; d < Dim; ++d) sound = sound && std::abs(s.center[d]) < 1e30;
+        if (!sound)
+            throw ParameterError(fmt::format(
+                "{} {} has radius {} mm and x = {} mm; a positive radius and finite lengths below "
+                "1e30 mm are needed",
+                Measure<Dim>::kSphere, i, s.radius, s.center[0]));
+    }
+    if (!(std::abs(pack.sliceHeight) < 1e30))
+        throw ParameterError("the height of the slice is not finite; give it in mm");
+}
+
+}  // namespace
+
+double pointVoxelSize(double count, double measure, int dim) {
+    if (!(count > 0) || !(measure > 0) || !std::isfinite(measure / count)) return 1;
+    return std::exp2(std::round(std::log2(8 * measure / count) / dim));
+}
+
+void checkPackFormat(const std::string& file) {
+    target(file);
+}
+
+template <int Dim>
+void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options) {
+    const Target t = target(file);
+    checkPack(pack);
+    if (!(options.pointVoxel >= 0) || !std::isfinite(options.pointVoxel))
+        throw ParameterError(
+            fmt::format("voxel edge of the point grid is {} mm; give a positive "
+                        "length, or 0 to derive it",
+                        options.pointVoxel));
+    const PackView view(pack, options.unit);
+    OutputFile out(t.path);
+    switch (t.format) {
+        case Format::vdb:
+            writeVdb(view, options, out);
+            break;
+        case Format::vtp:
+            writeVtp(view, options, out);
+            break;
+        case Format::ply:
+            writePly(view, options, out);
+            break;
+        case Format::csv:
+            writeCsv(view, out);
+            break;
+        case Format::yade:
+            writeYade(view, options, out);
+            break;
+    }
+    out.commit();
+}
+
+template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
+template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
+
+Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
+    const Target t = target(file);
+    try {
+        switch (t.format) {
+            case Format::vdb:
+                return readVdb(t.path, options);
+            case Format::vtp:
+                return readVtp(t.path, options);
+            case Format::ply:
+                return readPly(t.path, options);
+            case Format::csv:
+                return readCsv(t.path, options);
+            case Format::yade:
+                break;
+        }
+        return readYade(t.path, options);
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(t.path +
+                            ": does not fit into memory; read it on a machine that has more");
+    }
+}
+
+Pack<2> asCircles(const Pack<3>& pack) {
+    Pack<2> circles;
+    circles.spheres.reserve(pack.spheres.size());
+    if (!pack.spheres.empty()) circles.sliceHeight = pack.spheres.front().center[2];
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const auto& s = pack.spheres[i];
+        // One height written in 32 bits and in another unit may come back a little off.
+        const double tolerance = 1e-6 * std::max(s.radius, std::abs(circles.sliceHeight));
+        if (std::abs(s.center[2] - circles.sliceHeight) > tolerance)
+            throw InputError(fmt::format(
+                "sphere {} lies at z = {} mm, sphere 0 at {} mm: these are not circles of one "
+                "slice; treat the pack as spheres",
+                i, s.center[2], circles.sliceHeight));
+        circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
+    }
+    circles.id = pack.id;
+    circles.region = pack.region;
+    circles.order = pack.order;
+    circles.depth = pack.depth;
+    circles.contacts = pack.contacts;
+    circles.columns = pack.columns;
+    return circles;
+}
+
+void writeRows(OutputFile& out, std::size_t rows,
+               const std::function<void(std::string&, std::size_t)>& append) {
+    constexpr std::size_t kRowsPerChunk = 8192;
+    constexpr std::size_t kChunks = 64;
+    std::vector<std::string> chunks(kChunks);
+    for (std::size_t first = 0; first < rows; first += kRowsPerChunk * kChunks) {
+        tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t c) {
+            chunks[c].clear();
+            const std::size_t begin = std::min(rows, first + c * kRowsPerChunk);
+            const std::size_t end = std::min(rows, begin + kRowsPerChunk);
+            for (std::size_t row = begin; row < end; ++row) append(chunks[c], row);
+        });
+        for (const auto& chunk : chunks) out.write(chunk);
+    }
+}
+
+std::string oneLine(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20) c = ' ';
+    return text;
+}
+
+bool parseUnitComment(std::string_view comment, Unit& unit) {
+    const std::string_view key = kUnitComment;
+    const auto at = comment.find(key);
+    if (at == std::string_view::npos) return true;
+    auto name = comment.substr(at + key.size());
+    while (!name.empty() && (name.back() == ' ' || name.back() == '\r')) name.remove_suffix(1);
+    try {
+        unit = parseUnit(std::string(name));
+    } catch (const ParameterError&) {
+        return false;
+    }
+    return true;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,40 @@
+// Private: one writer and one reader for each pack format, and rows of text made in parallel.
+#pragma once
+
+#include "vdbpack/core/output_file.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/export/pack_view.h"
+
+#include <cstddef>
+#include <functional>
+#include <string>
+
+namespace vdbpack {
+
+/// Each writes into `out`, which the caller commits. @throws IoError
+void writeCsv(const PackView& pack, OutputFile& out);
+void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+
+/// Each reads the file at `path`. @throws IoError, InputError
+Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
+Pack<3> readYade(const std::string& path, const PackReadOptions& options);
+Pack<3> readPly(const std::string& path, const PackReadOptions& options);
+Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
+
+/// Writes rows 0 to `rows` - 1 in order; `append(text, row)` adds one row with its line end to
+/// `text` and is called from several threads.
+void writeRows(OutputFile& out, std::size_t rows,
+               const std::function<void(std::string&, std::size_t)>& append);
+
+/// `text` as one line of a comment: control characters become blanks.
+std::string oneLine(std::string text);
+
+/// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
+/// @return false if it names a unit that is not known.
+bool parseUnitComment(std::string_view comment, Unit& unit);
+
+}  // namespace vdbpack
