@@ -20,10 +20,9 @@ namespace vdbpack {
 namespace {
 
 constexpr double kVolumeTolerance = 0.01;
-// Where copies of triangles or edges with many make the volume of a mesh uncertain. Two ways to
-// take the volume of a skull segmented with such flaws differ by 5 %, its field by 2 % from the
-// nearer one.
-constexpr double kDirtyVolumeTolerance = 0.05;
+// Where copies of triangles or edges with many make the volume of a mesh uncertain: two ways to
+// take that of a skull segmented with such flaws differ by 5 %, its field by 7 % from one of them.
+constexpr double kDirtyVolumeTolerance = 0.1;
 constexpr double kMostDefaultVoxels = 4e7;
 // Active voxels beyond this (some 40 GB) are a slip of the units rather than a wish.
 constexpr double kMostVoxels = 5e9;
@@ -268,6 +267,7 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
             "itself {:.6g} mm³)",
             name, flawsOf(health), verdict.fieldVolume, health.enclosedVolume));
 
+    if (!isClean(health)) parts.facing.clear();
     parts.volume = isClean(health) ? health.enclosedVolume : verdict.fieldVolume;
     parts.area = health.area;
     parts.facts.kind = kind;

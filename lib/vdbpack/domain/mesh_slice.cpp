@@ -48,27 +48,30 @@ std::vector<Facet<2>> cut(const TriangleMesh& mesh, const std::vector<std::int8_
             ++crossings;
         }
         if (crossings != 2) continue;
-        if (facing[k] < 0) std::swap(segment[0], segment[1]);
+        if (!facing.empty() && facing[k] < 0) std::swap(segment[0], segment[1]);
         segments.push_back(segment);
     }
     return segments;
 }
 
-/// Signed distances on a square lattice: magnitude from the segments, side from the 3D field.
+/// Signed distances on a square lattice: magnitude from the segments, side from how the outline
+/// winds about a node, or from the 3D field where the outline is not one.
 class SliceDomain : public Domain<2> {
 public:
-    SliceDomain(const MeshDomain& domain, std::vector<Facet<2>> segments, double height)
+    SliceDomain(const MeshDomain& domain, std::vector<Facet<2>> segments, bool oriented,
+                double height)
         : facts_(domain.facts()), depth_(domain.fieldDepth()), bins_(std::move(segments)) {
         facts_.kind = "slice";
         bounds_ = bins_.bounds();
         spacing_ = std::max(0.5 * facts_.voxelSize, std::sqrt(bounds_.measure() / kMostNodes));
-        const Box<2> around = bounds_.grown(3 * spacing_);
+        outside_ = 3 * facts_.voxelSize;
+        const Box<2> around = bounds_.grown(outside_ + spacing_);
         lo_ = around.lo;
         for (int i = 0; i < 2; ++i)
             nodes_[static_cast<std::size_t>(i)] =
                 static_cast<int>(std::ceil(around.size()[i] / spacing_)) + 1;
-        outside_ = 3 * facts_.voxelSize;
-        fillRaster(domain, height);
+        const auto inside = oriented ? insideByWinding() : insideByField(domain, height);
+        fillRaster(inside);
 
         const Vec<2> center = bounds_.center();
         for (const auto& segment : bins_.facets()) {
@@ -77,6 +80,7 @@ public:
             area_ += 0.5 * (a[0] * b[1] - a[1] * b[0]);
             length_ += length(b - a);
         }
+        if (oriented) return;
         const double byRaster = areaDeeperThan(0);
         if (!(std::abs(area_ - byRaster) <= kAreaTolerance * byRaster)) area_ = byRaster;
     }
@@ -112,24 +116,80 @@ public:
     const FacetBins<2>& bins() const { return bins_; }
 
 private:
-    void fillRaster(const MeshDomain& domain, double height) {
+    Vec<2> node(std::size_t column, std::size_t row) const {
+        return {{lo_[0] + static_cast<double>(column) * spacing_,
+                 lo_[1] + static_cast<double>(row) * spacing_}};
+    }
+
+    std::vector<std::uint8_t> insideByField(const MeshDomain& domain, double height) const {
         const auto across = static_cast<std::size_t>(nodes_[0]);
-        raster_.resize(across * static_cast<std::size_t>(nodes_[1]));
-        tbb::parallel_for(
-            tbb::blocked_range<int>(0, nodes_[1], 4), [&](const tbb::blocked_range<int>& rows) {
-                const auto field = domain.sampler();
-                for (int row = rows.begin(); row != rows.end(); ++row)
-                    for (std::size_t i = 0; i < across; ++i) {
-                        const Vec<2> x{
-                            {lo_[0] + static_cast<double>(i) * spacing_, lo_[1] + row * spacing_}};
-                        const bool inside = field->signedDistance({{x[0], x[1], height}}) < 0;
-                        const double most = inside ? depth_ : outside_;
-                        WallPoint<2> wall;
-                        const double distance = bins_.nearest(x, most, wall) ? wall.distance : most;
-                        raster_[static_cast<std::size_t>(row) * across + i] =
-                            static_cast<float>(inside ? -distance : distance);
-                    }
-            });
+        std::vector<std::uint8_t> inside(across * static_cast<std::size_t>(nodes_[1]));
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, inside.size(), 4096),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              const auto field = domain.sampler();
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                                  const Vec<2> x = node(i % across, i / across);
+                                  inside[i] = field->signedDistance({{x[0], x[1], height}}) < 0;
+                              }
+                          });
+        return inside;
+    }
+
+    /// Counts the segments left of a node: those that run down enter the domain, those that run
+    /// up leave it.
+    std::vector<std::uint8_t> insideByWinding() const {
+        struct Crossing {
+            double x;
+            int turn;
+        };
+        const auto across = static_cast<std::size_t>(nodes_[0]);
+        std::vector<std::vector<Crossing>> rows(static_cast<std::size_t>(nodes_[1]));
+        for (const auto& segment : bins_.facets()) {
+            const bool down = segment[0][1] > segment[1][1];
+            const Vec<2>& low = segment[down ? 1 : 0];
+            const Vec<2>& high = segment[down ? 0 : 1];
+            // Rows with low <= y < high, so that each end belongs to one of two segments.
+            auto row = static_cast<std::size_t>(
+                std::max(0.0, std::floor((low[1] - lo_[1]) / spacing_) - 1));
+            for (; row < rows.size(); ++row) {
+                const double y = node(0, row)[1];
+                if (y < low[1]) continue;
+                if (y >= high[1]) break;
+                const double t = (y - low[1]) / (high[1] - low[1]);
+                rows[row].push_back({low[0] + t * (high[0] - low[0]), down ? 1 : -1});
+            }
+        }
+        std::vector<std::uint8_t> inside(across * rows.size());
+        for (std::size_t row = 0; row < rows.size(); ++row) {
+            auto& crossings = rows[row];
+            std::sort(crossings.begin(), crossings.end(),
+                      [](const Crossing& a, const Crossing& b) { return a.x < b.x; });
+            std::size_t next = 0;
+            int winding = 0;
+            for (std::size_t i = 0; i < across; ++i) {
+                for (; next < crossings.size() && crossings[next].x <= node(i, row)[0]; ++next)
+                    winding += crossings[next].turn;
+                inside[row * across + i] = winding > 0;
+            }
+        }
+        return inside;
+    }
+
+    void fillRaster(const std::vector<std::uint8_t>& inside) {
+        const auto across = static_cast<std::size_t>(nodes_[0]);
+        raster_.resize(inside.size());
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, inside.size(), 1024),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                                  const double most = inside[i] ? depth_ : outside_;
+                                  WallPoint<2> wall;
+                                  const double distance =
+                                      bins_.nearest(node(i % across, i / across), most, wall)
+                                          ? wall.distance
+                                          : most;
+                                  raster_[i] = static_cast<float>(inside[i] ? -distance : distance);
+                              }
+                          });
     }
 
     /// Sum of the shares of cells about the nodes that lie deeper.
@@ -180,7 +240,8 @@ std::shared_ptr<const Domain<2>> meshSlice(std::shared_ptr<const MeshDomain> dom
     std::vector<Facet<2>> segments = cut(domain->wall(), facing, height);
     std::shared_ptr<const SliceDomain> slice;
     if (!segments.empty())
-        slice = std::make_shared<SliceDomain>(*domain, std::move(segments), height);
+        slice =
+            std::make_shared<SliceDomain>(*domain, std::move(segments), !facing.empty(), height);
     if (!slice || !(slice->measure() > 0)) {
         const Box<3> bounds = domain->bounds();
         throw InputError(
