@@ -34,12 +34,12 @@ public:
     explicit RecipeFormat(const CLI::App& app) : app_(app) {}
 
     std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-        auto items = CLI::ConfigTOML::from_config(input);
+        auto found = CLI::ConfigTOML::from_config(input);
         const auto running = app_.get_subcommands();
-        if (running.empty()) return items;
-        for (auto& item : items)
+        if (running.empty()) return found;
+        for (auto& item : found)
             if (item.parents.empty()) item.parents = {running.front()->get_name()};
-        return items;
+        return found;
     }
 
 private:

@@ -89,7 +89,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 fmt::print("{}\n", toJson(health).dump(2));
             else
-                fmt::print("{}", describe(health));
+                fmt::print("{}", toText(health));
             return kDone;
         }
     }

@@ -217,6 +217,7 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
         result = packSpheres(*domain, options, callbacks);
     }
     result.pack.sliceHeight = built.sliceHeight;
+    result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
     report.interrupted = result.interrupted;
     report.seconds.pack = clock.lap();
 
