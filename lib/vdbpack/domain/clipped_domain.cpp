@@ -107,6 +107,12 @@ public:
         return distance;
     }
 
+    bool contains(const Vec<Dim>& x) override {
+        for (const auto& plane : planes_)
+            if (dot(plane.normal, x) >= plane.offset) return false;
+        return base_->contains(x);
+    }
+
     // The complement of an intersection is the union of complements, so from inside the nearest
     // of the parts' walls is the nearest wall.
     bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) override {

@@ -29,6 +29,11 @@ public:
     /// trilinear value, off by about a voxel at worst near the wall.
     virtual double signedDistance(const Vec<Dim>& x) = 0;
 
+    /// Whether `x` is inside, by the wall itself: a field can take a pocket outside for inside
+    /// where a gap is narrower than a voxel. Dearer than `signedDistance`; for places where a
+    /// front starts, since what touches a sphere inside is inside.
+    virtual bool contains(const Vec<Dim>& x) { return signedDistance(x) < 0; }
+
     /// The wall point nearest to `x`, if one is closer than `reach`: exact to rounding (for a
     /// mesh, by its triangles). Says nothing of the side `x` is on.
     /// @return false, `wall` untouched, if no wall is closer than `reach`.

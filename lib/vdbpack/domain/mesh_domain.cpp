@@ -7,6 +7,7 @@
 #include "vdbpack/domain/vdb_field.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
 
@@ -62,8 +63,12 @@ std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
 
 class MeshDomainSampler : public DomainSampler<3> {
 public:
-    MeshDomainSampler(const VdbField& field, const FacetBins<3>& bins)
-        : field_(field), bins_(bins), depth_(field.depth()), slack_(0.3 * field.voxelSize()) {}
+    MeshDomainSampler(const VdbField& field, const FacetBins<3>& bins, const MeshSides& sides)
+        : field_(field),
+          bins_(bins),
+          sides_(sides),
+          depth_(field.depth()),
+          slack_(0.3 * field.voxelSize()) {}
 
     double signedDistance(const Vec<3>& x) override {
         if (x != last_) {
@@ -72,6 +77,8 @@ public:
         }
         return distance_;
     }
+
+    bool contains(const Vec<3>& x) override { return sides_.inside(x); }
 
     // A search that knows about how far to look meets fewer triangles; if the field was too wrong
     // for that, it is repeated with the full reach.
@@ -84,6 +91,7 @@ public:
 private:
     VdbField::Sampler field_;
     const FacetBins<3>& bins_;
+    const MeshSides& sides_;
     double depth_;
     double slack_;
     Vec<3> last_{{std::numeric_limits<double>::quiet_NaN(), 0, 0}};
@@ -112,7 +120,11 @@ class FieldDomain : public MeshDomain,
                     public std::enable_shared_from_this<FieldDomain> {
 public:
     explicit FieldDomain(Parts parts)
-        : parts_(std::move(parts)), bins_(facetsOf(parts_.mesh)), bounds_(parts_.mesh.bounds()) {}
+        : parts_(std::move(parts)),
+          bins_(facetsOf(parts_.mesh)),
+          sides_(parts_.mesh,
+                 parts_.facts.boundaryEdges == 0 && parts_.facts.nonManifoldEdges == 0),
+          bounds_(parts_.mesh.bounds()) {}
 
     Box<3> bounds() const override { return bounds_; }
     double measure() const override { return parts_.volume; }
@@ -122,7 +134,7 @@ public:
     }
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
-        return std::make_unique<MeshDomainSampler>(*parts_.field, bins_);
+        return std::make_unique<MeshDomainSampler>(*parts_.field, bins_, sides_);
     }
     DomainFacts facts() const override { return parts_.facts; }
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
@@ -134,6 +146,7 @@ public:
 private:
     Parts parts_;
     FacetBins<3> bins_;
+    MeshSides sides_;
     Box<3> bounds_;
 };
 

@@ -732,9 +732,10 @@ bool BlockFront<Dim>::Work::hasPlace(const Vec<Dim>& center, double edge, Vec<Di
     if (wanted_ > corner && sampler_->nearestWall(global, wanted_ - corner, wall)) return false;
     const bool crossed = wanted_ < 2 * corner && sampler_->nearestWall(global, corner, wall);
     if (!crossed && sampler_->signedDistance(global) > 0) return false;
-    if (room >= wanted_ && clearance(center, wanted_) >= wanted_) {
+    if (room >= wanted_ && !sampler_->nearestWall(global, wanted_, wall)) {
         place = center;
-        return true;
+        // All of a ball that no wall crosses is on one side.
+        return sampler_->contains(global);
     }
     if (edge < kSmallestCell * wanted_) return false;
     for (int child = 0; child < (1 << Dim); ++child) {
@@ -791,7 +792,9 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
         return true;
     });
     WallPoint<Dim> wall;
-    if (overlaps || sampler_->nearestWall(center + origin_, radius, wall)) return;
+    if (overlaps || sampler_->nearestWall(center + origin_, radius, wall) ||
+        !sampler_->contains(center + origin_))
+        return;
     ++seeds_;
     place(center, radius);
     pool_->take(fitting - 1);

@@ -1,0 +1,46 @@
+// Which side of a mesh a point is on, by its triangles alone.
+#pragma once
+
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Inside tests by counting crossings along a line.
+///
+/// Inside means an odd number of crossings, so nested shells bound cavities, whichever way they
+/// face. For a closed mesh whose edges all join two triangles the count along z is exact, lines
+/// through edges and vertices included. For others lines to both sides along the three axes vote,
+/// and a tie is outside. Immutable; shared between threads.
+///
+/// Cost: a few times the mesh's memory; a question passes the triangles over one small cell.
+class MeshSides {
+public:
+    /// @param clean  every edge joins two triangles. `mesh` is welded (mesh_io.h) and copied.
+    MeshSides(const TriangleMesh& mesh, bool clean);
+
+    bool inside(const Vec<3>& x) const;
+
+private:
+    /// Triangles by the cells of a plane that their shadows meet.
+    struct Columns {
+        TriangleMesh mesh;  ///< with the axis of the lines as z
+        Box<3> bounds;
+        int count[2] = {1, 1};
+        double perLength[2] = {0, 0};
+        std::vector<std::uint64_t> start;
+        std::vector<std::uint32_t> triangles;
+
+        explicit Columns(TriangleMesh m);
+        int index(double x, int axis) const;
+        /// Crossings above and below `x`.
+        void cross(const Vec<3>& x, int& above, int& below) const;
+    };
+    static Vec<3> turned(const Vec<3>& v, std::size_t axis);
+
+    std::vector<Columns> axes_;
+};
+
+}  // namespace vdbpack
