@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
@@ -6,7 +7,6 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstring>
@@ -21,28 +21,15 @@ namespace {
 
 using Catch::Matchers::Contains;
 
-/// A folder of its own that goes when the test ends.
-class Folder {
+class Folder : public TemporaryFolder {
 public:
-    Folder() {
-        std::string name = (std::filesystem::temp_directory_path() / "vdbpack-XXXXXX").string();
-        REQUIRE(::mkdtemp(name.data()) != nullptr);
-        path_ = name;
-    }
-    ~Folder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    Folder(const Folder&) = delete;
-    Folder& operator=(const Folder&) = delete;
-    std::string path(const std::string& name) const { return (path_ / name).string(); }
     std::string write(const std::string& name, const std::string& content) const {
-        std::ofstream(path(name), std::ios::binary) << content;
-        return path(name);
+        // File systems push a file that is truncated and written again to the disk at once: with
+        // thousands of variants that is most of the time.
+        std::filesystem::remove(file(name));
+        std::ofstream(file(name), std::ios::binary) << content;
+        return file(name);
     }
-
-private:
-    std::filesystem::path path_;
 };
 
 template <typename T>
@@ -387,10 +374,10 @@ TEST_CASE("unusable files are refused with what and where", "[mesh]") {
         return message;
     };
     SECTION("missing, folder, unknown format, empty, no triangles") {
-        CHECK_THROWS_AS(readMesh(folder.path("none.stl")), IoError);
-        CHECK_THAT(messageOf([&] { readMesh(folder.path("none.stl")); }), Contains("No such file"));
-        std::filesystem::create_directory(folder.path("f.stl"));
-        CHECK_THROWS_AS(readMesh(folder.path("f.stl")), IoError);
+        CHECK_THROWS_AS(readMesh(folder.file("none.stl")), IoError);
+        CHECK_THAT(messageOf([&] { readMesh(folder.file("none.stl")); }), Contains("No such file"));
+        std::filesystem::create_directory(folder.file("f.stl"));
+        CHECK_THROWS_AS(readMesh(folder.file("f.stl")), IoError);
         CHECK_THAT(refusal("skull.vtp", "<VTKFile/>"),
                    Contains("'.vtp'") && Contains(".stl, .obj, .ply or .off"));
         CHECK_THAT(refusal("noextension", "x"), Contains(".stl"));

@@ -20,12 +20,13 @@ using Facet = std::array<Vec<Dim>, static_cast<std::size_t>(Dim)>;
 /// far from all facets is answered by one lookup. Answers are exact to rounding and the same for
 /// any number of threads. Thread-safe.
 ///
-/// Memory: 24 Dim bytes a facet, and cells in proportion to the facets however unequal they are.
+/// Memory: about 200 bytes a triangle of a bone; cells and entries are limited in proportion to
+/// the facets, however unequal these are.
 template <int Dim>
 class FacetBins {
 public:
     /// @param facets  finite corners; facets without area are taken as segments or points.
-    /// Cost: linear in the facets, in parallel; about 0.3 µs a facet of a bone on one core.
+    /// Cost: linear in the facets, in parallel; about 0.5 µs a facet of a bone.
     explicit FacetBins(std::vector<Facet<Dim>> facets);
 
     /// The nearest point of all facets, if closer to `x` than `reach`.

@@ -159,11 +159,6 @@ double VdbField::volumeDeeperThan(double depth) const {
     });
 }
 
-double VdbField::volumeByCount() const {
-    const double h = impl_->voxelSize;
-    return h * h * h * impl_->sumOverVoxels([](float value) { return value < 0 ? 1.0f : 0.0f; });
-}
-
 std::shared_ptr<const VdbGrid> VdbField::surface() const {
     std::call_once(impl_->surfaceOnce, [&] {
         const double h = impl_->voxelSize;

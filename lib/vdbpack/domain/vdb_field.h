@@ -34,9 +34,6 @@ public:
     std::uint64_t activeVoxels() const;
     /// Volume of the part deeper than `depth` mm: sum of the shares of voxels that lie inside.
     double volumeDeeperThan(double depth) const;
-    /// Volume by the number of voxels whose center is inside: noisier, but not misled by walls
-    /// thinner than a voxel.
-    double volumeByCount() const;
     /// The band cut to three voxels on both sides, in mm of the mesh, class level set, named
     /// `surface`. Made on the first call.
     std::shared_ptr<const VdbGrid> surface() const;

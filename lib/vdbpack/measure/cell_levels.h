@@ -195,21 +195,31 @@ template <int Dim>
 template <typename Visit, typename Stopped>
 void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const Visit& visit,
                                   const Stopped& stopped) const {
-    const auto spheres = [&](const tbb::blocked_range<std::uint32_t>& block) {
-        for (std::uint32_t i = block.begin(); i < block.end(); ++i) {
-            const Sphere<Dim>& s = coarse.spheres[i];
+    // From each sphere of one level through the cells of the other: from the coarse ones where
+    // they are few, but a coarse sphere among far smaller cells meets too many of them.
+    const double across = 2 * (coarse.largestRadius / fine.largestRadius + 1) + 1;
+    const double rowsACoarse =
+        std::min(std::pow(across / 2, Dim - 1) + 1, static_cast<double>(fine.spheres.size()));
+    const bool fromCoarse = static_cast<double>(coarse.spheres.size()) * rowsACoarse <=
+                            static_cast<double>(fine.spheres.size()) * std::pow(3, Dim - 1);
+    const Level& from = fromCoarse ? coarse : fine;
+    const Level& through = fromCoarse ? fine : coarse;
+    const auto spheres = [&](const tbb::blocked_range<std::size_t>& block) {
+        for (std::size_t k = block.begin(); k < block.end(); ++k) {
+            const auto i = static_cast<std::uint32_t>(k);
+            const Sphere<Dim>& s = from.spheres[i];
             // A little more than needed, so that rounding of the box loses nothing.
-            const double reach = (s.radius + (1 + slack_) * fine.largestRadius) * (1 + 1e-9);
-            forEachRow(fine, Box<Dim>{s.center, s.center}.grown(reach), [&](const Range& r) {
+            const double reach = (s.radius + through.largestRadius +
+                                  slack_ * std::min(s.radius, through.largestRadius)) *
+                                 (1 + 1e-9);
+            forEachRow(through, Box<Dim>{s.center, s.center}.grown(reach), [&](const Range& r) {
                 for (std::uint32_t j = r.first; j < r.second; ++j)
-                    testPair(coarse, i, fine, j, visit);
+                    testPair(from, i, through, j, visit);
                 return !stopped();
             });
         }
     };
-    tbb::parallel_for(
-        tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(coarse.spheres.size()), 16),
-        spheres);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.spheres.size(), 16), spheres);
 }
 
 template <int Dim>

@@ -111,6 +111,12 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
                             const std::vector<HalfSpace<Dim>>& clips) {
     requireUsable(spheres);
     requireUsable(clips);
+    constexpr std::size_t kMostPieces = 150'000'000;  // bins count their entries in 32 bits
+    if (pieces.size() > kMostPieces)
+        throw ResourceError(
+            fmt::format("wall: {} pieces are more than can be checked at once "
+                        "({}); simplify the mesh",
+                        pieces.size(), kMostPieces));
     const WallTree<Dim> tree(std::move(pieces));
     const WallSides<Dim> sides(tree.pieces());
     const auto order = coherentOrder(spheres);

@@ -313,17 +313,20 @@ WallCrossings<Dim>::WallCrossings(const std::vector<WallPiece<Dim>>& pieces, int
         bins_ = {static_cast<std::size_t>(nu), static_cast<std::size_t>(nv)};
         binSize_ = {su > 0 ? su / static_cast<double>(bins_[0]) : 1.0,
                     sv > 0 ? sv / static_cast<double>(bins_[1]) : 1.0};
-        const std::size_t entries = tbb::parallel_reduce(
-            blocks, std::size_t{0},
-            [&](const auto& block, std::size_t sum) {
-                for (std::size_t i = block.begin(); i < block.end(); ++i)
-                    forEachRun(pieces[i], [&](std::size_t first, std::size_t last) {
-                        sum += last - first + 1;
-                    });
-                return sum;
-            },
-            std::plus<>());
-        if (entries <= 24 * pieces.size() + 1024 || bins_[0] * bins_[1] == 1) break;
+        // Rows count like entries and counting ends at the limit: a mesh of nothing but giant
+        // triangles must not cost the product of triangles and rows.
+        const std::size_t most = 24 * pieces.size() + 1024;
+        std::atomic<std::size_t> entries{0};
+        tbb::parallel_for(blocks, [&](const auto& block) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                if (i % 64 == 0 && entries.load(std::memory_order_relaxed) > most) return;
+                std::size_t sum = 0;
+                forEachRun(pieces[i],
+                           [&](std::size_t first, std::size_t last) { sum += last - first + 1; });
+                entries.fetch_add(sum, std::memory_order_relaxed);
+            }
+        });
+        if (entries <= most || bins_[0] * bins_[1] == 1) break;
         nu = std::max(1.0, nu / 2);
         nv = std::max(1.0, nv / 2);
     }

@@ -726,9 +726,12 @@ bool BlockFront<Dim>::Work::hasPlace(const Vec<Dim>& center, double edge, Vec<Di
         if (least > 0 && square < least * least) return false;
         room = std::min(room, std::sqrt(square) - s.radius);
     }
-    if (-sampler_->signedDistance(center + origin_) <
-        std::min(wanted_ - corner - settings_.fieldError, 0.99 * settings_.fieldDepth))
-        return false;
+    // The field is too coarse a guess here: every cell along the wall would be halved to the end.
+    WallPoint<Dim> wall;
+    const Vec<Dim> global = center + origin_;
+    if (wanted_ > corner && sampler_->nearestWall(global, wanted_ - corner, wall)) return false;
+    const bool crossed = wanted_ < 2 * corner && sampler_->nearestWall(global, corner, wall);
+    if (!crossed && sampler_->signedDistance(global) > 0) return false;
     if (room >= wanted_ && clearance(center, wanted_) >= wanted_) {
         place = center;
         return true;

@@ -1,0 +1,129 @@
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/vdb_init.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <cmath>
+#include <exception>
+#include <new>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+using openvdb::FloatGrid;
+
+/// The grid named, or the first level set; only its header is read to choose.
+FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName) {
+    openvdb::io::File file(path);
+    file.open(/*delayLoad=*/false);
+    std::string chosen;
+    std::string names;
+    const auto headers = file.readAllGridMetadata();
+    for (const auto& header : *headers) {
+        const std::string name = header->getName();
+        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
+        if (!chosen.empty() || (!gridName.empty() && name != gridName)) continue;
+        const bool isFloat = header->isType<FloatGrid>();
+        const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
+        if (isFloat && isLevelSet) {
+            chosen = name;
+        } else if (!gridName.empty()) {
+            throw InputError(fmt::format(
+                "{}: grid '{}' is no level set of floats (type {}, class {}); name one with --grid",
+                path, name, header->type(),
+                openvdb::GridBase::gridClassToString(header->getGridClass())));
+        }
+    }
+    if (chosen.empty())
+        throw InputError(fmt::format(
+            "{}: no level set {}; the grids in it are: {}; name one "
+            "with --grid",
+            path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
+            names.empty() ? "none" : names));
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(chosen));
+    if (!grid) throw InputError(fmt::format("{}: grid '{}' cannot be read", path, chosen));
+    return grid;
+}
+
+}  // namespace
+
+TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
+    if (!(scale > 0) || !std::isfinite(scale))
+        throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
+    initializeOpenVdb();
+    try {
+        const FloatGrid::Ptr grid = readLevelSet(path, gridName);
+        const openvdb::math::Transform transform = grid->transform();
+        if (!transform.isLinear() || !transform.hasUniformScale())
+            throw InputError(fmt::format(
+                "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform",
+                path, grid->getName()));
+        if (grid->activeVoxelCount() == 0)
+            throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid",
+                                         path, grid->getName()));
+        for (auto value = grid->cbeginValueOn(); value; ++value)
+            if (!std::isfinite(*value))
+                throw InputError(
+                    fmt::format("{}: level set '{}' holds a value that is not finite at voxel ({}, "
+                                "{}, {}); write it again",
+                                path, grid->getName(), value.getCoord().x(), value.getCoord().y(),
+                                value.getCoord().z()));
+        // Contoured in voxels and moved in double: a translation far from zero would cost digits.
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+        openvdb::tools::VolumeToMesh mesher(0.0);
+        mesher(*grid);
+
+        TriangleMesh mesh;
+        mesh.vertices.reserve(mesher.pointListSize());
+        for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
+            const openvdb::Vec3s& p = mesher.pointList()[i];
+            const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p)) * scale;
+            mesh.vertices.push_back({{x[0], x[1], x[2]}});
+        }
+        // OpenVDB winds its polygons clockwise seen from outside. A mirroring transform turns
+        // that round.
+        const bool mirrored = transform.baseMap()->determinant() < 0;
+        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+            if (mirrored)
+                mesh.triangles.push_back({a, b, c});
+            else
+                mesh.triangles.push_back({a, c, b});
+        };
+        for (std::size_t i = 0; i < mesher.polygonPoolListSize(); ++i) {
+            const auto& pool = mesher.polygonPoolList()[i];
+            for (std::size_t k = 0; k < pool.numQuads(); ++k) {
+                const openvdb::Vec4I& q = pool.quad(k);
+                add(q[0], q[1], q[2]);
+                add(q[0], q[2], q[3]);
+            }
+            for (std::size_t k = 0; k < pool.numTriangles(); ++k) {
+                const openvdb::Vec3I& t = pool.triangle(k);
+                add(t[0], t[1], t[2]);
+            }
+        }
+        if (mesh.triangles.empty())
+            throw InputError(
+                fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
+                            path, grid->getName()));
+        return mesh;
+    } catch (const openvdb::IoError& e) {
+        throw IoError(fmt::format("{}: {}; give a complete .vdb file", path, e.what()));
+    } catch (const openvdb::Exception& e) {
+        throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(fmt::format("{}: not enough memory to read it", path));
+    } catch (const std::exception& e) {
+        throw IoError(
+            fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
+    }
+}
+
+}  // namespace vdbpack

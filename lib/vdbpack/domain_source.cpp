@@ -1,0 +1,231 @@
+#include "vdbpack/domain_source.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/mesh/mesh_shells.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
+std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
+    std::vector<double> values;
+    const char* at = list.data();
+    const char* const end = at + list.size();
+    for (;;) {
+        double value = 0;
+        const auto [next, failed] = std::from_chars(at, end, value);
+        if (failed != std::errc() || !std::isfinite(value) || (next != end && *next != ','))
+            throw ParameterError(
+                fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+        values.push_back(value);
+        if (next == end) return values;
+        at = next + 1;
+    }
+}
+
+[[noreturn]] void malformed(const std::string& what, const char* form) {
+    throw ParameterError(fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+}
+
+template <int Dim>
+Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const char* form) {
+    Box<Dim> box;
+    if (v.size() != Dim && v.size() != 2 * Dim) malformed(what, form);
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        box.lo[d] = v.size() == Dim ? -v[at] / 2 : v[at];
+        box.hi[d] = v.size() == Dim ? v[at] / 2 : v[at + Dim];
+    }
+    return box;
+}
+
+std::vector<HalfSpace<3>> parseClip(const std::string& text) {
+    const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (what has n.x <= d stays)";
+    const auto colon = text.find(':');
+    const std::string kind = text.substr(0, colon);
+    if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(text, form);
+    const auto v = numbersIn(text, text.substr(colon + 1), form);
+    std::vector<HalfSpace<3>> planes;
+    if (kind == "plane") {
+        if (v.size() != 4) malformed(text, form);
+        HalfSpace<3> plane;
+        plane.normal = {{v[0], v[1], v[2]}};
+        plane.offset = v[3];
+        return {plane};
+    }
+    const Box<3> box = boxFrom<3>(text, v, form);
+    for (int d = 0; d < 3; ++d) {
+        HalfSpace<3> low, high;
+        low.normal[d] = -1;
+        low.offset = -box.lo[d];
+        high.normal[d] = 1;
+        high.offset = box.hi[d];
+        planes.push_back(low);
+        planes.push_back(high);
+    }
+    return planes;
+}
+
+double parseSlice(const std::string& text) {
+    if (text.rfind("z=", 0) != 0) malformed(text, "z=V");
+    const auto v = numbersIn(text, text.substr(2), "z=V");
+    if (v.size() != 1) malformed(text, "z=V");
+    return v[0];
+}
+
+/// A clip of space as a clip of the plane z = height.
+std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, double height) {
+    std::vector<HalfSpace<2>> lines;
+    for (const auto& p : planes) {
+        HalfSpace<2> line;
+        line.normal = {{p.normal[0], p.normal[1]}};
+        line.offset = p.offset - p.normal[2] * height;
+        if (squaredLength(line.normal) > 0) {
+            lines.push_back(line);
+        } else if (line.offset < 0) {
+            throw InputError(fmt::format("--clip leaves nothing at z = {}", height));
+        }
+    }
+    return lines;
+}
+
+}  // namespace
+
+DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks)
+    : recipe_(recipe) {
+    const std::string& text = recipe.source;
+    for (const auto& clip : recipe.clips)
+        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
+    if (recipe.slices.size() > 1)
+        throw ParameterError("--slice is given twice; a pack has one plane: run once for each");
+    if (!recipe.slices.empty()) slice_ = parseSlice(recipe.slices.front());
+    if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
+        throw ParameterError(fmt::format("--scale {} must be positive", recipe.scale));
+
+    const auto colon = text.find(':');
+    const std::string kind = text.substr(0, colon);
+    const bool shape =
+        colon != std::string::npos &&
+        (kind == "box" || kind == "ball" || kind == "cylinder" || kind == "rect" || kind == "disc");
+    if (shape) {
+        const std::string rest = text.substr(colon + 1);
+        if (kind == "box") {
+            const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
+            const auto box = boxFrom<3>(text, numbersIn(text, rest, form), form);
+            space_ = boxDomain<3>(box);
+            shape3_ = Shape<3>::ofBox(box);
+        } else if (kind == "rect") {
+            const char* form = "rect:W,H or rect:x0,y0,x1,y1";
+            const auto box = boxFrom<2>(text, numbersIn(text, rest, form), form);
+            plane_ = boxDomain<2>(box);
+            shape2_ = Shape<2>::ofBox(box);
+        } else if (kind == "cylinder") {
+            const auto v = numbersIn(text, rest, "cylinder:R,H");
+            if (v.size() != 2) malformed(text, "cylinder:R,H");
+            space_ = cylinderDomain(v[0], v[1]);
+            shape3_ = Shape<3>::ofCylinder(v[0], v[1]);
+        } else {
+            const char* form = kind == "ball" ? "ball:R" : "disc:R";
+            const auto v = numbersIn(text, rest, form);
+            if (v.size() != 1) malformed(text, form);
+            if (kind == "ball") {
+                space_ = ballDomain<3>(v[0]);
+                shape3_ = Shape<3>::ofBall(v[0]);
+            } else {
+                plane_ = ballDomain<2>(v[0]);
+                shape2_ = Shape<2>::ofBall(v[0]);
+            }
+        }
+        if (slice_ && plane_)
+            throw ParameterError("--slice cuts a domain of space; '" + text + "' is plane already");
+        return;
+    }
+    const double scale = recipe.scale * millimetersPer(recipe.unit);
+    isLevelSet_ = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
+    if (isLevelSet_) {
+        mesh_ = levelSetMesh(text, recipe.gridName, scale);
+    } else {
+        MeshReadOptions options;
+        options.unit = recipe.unit;
+        options.scale = recipe.scale;
+        mesh_ = readMesh(text, options);
+    }
+    fileBounds_ = mesh_->bounds();
+    fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
+    const double extent = length(fileBounds_.size());
+    if (extent < 2 || extent > 5000)
+        callbacks.warn(fmt::format(
+            "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "
+            "--unit m, cm, mm or um if that is wrong",
+            text, extent, unitName(recipe.unit)));
+}
+
+int DomainSource::dim() const {
+    return plane_ || slice_ ? 2 : 3;
+}
+
+double DomainSource::measure() const {
+    if (plane_ || slice_) return build(0, 0).plane->measure();
+    if (space_) return build(0, 0).space->measure();
+    return std::fabs(fileVolume_);
+}
+
+DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
+                                        const Callbacks& callbacks) const {
+    Built built;
+    if (plane_) {
+        built.plane = clips_.empty() ? plane_ : clippedDomain<2>(plane_, inPlane(clips_, 0));
+        return built;
+    }
+    if (mesh_) {
+        FieldOptions options;
+        options.voxelSize = recipe_.voxelSize;
+        options.detail = minRadius;
+        // A pivot must know its clearance up to its reach, and so must the interior fraction.
+        options.depth = 3 * maxRadius;
+        options.name = recipe_.source;
+        built.mesh = isLevelSet_ ? levelSetDomain(recipe_.source, recipe_.gridName,
+                                                  recipe_.scale * millimetersPer(recipe_.unit),
+                                                  options, callbacks)
+                                 : meshDomain(*mesh_, options, callbacks);
+    }
+    built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
+    if (slice_) {
+        built.sliceHeight = *slice_;
+        built.plane = sliceDomain(built.space, *slice_);
+        if (!clips_.empty()) built.plane = clippedDomain<2>(built.plane, inPlane(clips_, *slice_));
+        built.space = nullptr;
+    } else if (!clips_.empty()) {
+        built.space = clippedDomain<3>(built.space, clips_);
+    }
+    return built;
+}
+
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) const {
+    if (shape3_) {
+        Shape<3> shape = *shape3_;
+        shape.clips = clips_;
+        return checkProtrusion(spheres, shape);
+    }
+    return checkProtrusion(spheres, *mesh_, clips_);
+}
+
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
+    if (shape2_ || shape3_) {
+        auto shape = shape2_ ? shape2_ : sliceShape(*shape3_, *slice_);
+        if (!shape)
+            throw InputError(fmt::format("--slice z={} misses {}", *slice_, recipe_.source));
+        shape->clips = inPlane(clips_, slice_.value_or(0));
+        return checkProtrusion(circles, *shape);
+    }
+    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
+}
+
+}  // namespace vdbpack

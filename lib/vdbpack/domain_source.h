@@ -1,0 +1,73 @@
+// From the words of a command line to a domain: meshes, level sets, shapes, slices and clips.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/units.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/measure/verify.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// What DOMAIN and the options about it say.
+struct DomainRecipe {
+    /// A file (.stl .obj .ply .off .vdb) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R
+    /// cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R (mm, centered at the origin).
+    std::string source;
+    Unit unit = Unit::millimeter;     ///< of the file
+    double scale = 1;                 ///< further factor on the file's lengths
+    std::string gridName;             ///< level set in a .vdb; empty: the first
+    std::vector<std::string> slices;  ///< "z=V" (mm): at most one
+    std::vector<std::string> clips;   ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
+    double voxelSize = 0;             ///< mm; 0: chosen
+};
+
+/// A shape or the content of a file, before radii are known.
+class DomainSource {
+public:
+    /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
+    explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
+
+    int dim() const;         ///< 2 for rect, disc and slices
+    double measure() const;  ///< estimate before the field is made, mm^dim
+    bool isFile() const { return mesh_.has_value(); }
+    const Box<3>& fileBounds() const { return fileBounds_; }
+
+    /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).
+    /// One of the two is null, by dim().
+    struct Built {
+        std::shared_ptr<const Domain<3>> space;
+        std::shared_ptr<const Domain<2>> plane;
+        std::shared_ptr<const MeshDomain> mesh;  ///< what `space` was cut from, if a file
+        double sliceHeight = 0;                  ///< mm
+    };
+    Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {}) const;
+
+    /// How far spheres stick out of the domain's wall itself (triangles or formula), checked
+    /// with none of the code that made the field.
+    ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
+    ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles) const;
+
+    const DomainRecipe& recipe() const { return recipe_; }
+
+private:
+    DomainRecipe recipe_;
+    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
+    bool isLevelSet_ = false;
+    std::shared_ptr<const Domain<3>> space_;  ///< of a shape
+    std::shared_ptr<const Domain<2>> plane_;
+    std::optional<Shape<3>> shape3_;  ///< the same for checks
+    std::optional<Shape<2>> shape2_;
+    std::vector<HalfSpace<3>> clips_;
+    std::optional<double> slice_;
+    Box<3> fileBounds_;
+    double fileVolume_ = 0;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,358 @@
+#include "vdbpack/run.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/output_file.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/density.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/resource.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr double kDefaultCount = 100000;
+/// How far the final count may be from --target-count before the pack is made again.
+constexpr double kCountTolerance = 0.02;
+
+class Clock {
+public:
+    /// Seconds since the last call.
+    double lap() {
+        const auto now = std::chrono::steady_clock::now();
+        const double s = std::chrono::duration<double>(now - last_).count();
+        last_ = now;
+        return s;
+    }
+    double total() const {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    }
+
+private:
+    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    std::chrono::steady_clock::time_point last_ = start_;
+};
+
+std::uint64_t peakMemory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+/// The file behind "prefix:name".
+std::string filePart(const std::string& output) {
+    const auto colon = output.find(':');
+    return colon == std::string::npos ? output : output.substr(colon + 1);
+}
+
+/// Refuses before the work what would fail after it.
+void checkOutputs(const PackRecipe& recipe) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files;
+    for (const auto& output : recipe.outputs) {
+        checkPackFormat(output);
+        files.push_back(filePart(output));
+    }
+    if (!recipe.reportFile.empty()) {
+        const std::string& f = recipe.reportFile;
+        if (f.size() < 6 || f.compare(f.size() - 5, 5, ".json") != 0)
+            throw ParameterError("--report " + f + ": reports are JSON; name it .json");
+        files.push_back(f);
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const fs::path parent = fs::path(files[i]).parent_path();
+        std::error_code ignored;
+        if (!parent.empty() && !fs::is_directory(parent, ignored))
+            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
+                                      parent.string()));
+        if (fs::equivalent(files[i], recipe.domain.source, ignored))
+            throw ParameterError(files[i] + ": is the input itself; name another output");
+        for (std::size_t j = 0; j < i; ++j)
+            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
+    }
+}
+
+/// Distance of each center to the wall: exact near it, else from the field (clamped to its depth).
+template <int Dim>
+std::vector<float> wallDepths(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
+    std::vector<float> depth(spheres.size());
+    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers(
+        [&] { return domain.sampler(); });
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, spheres.size(), 1024),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            auto& sampler = *samplers.local();
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                const auto& s = spheres[i];
+                WallPoint<Dim> wall;
+                depth[i] = static_cast<float>(
+                    sampler.nearestWall(s.center, 1.25 * s.radius, wall)
+                        ? wall.distance
+                        : std::max(1.25 * s.radius, -sampler.signedDistance(s.center)));
+            }
+        });
+    return depth;
+}
+
+template <int Dim>
+double ksOf(const std::vector<Sphere<Dim>>& spheres, const SizeDistribution& sizes) {
+    std::vector<double> radii(spheres.size());
+    for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = spheres[i].radius;
+    return ksDistance(
+        std::move(radii), [&](double r) { return sizes.cdf(r); },
+        [&](double r) { return sizes.cdfBelow(r); });
+}
+
+template <int Dim>
+const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built) {
+    if constexpr (Dim == 3)
+        return built.space;
+    else
+        return built.plane;
+}
+
+/// What can be said of any pack, whoever made it.
+template <int Dim>
+void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
+                 const SizeDistribution* sizes, double contactTolerance, Report& report) {
+    report.dim = Dim;
+    report.count = pack.spheres.size();
+    report.hash = packHash(pack);
+    report.radius = radiusStatistics(pack.spheres);
+    report.overlap = checkOverlap(pack.spheres);
+    report.contactTolerance = contactTolerance;
+    if (sizes) {
+        report.requested = sizes->spec();
+        report.ks = ksOf(pack.spheres, *sizes);
+    }
+    if (domain) {
+        report.domain = domain->facts();
+        report.volume = domain->measure();
+        report.area = domain->wallMeasure();
+        report.protrusion = source->protrusion(pack.spheres);
+        report.solidFractionTotal = solidFraction(pack.spheres, *domain);
+        const double interior = 3 * report.radius.max;
+        if (interior <= domain->fieldDepth())
+            report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
+        pack.depth = wallDepths(pack.spheres, *domain);
+    }
+    auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
+    report.contactsMean = contacts.mean;
+    pack.contacts = std::move(contacts.counts);
+}
+
+bool passed(const Report& report) {
+    return (!report.overlap || report.overlap->pairs == 0) &&
+           (!report.protrusion || report.protrusion->spheres == 0);
+}
+
+/// The sizes asked for, or the default; `count` spheres at which to aim, or 0.
+SizeDistribution requestedSizes(const PackRecipe& recipe, int dim, double& count, Report& report) {
+    count = recipe.targetCount;
+    if (!recipe.radius.empty()) return SizeDistribution::parse(recipe.radius, dim, recipe.weightBy);
+    if (!(count > 0)) {
+        count = kDefaultCount;
+        report.chosen.push_back(
+            fmt::format("about {:.0f} spheres, since neither --radius nor --target-count is given",
+                        kDefaultCount));
+    }
+    report.chosen.push_back("radii uniform with ratio 1:2, since --radius is not given");
+    return SizeDistribution::parse("uniform:1,2", dim);
+}
+
+template <int Dim>
+RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Report report,
+                     Clock& clock, const Callbacks& callbacks) {
+    double target = 0;
+    SizeDistribution sizes = requestedSizes(recipe, Dim, target, report);
+    double scale = 1;
+    if (target > 0) {
+        // Half full is the lowest that is to be expected: the field is deep and fine enough.
+        const double guess = source.measure() / (target * sizes.meanBall(Dim));
+        scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
+    }
+    clock.lap();
+    const auto built = source.build(sizes.min() * scale, sizes.max() * scale * 1.05, callbacks);
+    const std::shared_ptr<const Domain<Dim>>& domain = ofDim<Dim>(built);
+    report.seconds.domain = clock.lap();
+
+    PackOptions options(sizes);
+    options.seed = recipe.seed;
+    options.threads = recipe.threads;
+    options.effort = recipe.effort;
+    options.maxCount = recipe.maxCount;
+    const auto scaled = [&](double factor) {
+        const SizeDistribution s = sizes.scaled(factor);
+        // The formula as the report shows it is what is packed, digit for digit.
+        return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), Dim)
+                                                         : s;
+    };
+    if (target > 0) {
+        scale = scaleForCount(*domain, options, target, callbacks);
+        options.sizes = scaled(scale);
+        report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
+                                            options.sizes.spec(), target, Measure<Dim>::kSpheres));
+    }
+    PackResult<Dim> result = packSpheres(*domain, options, callbacks);
+    for (int again = 0; target > 0 && !result.interrupted && again < 2; ++again) {
+        const double off = static_cast<double>(result.pack.spheres.size()) / target;
+        if (std::fabs(off - 1) < kCountTolerance * 0.9 || recipe.maxCount > 0) break;
+        // Few spheres can't be met to 2 %.
+        if (std::fabs(off - 1) * target < 2) break;
+        scale *= std::pow(off, 1.0 / Dim);
+        options.sizes = scaled(scale);
+        report.chosen.back() = fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
+                                           options.sizes.spec(), target, Measure<Dim>::kSpheres);
+        result = packSpheres(*domain, options, callbacks);
+    }
+    result.pack.sliceHeight = built.sliceHeight;
+    result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
+    report.interrupted = result.interrupted;
+    report.seconds.pack = clock.lap();
+
+    callbacks.report("measure", 0, 0);
+    measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
+                report);
+    report.seconds.measure = clock.lap();
+
+    PackWriteOptions write;
+    write.unit = recipe.outUnit;
+    write.generator = "vdb_pack " + report.version;
+    if (built.mesh) write.surface = built.mesh->grid();
+    // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
+    write.pointVoxel =
+        std::min(pointVoxelSize(static_cast<double>(report.count), domain->measure(), Dim),
+                 result.quantum * 0x1p25);
+    for (const auto& output : recipe.outputs) {
+        callbacks.report("write", 0, 0);
+        writePack(result.pack, output, write);
+        report.files.push_back(filePart(output));
+    }
+    report.seconds.write = clock.lap();
+    report.seconds.total = clock.total();
+    report.peakMemoryBytes = peakMemory();
+    RunResult run;
+    run.passed = passed(report);
+    if (!recipe.reportFile.empty()) report.files.push_back(recipe.reportFile);
+    run.report = std::move(report);
+    run.pack = std::move(result.pack);
+    if (!recipe.reportFile.empty()) {
+        OutputFile file(recipe.reportFile);
+        file.write(toJson(run).dump(2) + "\n");
+        file.commit();
+    }
+    return run;
+}
+
+int effectiveThreads(int threads) {
+    return threads > 0 ? threads : tbb::info::default_concurrency();
+}
+
+VerifyResult checksOf(const Report& report) {
+    VerifyResult checks;
+    checks.count = report.count;
+    checks.radius = report.radius;
+    checks.hash = report.hash;
+    if (report.overlap) checks.overlap = *report.overlap;
+    checks.protrusion = report.protrusion;
+    return checks;
+}
+
+}  // namespace
+
+nlohmann::ordered_json toJson(const RunResult& run) {
+    nlohmann::ordered_json json = toJson(run.report);
+    if (!run.passed)
+        std::visit(
+            [&](const auto& pack) {
+                const auto checks = toJson(checksOf(run.report), pack);
+                if (checks.contains("worst")) json["worst"] = checks["worst"];
+            },
+            run.pack);
+    return json;
+}
+
+std::string failures(const RunResult& run) {
+    if (run.passed) return {};
+    return std::visit([&](const auto& pack) { return describe(checksOf(run.report), pack); },
+                      run.pack);
+}
+
+RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+    checkOutputs(recipe);
+    Clock clock;
+    Report report;
+    report.version = VDBPACK_VERSION;
+    report.command = "pack " + recipe.domain.source;
+    report.seed = recipe.seed;
+    report.threads = effectiveThreads(recipe.threads);
+    // A malformed SPEC is found before a large mesh is read.
+    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    return withThreads(recipe.threads, [&] {
+        const DomainSource source(recipe.domain, callbacks);
+        report.seconds.mesh = clock.lap();
+        return source.dim() == 3
+                   ? packDomain<3>(recipe, source, std::move(report), clock, callbacks)
+                   : packDomain<2>(recipe, source, std::move(report), clock, callbacks);
+    });
+}
+
+RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
+    Clock clock;
+    Report report;
+    report.version = VDBPACK_VERSION;
+    report.command = "verify " + recipe.pack;
+    report.threads = effectiveThreads(recipe.threads);
+    return withThreads(recipe.threads, [&] {
+        PackReadOptions read;
+        read.unit = recipe.packUnit;
+        read.gridName = recipe.packGrid;
+        Pack<3> pack = readPack(recipe.pack, read);
+        if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+        std::optional<DomainSource> source;
+        if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
+        report.seconds.mesh = clock.lap();
+        RunResult run;
+        const auto check = [&](auto& shape, auto dim) {
+            constexpr int Dim = decltype(dim)::value;
+            std::optional<SizeDistribution> sizes;
+            if (!recipe.radius.empty())
+                sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+            DomainSource::Built built;
+            if (source) {
+                const auto radius = radiusStatistics(shape.spheres);
+                built = source->build(radius.min, radius.max, callbacks);
+            }
+            report.seconds.domain = clock.lap();
+            measurePack(shape, source ? &*source : nullptr, ofDim<Dim>(built).get(),
+                        sizes ? &*sizes : nullptr, recipe.contactTolerance, report);
+            report.seconds.measure = clock.lap();
+        };
+        if (source && source->dim() == 2) {
+            Pack<2> circles = asCircles(pack);
+            check(circles, std::integral_constant<int, 2>());
+            run.pack = std::move(circles);
+        } else {
+            check(pack, std::integral_constant<int, 3>());
+            run.pack = std::move(pack);
+        }
+        report.seconds.total = clock.total();
+        report.peakMemoryBytes = peakMemory();
+        run.passed = passed(report);
+        run.report = std::move(report);
+        return run;
+    });
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,70 @@
+// A recipe in, a result out: the order of a whole run, in one place.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/units.h"
+#include "vdbpack/domain_source.h"
+#include "vdbpack/measure/report.h"
+#include "vdbpack/measure/verify.h"
+#include "vdbpack/pack/packer.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstdint>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace vdbpack {
+
+/// Everything that decides a pack: what the command line, the tests and library users fill in.
+struct PackRecipe {
+    DomainRecipe domain;
+    /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
+    std::string radius;
+    WeightBy weightBy = WeightBy::count;  ///< for table:FILE
+    double targetCount = 0;               ///< scale the radii to about this many; 0: as given
+    std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
+    Effort effort = Effort::normal;
+    std::uint64_t seed = 1;
+    int threads = 0;  ///< 0: all cores
+    Unit outUnit = Unit::millimeter;
+    double contactTolerance = 1e-3;    ///< of the smaller radius
+    std::vector<std::string> outputs;  ///< -o
+    std::string reportFile;            ///< .json; empty: none
+};
+
+struct RunResult {
+    Report report;
+    std::variant<Pack<3>, Pack<2>> pack;
+    bool passed = false;  ///< the checks found no overlap and no protrusion
+};
+
+/// The report as JSON; where a check failed, the spheres at fault under `worst`.
+nlohmann::ordered_json toJson(const RunResult& run);
+/// For people: what failed and which spheres are at fault, a line each; empty if all passed.
+std::string failures(const RunResult& run);
+
+/// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
+///
+/// Outputs are checked before the work and written whole or not at all; a pack that fails its own
+/// check is written all the same (nothing is lost) and `passed` is false.
+/// @throws ParameterError, InputError, IoError, ResourceError
+RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
+
+struct VerifyRecipe {
+    std::string pack;  ///< file, any format that readPack knows
+    Unit packUnit = Unit::millimeter;
+    std::string packGrid;  ///< point grid in a .vdb; empty: the first
+    DomainRecipe domain;   ///< `source` empty: overlaps and sizes only
+    std::string radius;    ///< SPEC to hold the radii against; empty: none
+    WeightBy weightBy = WeightBy::count;
+    double contactTolerance = 1e-3;
+    int threads = 0;
+};
+
+/// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.
+RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {});
+
+}  // namespace vdbpack

@@ -1,0 +1,364 @@
+#include "support/generators.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+
+#include <catch2/catch.hpp>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+FieldOptions options(double voxelSize, double depth = 2) {
+    FieldOptions o;
+    o.voxelSize = voxelSize;
+    o.depth = depth;
+    o.detail = voxelSize;
+    o.name = "bone";
+    return o;
+}
+
+Vec<3> randomPoint(RandomStream& random, const Box<3>& box) {
+    Vec<3> x;
+    for (int i = 0; i < 3; ++i) x[i] = box.lo[i] + random.uniform() * (box.hi[i] - box.lo[i]);
+    return x;
+}
+
+/// Largest and mean difference of two domains' signed distances where neither is clamped.
+struct Errors {
+    double largest = 0;
+    double mean = 0;
+};
+
+Errors compare(const Domain<3>& domain, const Domain<3>& exact, double outside) {
+    RandomStream random(11, 1);
+    const auto a = domain.sampler();
+    const auto b = exact.sampler();
+    Errors errors;
+    int count = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec<3> x = randomPoint(random, exact.bounds().grown(outside));
+        const double expected = b->signedDistance(x);
+        if (expected < -0.9 * domain.fieldDepth() || expected > outside) continue;
+        const double error = std::abs(a->signedDistance(x) - expected);
+        errors.largest = std::max(errors.largest, error);
+        errors.mean += error;
+        ++count;
+    }
+    errors.mean /= count;
+    return errors;
+}
+
+std::vector<std::string> warningsOf(const TriangleMesh& mesh, const FieldOptions& o) {
+    std::vector<std::string> warnings;
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+    meshDomain(mesh, o, callbacks);
+    return warnings;
+}
+
+TriangleMesh withoutTriangle(TriangleMesh mesh, std::size_t index) {
+    mesh.triangles.erase(mesh.triangles.begin() + static_cast<long>(index));
+    return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("the field of a ball or box is right within a voxel, better in smaller voxels",
+          "[domain]") {
+    const Box<3> box{{{-4, -5, -6}}, {{5, 4, 3}}};
+    const bool ball = GENERATE(true, false);
+    const auto mesh = ball ? test::ballMesh(6, 5) : test::boxMesh(box.lo, box.hi);
+    const auto exact = ball ? ballDomain<3>(6) : boxDomain<3>(box);
+    Errors coarser{1e9, 1e9};
+    for (const double voxelSize : {1.0, 0.5, 0.25}) {
+        CAPTURE(ball, voxelSize);
+        const auto domain = meshDomain(mesh, options(voxelSize));
+        REQUIRE(domain->fieldDepth() >= 2);
+        const Errors errors = compare(*domain, *exact, 2 * voxelSize);
+        REQUIRE(errors.largest < voxelSize);
+        REQUIRE(errors.mean < 0.7 * coarser.mean);
+        REQUIRE(domain->measure() == Approx(exact->measure()).epsilon(0.003));
+        REQUIRE(domain->wallMeasure() == Approx(exact->wallMeasure()).epsilon(0.003));
+        for (const double depth : {0.5, 1.0, 2.0})
+            REQUIRE(domain->measureDeeperThan(depth) ==
+                    Approx(exact->measureDeeperThan(depth)).epsilon(0.05 * voxelSize));
+        coarser = errors;
+    }
+}
+
+TEST_CASE("the nearest wall of a mesh is exact however coarse the field", "[domain]") {
+    const Box<3> box{{{-4, -5, -6}}, {{5, 4, 3}}};
+    const auto domain = meshDomain(test::boxMesh(box.lo, box.hi), options(1.3));
+    const auto exact = boxDomain<3>(box);
+    const auto a = domain->sampler();
+    const auto b = exact->sampler();
+    RandomStream random(8, 8);
+    for (int i = 0; i < 5000; ++i) {
+        const Vec<3> x = randomPoint(random, box.grown(2));
+        const double reach = 4 * random.uniform();
+        WallPoint<3> found, expected;
+        const bool any = b->nearestWall(x, reach, expected);
+        REQUIRE(a->nearestWall(x, reach, found) == any);
+        if (!any) continue;
+        REQUIRE(std::abs(found.distance - expected.distance) < 1e-12);
+        REQUIRE(length(found.point - x) == Approx(found.distance).margin(1e-12));
+        REQUIRE(std::abs(b->signedDistance(found.point)) < 1e-12);
+    }
+}
+
+TEST_CASE("a cavity stays empty whichever way its triangles face", "[domain]") {
+    const bool inward = GENERATE(true, false);
+    const bool outerFlipped = GENERATE(true, false);
+    auto outer = test::ballMesh(10, 5);
+    if (outerFlipped) outer = test::flipped(outer);
+    auto cavity = test::ballMesh(5, 5);
+    if (inward) cavity = test::flipped(cavity);
+    const auto domain = meshDomain(test::merged(outer, cavity), options(0.4, 4));
+    REQUIRE(domain->measure() == Approx(3665).epsilon(0.01));
+    REQUIRE(domain->measureDeeperThan(1) ==
+            Approx(4.0 / 3 * kPi * (9.0 * 9 * 9 - 6 * 6 * 6)).epsilon(0.01));
+    const auto asker = domain->sampler();
+    REQUIRE(asker->signedDistance({{0, 0, 0}}) > 0);
+    REQUIRE(asker->signedDistance({{4.5, 0, 0}}) == Approx(0.5).margin(0.05));
+    REQUIRE(asker->signedDistance({{0, 7, 0}}) == Approx(-2).margin(0.05));
+    // On the ridge between two walls the field rounds off, to the safe side.
+    REQUIRE(asker->signedDistance({{0, 0, -7.5}}) == Approx(-2.5).margin(0.2));
+    REQUIRE(asker->signedDistance({{0, 11, 0}}) > 0);
+    const auto slice = sliceDomain(domain, 3);
+    REQUIRE(slice->measure() == Approx(kPi * (91 - 16)).epsilon(0.01));
+}
+
+TEST_CASE("shells nest to any depth", "[domain]") {
+    TriangleMesh mesh;
+    double volume = 0;
+    for (int i = 0; i < 5; ++i) {
+        const double radius = 10 - 2 * i;
+        mesh = test::merged(mesh, test::ballMesh(radius, 4));
+        volume += (i % 2 == 0 ? 1 : -1) * Measure<3>::ball(radius);
+    }
+    const auto domain = meshDomain(mesh, options(0.3, 1));
+    REQUIRE(domain->measure() == Approx(volume).epsilon(0.01));
+    REQUIRE(domain->measureDeeperThan(1e-9) == Approx(domain->measure()).epsilon(0.01));
+    const auto asker = domain->sampler();
+    for (int i = 0; i < 5; ++i)
+        REQUIRE((asker->signedDistance({{9.0 - 2 * i, 0, 0}}) < 0) == (i % 2 == 0));
+}
+
+TEST_CASE("pieces side by side are one domain", "[domain]") {
+    const auto mesh = test::merged(test::ballMesh(4, 4), test::ballMesh(3, 4, {{9, 0, 0}}));
+    const auto domain = meshDomain(mesh, options(0.3));
+    REQUIRE(domain->measure() == Approx(Measure<3>::ball(4) + Measure<3>::ball(3)).epsilon(0.01));
+    REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
+    REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
+}
+
+TEST_CASE("a bone far from the origin or in another place on the lattice is the same bone",
+          "[domain]") {
+    const auto mesh = test::ballMesh(5, 4);
+    const auto home = meshDomain(mesh, options(0.4));
+    const Vec<3> shift{{1e4 + 1.0 / 3, -7e3, 123.456}};
+    const auto away = meshDomain(test::translated(mesh, shift), options(0.4));
+    REQUIRE(away->measure() == Approx(home->measure()).epsilon(1e-9));
+    REQUIRE(away->measureDeeperThan(1) == Approx(home->measureDeeperThan(1)).epsilon(1e-4));
+    const auto a = home->sampler();
+    const auto b = away->sampler();
+    RandomStream random(2, 2);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec<3> x = randomPoint(random, home->bounds().grown(1));
+        REQUIRE(std::abs(b->signedDistance(x + shift) - a->signedDistance(x)) < 1e-4);
+        WallPoint<3> near, far;
+        REQUIRE(a->nearestWall(x, 20, near));
+        REQUIRE(b->nearestWall(x + shift, 20, far));
+        REQUIRE(std::abs(near.distance - far.distance) < 1e-10);
+    }
+}
+
+TEST_CASE("inverted normals change nothing", "[domain]") {
+    const auto mesh = test::ballMesh(5, 4);
+    const auto a = meshDomain(mesh, options(0.4));
+    const auto b = meshDomain(test::flipped(mesh), options(0.4));
+    REQUIRE(a->measure() == Approx(b->measure()));
+    REQUIRE(compare(*b, *a, 1.0).largest < 0.05);
+    REQUIRE(sliceDomain(b, 1)->measure() == Approx(sliceDomain(a, 1)->measure()));
+}
+
+TEST_CASE("a wall thinner than a voxel is still inside where it is", "[domain]") {
+    // A plate of 20 x 20 x 0.3 in voxels of 0.5, then as one may ask.
+    const auto mesh = test::boxMesh({{0, 0, 0}}, {{20, 20, 0.3}});
+    const auto domain = meshDomain(mesh, options(0, 0.5));
+    REQUIRE(domain->measure() == Approx(120));
+    const auto asker = domain->sampler();
+    RandomStream random(4, 2);
+    for (int i = 0; i < 500; ++i) {
+        const Vec<3> x{{1 + 18 * random.uniform(), 1 + 18 * random.uniform(), 0.15}};
+        REQUIRE(asker->signedDistance(x) < 0);
+        WallPoint<3> wall;
+        REQUIRE(asker->nearestWall(x, 1, wall));
+        REQUIRE(wall.distance == Approx(0.15).epsilon(1e-12));
+    }
+    REQUIRE(asker->signedDistance({{10, 10, 1.5}}) > 0);
+    REQUIRE(asker->signedDistance({{10, 10, -1.2}}) > 0);
+}
+
+TEST_CASE("meshes without an inside are refused with a reason", "[domain]") {
+    REQUIRE_THROWS_WITH(meshDomain({}, options(0.5)), Contains("bone") && Contains("no triangles"));
+    TriangleMesh one;
+    one.vertices = {{{0, 0, 0}}, {{10, 0, 0}}, {{0, 10, 0}}};
+    one.triangles = {{0, 1, 2}};
+    REQUIRE_THROWS_AS(meshDomain(one, options(0.5)), InputError);
+    REQUIRE_THROWS_WITH(meshDomain(one, options(0.5)), Contains("3 boundary edges"));
+    auto flat = one;
+    flat.triangles = {{0, 1, 1}};
+    REQUIRE_THROWS_AS(meshDomain(flat, options(0.5)), InputError);
+    auto wrong = one;
+    wrong.triangles = {{0, 1, 7}};
+    REQUIRE_THROWS_WITH(meshDomain(wrong, options(0.5)), Contains("triangle 0 names vertex 7"));
+    auto infinite = test::ballMesh(5, 1);
+    infinite.vertices[3][1] = std::numeric_limits<double>::infinity();
+    REQUIRE_THROWS_WITH(meshDomain(infinite, options(0.5)), Contains("vertex 3 is not finite"));
+    const auto ball = test::ballMesh(5, 2);
+    REQUIRE_THROWS_AS(meshDomain(ball, options(-1)), ParameterError);
+    REQUIRE_THROWS_AS(meshDomain(ball, options(1, std::nan(""))), ParameterError);
+    REQUIRE_THROWS_AS(meshDomain(ball, options(1e-5)), ResourceError);
+}
+
+TEST_CASE("a hole wider than a voxel is refused and named", "[domain]") {
+    const auto mesh = withoutTriangle(test::ballMesh(10, 3), 100);
+    REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
+    REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)),
+                        Contains("not closed") && Contains("3 boundary edges") &&
+                            Contains("first at vertex") && Contains("mm³"));
+}
+
+TEST_CASE("a hole much smaller than a voxel is a warning", "[domain]") {
+    const auto mesh = withoutTriangle(test::ballMesh(10, 6), 1234);
+    const auto warnings = warningsOf(mesh, options(1.0));
+    REQUIRE(warnings.size() == 1);
+    REQUIRE_THAT(warnings[0], Contains("3 boundary edges") && Contains("first at vertex"));
+    REQUIRE(warningsOf(test::ballMesh(10, 3), options(1.0)).empty());
+    const auto domain = meshDomain(mesh, options(1.0));
+    REQUIRE(domain->measure() == Approx(Measure<3>::ball(10)).epsilon(0.01));
+    REQUIRE(domain->facts().boundaryEdges == 3);
+}
+
+TEST_CASE("overlapping pieces are refused with both volumes", "[domain]") {
+    const auto mesh = test::merged(test::ballMesh(5, 4), test::ballMesh(5, 4, {{6, 0, 0}}));
+    REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
+    REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)),
+                        Contains("encloses") && Contains("the mesh") && Contains("overlap"));
+}
+
+TEST_CASE("copies of triangles do not count twice", "[domain]") {
+    auto mesh = test::ballMesh(6, 4);
+    for (std::size_t i = 0; i < 60; i += 3) mesh.triangles.push_back(mesh.triangles[i]);
+    const auto domain = meshDomain(mesh, options(0.4));
+    REQUIRE(domain->measure() == Approx(Measure<3>::ball(6)).epsilon(0.01));
+    REQUIRE(warningsOf(mesh, options(0.4)).size() == 1);
+}
+
+TEST_CASE("voxels by default fit detail, bone and memory", "[domain]") {
+    const auto ball = test::ballMesh(10, 4);
+    REQUIRE(defaultVoxelSize(ball, 0.3) == Approx(0.33));
+    REQUIRE(defaultVoxelSize(ball, 0) < 1);
+    REQUIRE(defaultVoxelSize(ball, 100) < 1);
+    const double smallest = defaultVoxelSize(ball, 1e-9);
+    REQUIRE(9 * 4 * kPi * 100 / (smallest * smallest) < 5e7);
+    REQUIRE(defaultVoxelSize(test::scaled(ball, 1000), 300) == Approx(330));
+}
+
+TEST_CASE("a field is the same for any number of threads", "[domain]") {
+    const auto mesh = test::torusMesh(8, 3, 60, 30);
+    const auto build = [&](std::size_t threads) {
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        return meshDomain(mesh, options(0.3));
+    };
+    const auto one = build(1);
+    const auto many = build(8);
+    REQUIRE(one->measureDeeperThan(0.7) == many->measureDeeperThan(0.7));
+    const auto a = one->sampler();
+    RandomStream random(6, 9);
+    std::vector<Vec<3>> points;
+    for (int i = 0; i < 50000; ++i) points.push_back(randomPoint(random, one->bounds().grown(1)));
+    const auto batch = many->signedDistances(points);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        REQUIRE(a->signedDistance(points[i]) == batch[i]);
+}
+
+TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
+    const Vec<3> center{{700, -30, 5}};
+    const auto domain = meshDomain(test::ballMesh(10, 5, center), options(0.4));
+    const double height = GENERATE(5.0, 8.0, -3.0, 14.0);
+    CAPTURE(height);
+    const double radius = std::sqrt(100 - (height - 5) * (height - 5));
+    const auto slice = sliceDomain(domain, height);
+    const auto disc = ballDomain<2>(radius, {{700, -30}});
+    REQUIRE(slice->facts().kind == "slice");
+    REQUIRE(slice->measure() == Approx(disc->measure()).epsilon(0.01));
+    REQUIRE(slice->wallMeasure() == Approx(disc->wallMeasure()).epsilon(0.01));
+    REQUIRE(slice->measureDeeperThan(1) == Approx(disc->measureDeeperThan(1)).epsilon(0.02));
+    const auto a = slice->sampler();
+    const auto b = disc->sampler();
+    RandomStream random(1, 5);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec<2> x{{700 + 24 * (random.uniform() - 0.5), -30 + 24 * (random.uniform() - 0.5)}};
+        const double expected = b->signedDistance(x);
+        if (std::abs(expected) < 1) {
+            REQUIRE(std::abs(a->signedDistance(x) - expected) < 0.05);
+            WallPoint<2> wall;
+            REQUIRE(a->nearestWall(x, 2, wall));
+            REQUIRE(wall.distance == Approx(std::abs(expected)).margin(0.03));
+        } else {
+            REQUIRE((a->signedDistance(x) < 0) == (expected < 0));
+        }
+    }
+}
+
+TEST_CASE("vertices exactly on the slice's plane do no harm", "[domain]") {
+    // The equator of this ball is a ring of vertices, the box has faces and edges in the plane.
+    const auto ball = meshDomain(test::uvBallMesh(10, 16, 32), options(0.4));
+    REQUIRE(sliceDomain(ball, 0)->measure() == Approx(16 * 100 * std::sin(kPi / 16)).epsilon(1e-6));
+    const auto box = meshDomain(test::boxMesh({{0, 0, 0}}, {{3, 4, 5}}), options(0.2));
+    REQUIRE(sliceDomain(box, 5)->measure() == Approx(12));
+    REQUIRE(sliceDomain(box, 2.5)->measure() == Approx(12));
+    REQUIRE(sliceDomain(box, 2.5)->wallMeasure() == Approx(14));
+    REQUIRE_THROWS_AS(sliceDomain(box, 0), InputError);
+    REQUIRE_THROWS_WITH(sliceDomain(box, 6), Contains("misses") && Contains("0 to 5"));
+}
+
+TEST_CASE("a clipped mesh has the volume of its half", "[domain]") {
+    const auto ball = meshDomain(test::ballMesh(10, 5), options(0.4));
+    const auto half = clippedDomain<3>(ball, {{{{0, 0, 1}}, 2}});
+    const double expected = kPi * 144 * (10 - 4);
+    REQUIRE(half->measure() == Approx(expected).epsilon(0.005));
+    REQUIRE(half->wallMeasure() == Approx(2 * kPi * 10 * 12 + kPi * 96).epsilon(0.03));
+    const auto asker = half->sampler();
+    REQUIRE(asker->signedDistance({{0, 0, 1.5}}) == Approx(-0.5));
+    REQUIRE(asker->signedDistance({{0, 0, 2.5}}) > 0);
+    WallPoint<3> wall;
+    REQUIRE(asker->nearestWall({{1, 1, 1.5}}, 1, wall));
+    REQUIRE(wall.point == Vec<3>{{1, 1, 2}});
+    REQUIRE(sliceDomain(half, 1)->measure() == Approx(kPi * 99).epsilon(0.01));
+    REQUIRE_THROWS_AS(sliceDomain(half, 3), InputError);
+}
+
+TEST_CASE("files that are no level sets are refused", "[domain]") {
+    const TemporaryFolder folder;
+    REQUIRE_THROWS_AS(levelSetMesh(folder.file("absent.vdb"), "", 1), IoError);
+    for (const char* content : {"", "not a vdb file at all, but long enough for a header"}) {
+        const std::string path = folder.file("bad.vdb");
+        std::ofstream(path) << content;
+        REQUIRE_THROWS_AS(levelSetMesh(path, "", 1), Error);
+    }
+    REQUIRE_THROWS_AS(levelSetMesh(folder.file("absent.vdb"), "", 0), ParameterError);
+}

@@ -1,0 +1,200 @@
+#include "cli_options.h"
+
+#include "vdbpack/core/error.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+
+#include <map>
+#include <memory>
+
+using namespace vdbpack;
+
+namespace {
+
+const std::map<std::string, Unit> kUnits{{"m", Unit::meter},
+                                         {"cm", Unit::centimeter},
+                                         {"mm", Unit::millimeter},
+                                         {"um", Unit::micrometer}};
+const std::map<std::string, Effort> kEfforts{
+    {"fast", Effort::fast}, {"normal", Effort::normal}, {"dense", Effort::dense}};
+const std::map<std::string, WeightBy> kWeights{{"count", WeightBy::count},
+                                               {"volume", WeightBy::volume}};
+
+const char* const kDomainHelp =
+    "mesh (.stl .obj .ply .off), level set (.vdb) or shape: box:LX,LY,LZ  "
+    "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
+const char* const kRadiusHelp =
+    "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
+    "psd:FILE, in mm (default: uniform with ratio 1:2, about 100,000 spheres)";
+
+/// A recipe names the options of one command without saying which: they go to the one that runs.
+class RecipeFormat : public CLI::ConfigTOML {
+public:
+    explicit RecipeFormat(const CLI::App& app) : app_(app) {}
+
+    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
+        auto found = CLI::ConfigTOML::from_config(input);
+        const auto running = app_.get_subcommands();
+        if (running.empty()) return found;
+        for (auto& item : found)
+            if (item.parents.empty()) item.parents = {running.front()->get_name()};
+        return found;
+    }
+
+private:
+    const CLI::App& app_;
+};
+
+void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
+    command.add_option("--unit", domain.unit, "unit of the domain's file: m, cm, mm or um")
+        ->transform(CLI::Transformer(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    command.add_option("--scale", domain.scale, "further factor on the file's lengths")
+        ->option_text("F [1]")
+        ->group("Units");
+    command.add_option("--grid", domain.gridName, "level set to take from a .vdb")
+        ->option_text("NAME [first]")
+        ->group("Domain");
+    command.add_option("--slice", domain.slices, "fill the plane z = V of the domain with circles")
+        ->option_text("z=V")
+        ->group("Domain")
+        ->expected(1);
+    command
+        .add_option("--clip", domain.clips,
+                    "cut the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (n.x <= d stays); "
+                    "may be repeated")
+        ->option_text("CLIP")
+        ->group("Domain")
+        ->take_all();
+    command.add_option("--voxel", domain.voxelSize, "edge of a voxel of the distance field, mm")
+        ->option_text("H [chosen]")
+        ->check(CLI::PositiveNumber)
+        ->group("Domain");
+}
+
+void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) {
+    command.add_option("--radius", radius, kRadiusHelp)->option_text("SPEC")->group("Spheres");
+    command.add_option("--weight-by", weightBy, "what the weights of table:FILE count")
+        ->transform(CLI::Transformer(kWeights))
+        ->option_text("count|volume [count]")
+        ->group("Spheres");
+}
+
+}  // namespace
+
+std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
+    CliOptions options;
+    CLI::App app(
+        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB,\n"
+        "an advancing front packs it densely without overlap, and the result is checked and\n"
+        "written for Houdini, Blender, ParaView and DEM programs.");
+    app.set_version_flag("--version", "vdb_pack " VDBPACK_VERSION);
+    app.require_subcommand(1);
+    app.footer(
+        "--config FILE reads options from a TOML file (the same names); the command line wins.\n"
+        "Exit codes: 0 done, 1 a check failed, 2 usage, 3 unusable input, 4 reading or writing\n"
+        "failed, 5 not enough memory or space, 130 interrupted.");
+    app.get_formatter()->column_width(30);
+    app.set_config("--config", "",
+                   "read options of the command from a TOML file (the same names); "
+                   "the command line wins")
+        ->option_text("FILE")
+        ->check(CLI::ExistingFile);
+    app.config_formatter(std::make_shared<RecipeFormat>(app));
+    app.allow_config_extras(CLI::config_extras_mode::error);
+    app.fallthrough();
+
+    CLI::App* pack =
+        app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
+    pack->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
+    pack->add_option("-o,--output", options.pack.outputs,
+                     "file to write: .vdb .vtp .ply .csv yade:FILE.txt; may be repeated")
+        ->option_text("FILE")
+        ->take_all();
+    addDomainOptions(*pack, options.pack.domain);
+    pack->add_option("--out-unit", options.pack.outUnit, "unit of what is written")
+        ->transform(CLI::Transformer(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addSizeOptions(*pack, options.pack.radius, options.pack.weightBy);
+    pack->add_option("--target-count", options.pack.targetCount,
+                     "scale the radii so that about N spheres fill the domain")
+        ->option_text("N")
+        ->check(CLI::PositiveNumber)
+        ->group("Spheres");
+    pack->add_option("--max-count", options.pack.maxCount, "stop at N spheres")
+        ->option_text("N")
+        ->check(CLI::PositiveNumber)
+        ->group("Spheres");
+    pack->add_option("--effort", options.pack.effort, "radii tried for each sphere")
+        ->transform(CLI::Transformer(kEfforts))
+        ->option_text("fast|normal|dense [normal]")
+        ->group("Spheres");
+    pack->add_option("--seed", options.pack.seed, "another seed, another pack")
+        ->option_text("S [1]")
+        ->group("Run");
+    pack->add_option("--threads", options.pack.threads, "threads; the pack does not depend on it")
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+    pack->add_option("--contact-tol", options.pack.contactTolerance,
+                     "gap up to which spheres count as touching, in smaller radii")
+        ->option_text("T [0.001]")
+        ->check(CLI::NonNegativeNumber)
+        ->group("Run");
+    pack->add_option("--report", options.pack.reportFile, "write the report as JSON")
+        ->option_text("FILE.json")
+        ->group("Run");
+    pack->add_flag("--json", options.json, "print the report as JSON instead of the summary")
+        ->group("Run");
+    pack->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+
+    CLI::App* verify =
+        app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
+    verify
+        ->add_option("PACK", options.verify.pack,
+                     ".vdb (point grid), .csv, .vtp, .ply, yade:FILE.txt; from any program")
+        ->required();
+    verify->add_option("--domain", options.verify.domain.source, kDomainHelp)
+        ->option_text("DOMAIN")
+        ->group("Domain");
+    addDomainOptions(*verify, options.verify.domain);
+    verify->add_option("--pack-unit", options.verify.packUnit, "unit of PACK, if it says none")
+        ->transform(CLI::Transformer(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addSizeOptions(*verify, options.verify.radius, options.verify.weightBy);
+    verify
+        ->add_option("--contact-tol", options.verify.contactTolerance,
+                     "gap up to which spheres count as touching, in smaller radii")
+        ->option_text("T [0.001]")
+        ->check(CLI::NonNegativeNumber)
+        ->group("Run");
+    verify->add_option("--threads", options.verify.threads, "threads")
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+    verify->add_flag("--json", options.json, "print the certificate as JSON")->group("Run");
+
+    CLI::App* mesh = app.add_subcommand("mesh", "health report of a mesh");
+    mesh->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
+    mesh->add_option("--unit", options.mesh.unit, "unit of the file")
+        ->transform(CLI::Transformer(kUnits))
+        ->option_text("UNIT [mm]");
+    mesh->add_option("--scale", options.mesh.scale, "further factor on its lengths")
+        ->option_text("F [1]");
+    mesh->add_flag("--json", options.json, "print the report as JSON");
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+        exitCode = app.exit(e) == 0 ? 0 : 2;
+        return std::nullopt;
+    }
+    options.command = pack->parsed()     ? CliOptions::Command::pack
+                      : verify->parsed() ? CliOptions::Command::verify
+                                         : CliOptions::Command::mesh;
+    return options;
+}

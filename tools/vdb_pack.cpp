@@ -1,0 +1,127 @@
+// vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
+#include "cli_options.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/run.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <new>
+
+using namespace vdbpack;
+
+namespace {
+
+enum ExitCode {
+    kDone = 0,
+    kCheckFailed = 1,
+    kUsage = 2,
+    kBadInput = 3,
+    kIoFailed = 4,
+    kNoResources = 5,
+    kInterrupted = 130
+};
+
+std::atomic<bool> interrupted{false};
+
+void onSignal(int) {
+    // The first asks for an orderly end, the second ends at once.
+    if (interrupted.exchange(true)) ::_exit(kInterrupted);
+}
+
+/// Progress on a terminal, silence elsewhere; warnings always.
+Callbacks makeCallbacks(bool quiet) {
+    Callbacks callbacks;
+    callbacks.warning = [](const std::string& text) { fmt::print(stderr, "warning: {}\n", text); };
+    callbacks.cancelled = [] { return interrupted.load(); };
+    if (!quiet && ::isatty(STDERR_FILENO))
+        callbacks.progress = [](const Progress& p) {
+            fmt::print(stderr, "\r{:<8} {:3.0f} %  {:>12.0f}\x1b[K", p.stage, 100 * p.fraction,
+                       p.count);
+            if (p.fraction >= 1) fmt::print(stderr, "\r\x1b[K");
+            std::fflush(stderr);
+        };
+    return callbacks;
+}
+
+void clearProgress() {
+    if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r\x1b[K");
+}
+
+int runCommand(const CliOptions& options) {
+    const Callbacks callbacks = makeCallbacks(options.quiet);
+    switch (options.command) {
+        case CliOptions::Command::pack: {
+            const RunResult run = runPack(options.pack, callbacks);
+            clearProgress();
+            if (options.json)
+                fmt::print("{}\n", toJson(run).dump(2));
+            else if (!options.quiet)
+                fmt::print("{}", summary(run.report));
+            if (run.report.interrupted) return kInterrupted;
+            if (run.passed) return kDone;
+            fmt::print(stderr, "{}", failures(run));
+            return kCheckFailed;
+        }
+        case CliOptions::Command::verify: {
+            const RunResult run = runVerify(options.verify, callbacks);
+            clearProgress();
+            if (options.json)
+                fmt::print("{}\n", toJson(run).dump(2));
+            else
+                fmt::print("{}", summary(run.report));
+            if (run.passed) return kDone;
+            fmt::print(stderr, "{}", failures(run));
+            return kCheckFailed;
+        }
+        case CliOptions::Command::mesh: {
+            MeshReadOptions read;
+            read.unit = options.mesh.unit;
+            read.scale = options.mesh.scale;
+            const MeshHealth health = checkMesh(readMesh(options.mesh.source, read));
+            if (options.json)
+                fmt::print("{}\n", toJson(health).dump(2));
+            else
+                fmt::print("{}", toText(health));
+            return kDone;
+        }
+    }
+    return kUsage;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    int exitCode = kDone;
+    const auto options = parseCommandLine(argc, argv, exitCode);
+    if (!options) return exitCode;
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+    const auto fail = [](const char* message, int code) {
+        clearProgress();
+        fmt::print(stderr, "vdb_pack: {}\n", message);
+        return code;
+    };
+    try {
+        return runCommand(*options);
+    } catch (const ParameterError& e) {
+        return fail(e.what(), kUsage);
+    } catch (const InputError& e) {
+        return fail(e.what(), kBadInput);
+    } catch (const IoError& e) {
+        return fail(e.what(), kIoFailed);
+    } catch (const ResourceError& e) {
+        return fail(e.what(), kNoResources);
+    } catch (const std::bad_alloc&) {
+        return fail("not enough memory; ask for larger radii or clip the domain", kNoResources);
+    } catch (const std::exception& e) {
+        return fail(e.what(), kIoFailed);
+    }
+}
