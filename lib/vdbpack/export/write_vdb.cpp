@@ -70,19 +70,21 @@ public:
                 found += fmt::format("{}'{}' ({})", i > 0 ? ", " : "", gridName.substr(0, 80),
                                      descriptor.gridType().substr(0, 80));
             const auto pointGrid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
+            // Told in advance: interrupted in the middle of a tree, OpenVDB loses what it has read.
+            // Offsets that do not lead on would make us run in circles.
+            const std::int64_t end = descriptor.getEndPos();
+            if (inputHasGridOffsets() && (end < static_cast<std::int64_t>(stream.tellg()) ||
+                                          static_cast<std::uint64_t>(end) > fileSize))
+                throw std::runtime_error(
+                    fmt::format("grid '{}' should end at byte {}", gridName.substr(0, 80), end));
             const bool wanted =
                 pointGrid && (name.empty() || name == gridName) && !descriptor.isInstance();
             if (wanted || !inputHasGridOffsets()) {
                 readGrid(grid, descriptor, stream);
                 if (wanted) return pointGrid;
-                continue;
+            } else {
+                descriptor.seekToEnd(stream);
             }
-            // Offsets that do not lead on would make us run in circles.
-            const std::int64_t end = descriptor.getEndPos();
-            if (end < static_cast<std::int64_t>(stream.tellg()) ||
-                static_cast<std::uint64_t>(end) > fileSize)
-                throw std::runtime_error("the offsets between its grids are wrong");
-            descriptor.seekToEnd(stream);
         }
         return nullptr;
     }

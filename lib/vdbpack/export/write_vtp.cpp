@@ -395,12 +395,7 @@ private:
                              ": is not a .vtp file: VTKFile of type PolyData is expected");
         swap_ = (tag.attribute("byte_order") == "BigEndian") != hostIsBigEndian();
         wideHeader_ = tag.attribute("header_type") == "UInt64";
-        const auto compressor = tag.attribute("compressor");
-        zlib_ = compressor == "vtkZLibDataCompressor";
-        if (!zlib_ && !compressor.empty())
-            throw InputError(fmt::format(
-                "{}: compressor '{}' is not supported; save with zlib or without compression",
-                file_.path(), compressor.substr(0, 40)));
+        compressor_ = tag.attribute("compressor");
 
         std::string_view section;
         while (tags.next(tag)) {
@@ -494,9 +489,15 @@ private:
 
     /// The bytes of an array that is not ASCII.
     std::vector<char> bytesOfArray(const Array& a) const {
+        // ASCII arrays are plain whatever the file says, so this is not asked before.
+        const bool zlib = compressor_ == "vtkZLibDataCompressor";
+        if (!zlib && !compressor_.empty())
+            fail(a.name, fmt::format("is packed by '{}', which is not supported; save with zlib or "
+                                     "without compression",
+                                     compressor_.substr(0, 40)));
         ByteSource source = sourceOf(a);
         std::vector<char> data;
-        if (!zlib_) {
+        if (!zlib) {
             const std::uint64_t bytes = readHeaderWord(source);
             if (bytes > source.bound())
                 fail(a.name, fmt::format("announces {} bytes, more than the file holds; the file "
@@ -718,7 +719,7 @@ private:
     std::string appendedText_;
     bool swap_ = false;
     bool wideHeader_ = false;
-    bool zlib_ = false;
+    std::string_view compressor_;  ///< empty: none
     std::vector<Piece> pieces_;
     std::vector<Array> field_;
 };
