@@ -21,9 +21,6 @@ namespace vdbpack {
 namespace {
 
 constexpr double kVolumeTolerance = 0.01;
-// Where copies of triangles or edges with many make the volume of a mesh uncertain: two ways to
-// take that of a skull segmented with such flaws differ by 5 %, its field by 7 % from one of them.
-constexpr double kDirtyVolumeTolerance = 0.1;
 constexpr double kMostDefaultVoxels = 4e7;
 // Active voxels beyond this (some 40 GB) are a slip of the units rather than a wish.
 constexpr double kMostVoxels = 5e9;
@@ -165,24 +162,12 @@ struct Verdict {
 };
 
 /// Compares the field with the mesh, as the docstring of `meshDomain` says.
-Verdict judge(const VdbField& field, const TriangleMesh& mesh,
-              const std::vector<std::uint8_t>& depthOfTriangle, const MeshHealth& health) {
+Verdict judge(const VdbField& field, const MeshHealth& health) {
     Verdict verdict;
     verdict.fieldVolume = field.volumeDeeperThan(0);
     if (!(verdict.fieldVolume > 0)) return verdict;
     const double difference = relativeDifference(verdict.fieldVolume, health.enclosedVolume);
-    const bool flawed = health.nonManifoldEdges > 0 || health.duplicateTriangles > 0 ||
-                        health.inconsistentEdges > 0;
-    if (!flawed) {
-        verdict.sound = difference <= kVolumeTolerance;
-        return verdict;
-    }
-    // Triangles that face against their neighbors leave no volume to compare with.
-    if (health.inconsistentEdges == 0 && difference > kDirtyVolumeTolerance) return verdict;
-    if (!health.isClosed() && difference > kDirtyVolumeTolerance) return verdict;
-    const VdbField coarse(mesh, depthOfTriangle, 2 * field.voxelSize(), 0);
-    verdict.sound =
-        relativeDifference(coarse.volumeDeeperThan(0), verdict.fieldVolume) <= kVolumeTolerance;
+    verdict.sound = difference <= kVolumeTolerance;
     return verdict;
 }
 
@@ -256,14 +241,14 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
     callbacks.report("domain", 0, 0);
     parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
     callbacks.report("domain", 0.8, static_cast<double>(parts.field->activeVoxels()));
-    Verdict verdict = judge(*parts.field, mesh, depthOfTriangle, health);
+    Verdict verdict = judge(*parts.field, health);
     if (!verdict.sound) {
         // Thin walls in coarse voxels are no fault of the mesh; a hole shows at any size.
         const double coarseVolume = verdict.fieldVolume;
         const double half = 0.5 * voxelSize;
         if (voxelsAt(half) < kMostDefaultVoxels) {
             auto finer = std::make_unique<VdbField>(mesh, depthOfTriangle, half, options.depth);
-            verdict = judge(*finer, mesh, depthOfTriangle, health);
+            verdict = judge(*finer, health);
             if (verdict.sound) {
                 callbacks.warn(fmt::format(
                     "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",

@@ -34,11 +34,10 @@ public:
 
 /// The inside of a closed mesh. Nested shells bound cavities, whichever way they face.
 ///
-/// The field's volume must agree with the mesh's within 1 %; where edges with more than two
-/// triangles or copies of triangles make the mesh's own volume uncertain, within 10 % and with the
-/// field of voxels twice as large within 1 %. Where it does not, voxels of half the size are
-/// tried before the mesh is refused. A mesh with holes so small that the field does not notice
-/// them is used, with a warning that says where the first is.
+/// The field's volume must agree with the mesh's within 1 %; where it does not, voxels of half the
+/// size are tried before the mesh is refused. A mesh with holes so small that the field does not
+/// notice them, or with other flaws that leave the volumes alike, is used with a warning that names
+/// them.
 ///
 /// @throws InputError where the mesh is empty or not closed and the field cannot be trusted, or
 /// where the volumes differ (with both figures).
