@@ -172,6 +172,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("T [0.001]")
         ->check(CLI::NonNegativeNumber)
         ->group("Run");
+    verify
+        ->add_option("--places", options.verify.placeSamples,
+                     "look at N points of the domain for room for a sphere of 1.02 mean radii")
+        ->option_text("N")
+        ->group("Run");
     verify->add_option("--threads", options.verify.threads, "threads")
         ->option_text("T [all cores]")
         ->check(CLI::Range(1, 4096))

@@ -77,6 +77,12 @@ int runCommand(const CliOptions& options) {
                 fmt::print("{}\n", toJson(run).dump(2));
             else
                 fmt::print("{}", summary(run.report));
+            if (run.places && !options.json)
+                fmt::print(
+                    "places     {} of {} points have room for {:.5g} mm (1.02 mean radii); "
+                    "largest {:.5g} mm\n",
+                    run.places->count, run.places->samples, run.places->radius,
+                    run.places->largest);
             if (run.passed) return kDone;
             fmt::print(stderr, "{}", failures(run));
             return kCheckFailed;

@@ -273,6 +273,11 @@ VerifyResult checksOf(const Report& report) {
 
 nlohmann::ordered_json toJson(const RunResult& run) {
     nlohmann::ordered_json json = toJson(run.report);
+    if (run.places)
+        json["places"] = {{"largest", run.places->largest},
+                          {"radius", run.places->radius},
+                          {"count", run.places->count},
+                          {"samples", run.places->samples}};
     if (!run.passed)
         std::visit(
             [&](const auto& pack) {
@@ -337,6 +342,18 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
             report.seconds.domain = clock.lap();
             measurePack(shape, source ? &*source : nullptr, ofDim<Dim>(built).get(),
                         sizes ? &*sizes : nullptr, recipe.contactTolerance, report);
+            if (recipe.placeSamples > 0) {
+                if (!source)
+                    throw ParameterError("--places looks in a domain; give one with --domain");
+                PlacesLeft left;
+                left.radius = 1.02 * report.radius.mean;
+                left.samples = recipe.placeSamples;
+                const auto found =
+                    findPlaces(shape.spheres, *ofDim<Dim>(built), left.radius, recipe.placeSamples);
+                left.largest = found.largest;
+                left.count = found.places;
+                run.places = left;
+            }
             report.seconds.measure = clock.lap();
         };
         if (source && source->dim() == 2) {

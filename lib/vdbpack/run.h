@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -35,8 +36,17 @@ struct PackRecipe {
     std::string reportFile;            ///< .json; empty: none
 };
 
+/// What a search for empty places found.
+struct PlacesLeft {
+    double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
+    double radius = 0;          ///< 1.02 mean radii, mm
+    std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
+    std::uint64_t samples = 0;  ///< points asked for, spread over the domain
+};
+
 struct RunResult {
     Report report;
+    std::optional<PlacesLeft> places;  ///< if asked for
     std::variant<Pack<3>, Pack<2>> pack;
     bool passed = false;  ///< the checks found no overlap and no protrusion
 };
@@ -61,6 +71,7 @@ struct VerifyRecipe {
     std::string radius;    ///< SPEC to hold the radii against; empty: none
     WeightBy weightBy = WeightBy::count;
     double contactTolerance = 1e-3;
+    std::uint64_t placeSamples = 0;  ///< points at which to look for places left; 0: none
     int threads = 0;
 };
 

@@ -1,0 +1,101 @@
+#include "support/temporary_folder.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+namespace {
+
+struct Output {
+    int code;
+    std::string text;
+};
+
+/// Runs vdb_pack with these arguments; its output and errors together.
+Output vdbPack(const std::string& arguments) {
+    const std::string command = std::string(VDBPACK_TOOL) + " " + arguments + " 2>&1";
+    std::FILE* pipe = ::popen(command.c_str(), "r");
+    REQUIRE(pipe);
+    Output output{0, {}};
+    char buffer[4096];
+    std::size_t n;
+    while ((n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0) output.text.append(buffer, n);
+    const int status = ::pclose(pipe);
+    output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return output;
+}
+
+}  // namespace
+
+TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
+    const TemporaryFolder folder;
+    const auto out =
+        vdbPack("pack ball:10 --radius uniform:1,2 --seed 3 -o " + folder.file("p.csv") + " -o " +
+                folder.file("p.vtp") + " --report " + folder.file("p.json"));
+    CAPTURE(out.text);
+    REQUIRE(out.code == 0);
+    CHECK_THAT(out.text, Catch::Contains("spheres") && Catch::Contains("p.csv"));
+    std::ifstream file(folder.file("p.json"));
+    const auto report = nlohmann::json::parse(file);
+    CHECK(report["seed"] == 3);
+    CHECK(report["overlap"]["pairs"] == 0);
+    CHECK(report["protrusion"]["spheres"] == 0);
+    CHECK(report["solidFraction"]["total"] > 0.45);
+    CHECK(report["spheres"]["requested"] == "uniform:1,2");
+    CHECK(report["domain"]["kind"] == "ball");
+    std::ifstream csv(folder.file("p.csv"));
+    std::string header;
+    std::getline(csv, header);
+    CHECK(header == "id,x,y,z,radius,region,order,depth,contacts");
+    const auto verified = vdbPack("verify " + folder.file("p.vtp") + " --domain ball:10 --json");
+    CHECK(verified.code == 0);
+    CHECK(nlohmann::json::parse(verified.text)["hash"] == report["hash"]);
+}
+
+TEST_CASE("a recipe sets options and the command line wins", "[cli]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("r.toml")) << "radius = \"uniform:1,2\"\nseed = 9\n";
+    const auto out = vdbPack("pack ball:8 --config " + folder.file("r.toml") + " --seed 4 --json");
+    CAPTURE(out.text);
+    REQUIRE(out.code == 0);
+    const auto report = nlohmann::json::parse(out.text);
+    CHECK(report["seed"] == 4);
+    CHECK(report["spheres"]["requested"] == "uniform:1,2");
+    std::ofstream(folder.file("bad.toml")) << "raduis = \"uniform:1,2\"\n";
+    CHECK(vdbPack("pack ball:8 --config " + folder.file("bad.toml")).code == 2);
+}
+
+TEST_CASE("every kind of failure has its exit code", "[cli]") {
+    const TemporaryFolder folder;
+    CHECK(vdbPack("").code == 2);
+    CHECK(vdbPack("pack").code == 2);
+    CHECK(vdbPack("pack ball:8 --nonsense").code == 2);
+    CHECK(vdbPack("pack ball:8 --radius uniform:2").code == 2);
+    CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
+    CHECK(vdbPack("pack ball:1 --radius uniform:4,5").code == 3);
+    CHECK(vdbPack("pack " + folder.file("none.stl")).code == 4);
+    CHECK(vdbPack("pack ball:8 --radius uniform:1,2 -o " + folder.file("no/p.csv")).code == 4);
+    CHECK(vdbPack("pack box:1000,1000,1000 --radius uniform:0.001,0.002").code == 5);
+    CHECK(vdbPack("--help").code == 0);
+    CHECK(vdbPack("--version").code == 0);
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n1,0,0,1\n";
+    const auto out = vdbPack("verify " + folder.file("p.csv"));
+    CHECK(out.code == 1);
+    CHECK_THAT(out.text, Catch::Contains("FAILED"));
+}
+
+TEST_CASE("mesh reports the health of a file", "[cli]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("t.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+                                           "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
+    const auto out = vdbPack("mesh " + folder.file("t.obj"));
+    CHECK(out.code == 0);
+    CHECK_THAT(out.text, Catch::Contains("boundary"));
+    const auto json = vdbPack("mesh --json " + folder.file("t.obj"));
+    CHECK(nlohmann::json::parse(json.text)["triangles"] == 3);
+}

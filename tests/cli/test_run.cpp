@@ -1,0 +1,223 @@
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+using namespace vdbpack;
+
+namespace {
+
+PackRecipe recipeFor(const std::string& domain, const std::string& radius) {
+    PackRecipe recipe;
+    recipe.domain.source = domain;
+    recipe.radius = radius;
+    return recipe;
+}
+
+double total(const RunResult& run) {
+    return run.report.solidFractionTotal.value_or(0);
+}
+
+std::size_t filesIn(const std::string& folder) {
+    std::size_t n = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) n += entry.exists();
+    return n;
+}
+
+}  // namespace
+
+TEST_CASE("the mesh of a ball packs like the ball, wherever it lies", "[run]") {
+    const TemporaryFolder folder;
+    const auto ball = test::ballMesh(30, 5);
+    const double exact = total(runPack(recipeFor("ball:30", "uniform:1,2")));
+    const auto check = [&](const TriangleMesh& mesh, const char* name, Unit unit) {
+        CAPTURE(name);
+        const std::string file = folder.file(std::string(name) + ".obj");
+        test::writeObj(mesh, file);
+        PackRecipe recipe = recipeFor(file, "uniform:1,2");
+        recipe.domain.unit = unit;
+        const auto run = runPack(recipe);
+        CHECK(run.passed);
+        CHECK(total(run) == Approx(exact).margin(0.003));
+    };
+    check(ball, "plain", Unit::millimeter);
+    check(test::uvBallMesh(30, 60, 90), "other triangles", Unit::millimeter);
+    check(test::rotated(ball, {{1, 2, 3}}, 0.7), "turned", Unit::millimeter);
+    check(test::translated(ball, {{1e4, -1e4, 1e4}}), "moved", Unit::millimeter);
+    check(test::scaled(ball, 1e-3), "in meters", Unit::meter);
+}
+
+TEST_CASE("a marrow cavity stays empty, whichever way its triangles face", "[run]") {
+    const TemporaryFolder folder;
+    const auto inner = test::ballMesh(5, 4);
+    const bool inverted = GENERATE(true, false);
+    CAPTURE(inverted);
+    const auto mesh = test::merged(test::ballMesh(10, 4), inverted ? test::flipped(inner) : inner);
+    test::writeObj(mesh, folder.file("hollow.obj"));
+    const auto run = runPack(recipeFor(folder.file("hollow.obj"), "uniform:0.5,1"));
+    CHECK(run.passed);
+    CHECK(run.report.volume == Approx(3665).epsilon(0.01));
+    for (const auto& s : std::get<Pack<3>>(run.pack).spheres) CHECK(length(s.center) > 5);
+}
+
+TEST_CASE("verify passes what pack wrote, in every format, with the same hash", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::translated(test::ballMesh(12, 4), {{730, -50, 3}}), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:1,2");
+    for (const char* name : {"p.vdb", "p.csv", "p.vtp"})
+        recipe.outputs.push_back(folder.file(name));
+    recipe.reportFile = folder.file("p.json");
+    const auto packed = runPack(recipe);
+    REQUIRE(packed.passed);
+    CHECK(packed.report.overlap->max == 0);
+    CHECK(packed.report.protrusion->max == 0);
+    for (const auto& file : recipe.outputs) {
+        CAPTURE(file);
+        VerifyRecipe verify;
+        verify.pack = file;
+        verify.domain.source = folder.file("b.obj");
+        verify.radius = "uniform:1,2";
+        const auto run = runVerify(verify);
+        CHECK(run.passed);
+        CHECK(run.report.hash == packed.report.hash);
+        CHECK(run.report.count == packed.report.count);
+        CHECK(run.report.ks.value() == Approx(packed.report.ks.value()));
+    }
+    CHECK(filesIn(folder.path()) == 5);
+}
+
+TEST_CASE("verify fails and names the sphere that was tampered with", "[run]") {
+    const TemporaryFolder folder;
+    const auto packed = runPack(recipeFor("ball:10", "uniform:1,2"));
+    Pack<3> pack = std::get<Pack<3>>(packed.pack);
+    const std::size_t victim = pack.spheres.size() / 2;
+    const int damage = GENERATE(0, 1, 2);
+    CAPTURE(damage);
+    auto& s = pack.spheres[victim];
+    if (damage == 0) {
+        // Towards the sphere nearest to it.
+        std::size_t nearest = victim ? 0 : 1;
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+            if (i != victim && gap(s, pack.spheres[i]) < gap(s, pack.spheres[nearest])) nearest = i;
+        s.center += normalized(pack.spheres[nearest].center - s.center) * (0.1 * s.radius);
+    } else if (damage == 1) {
+        s.radius *= 2;
+    } else {
+        s.center = {{10.5, 0, 0}};
+    }
+    writePack(pack, folder.file("p.csv"), PackWriteOptions{});
+    VerifyRecipe verify;
+    verify.pack = folder.file("p.csv");
+    verify.domain.source = "ball:10";
+    const auto run = runVerify(verify);
+    CHECK_FALSE(run.passed);
+    CHECK_THAT(failures(run), Catch::Contains(std::to_string(victim)));
+}
+
+TEST_CASE("a slice is packed with circles and verified as circles", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(30, 5), folder.file("b.obj"));
+    for (const std::string& source : {folder.file("b.obj"), std::string("ball:30")}) {
+        CAPTURE(source);
+        PackRecipe recipe = recipeFor(source, "uniform:0.5,1");
+        recipe.domain.slices = {"z=10"};
+        recipe.outputs = {folder.file("c.csv")};
+        const auto run = runPack(recipe);
+        CHECK(run.passed);
+        CHECK(run.report.volume == Approx(kPi * 800).epsilon(0.005));
+        CHECK(total(run) > 0.78);
+        VerifyRecipe verify;
+        verify.pack = folder.file("c.csv");
+        verify.domain = recipe.domain;
+        CHECK(runVerify(verify).passed);
+    }
+}
+
+TEST_CASE("a clip cuts the domain and the pack", "[run]") {
+    PackRecipe recipe = recipeFor("ball:15", "uniform:0.8,1.6");
+    recipe.domain.clips = {"plane:0,0,1,0", "box:-20,-20,-20,20,5,20"};
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    for (const auto& s : std::get<Pack<3>>(run.pack).spheres) {
+        CHECK(s.center[2] + s.radius <= 1e-9);
+        CHECK(s.center[1] + s.radius <= 5 + 1e-9);
+    }
+}
+
+TEST_CASE("a level set written by one run is the domain of another", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(12, 5), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:1,2");
+    recipe.outputs = {folder.file("p.vdb")};
+    const auto first = runPack(recipe);
+    recipe.domain.source = folder.file("p.vdb");
+    recipe.outputs.clear();
+    const auto second = runPack(recipe);
+    CHECK(second.passed);
+    CHECK(second.report.volume == Approx(first.report.volume).epsilon(0.02));
+    recipe.outputs = {folder.file("p.vdb")};
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);  // would overwrite its input
+}
+
+TEST_CASE("bad input is refused with its kind of error and leaves no file", "[run]") {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("o.csv");
+    const auto refuse = [&](PackRecipe recipe, auto check) {
+        if (recipe.outputs.empty()) recipe.outputs = {out};
+        check(recipe);
+        CHECK_FALSE(std::filesystem::exists(out));
+    };
+    const auto input = [](const PackRecipe& r) { CHECK_THROWS_AS(runPack(r), InputError); };
+    const auto parameter = [](const PackRecipe& r) { CHECK_THROWS_AS(runPack(r), ParameterError); };
+    const auto io = [](const PackRecipe& r) { CHECK_THROWS_AS(runPack(r), IoError); };
+
+    refuse(recipeFor(folder.file("none.stl"), ""), io);
+    refuse(recipeFor("bone.xyz", ""), input);
+    std::ofstream(folder.file("empty.obj")) << "";
+    refuse(recipeFor(folder.file("empty.obj"), ""), input);
+    std::ofstream(folder.file("nan.obj")) << "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    refuse(recipeFor(folder.file("nan.obj"), ""), input);
+    auto open = test::ballMesh(10, 3);
+    open.triangles.resize(open.triangles.size() / 2);
+    test::writeObj(open, folder.file("open.obj"));
+    refuse(recipeFor(folder.file("open.obj"), "uniform:0.5,1"), [](const PackRecipe& r) {
+        CHECK_THROWS_WITH(runPack(r), Catch::Contains("not closed") && Catch::Contains("vertex"));
+    });
+    refuse(recipeFor("ball:3", "uniform:4,5"), [](const PackRecipe& r) {
+        CHECK_THROWS_WITH(runPack(r), Catch::Contains("largest place"));
+    });
+    refuse(recipeFor("ball:10", "uniform:2"), parameter);
+    refuse(recipeFor("ball:10", "uniform:2,x"), parameter);
+    refuse(recipeFor("ball:-1", "uniform:1,2"), parameter);
+    refuse(recipeFor("box:1,2", "uniform:1,2"), parameter);
+    auto clipped = recipeFor("ball:10", "uniform:1,2");
+    clipped.domain.clips = {"plane:0,0,1,-20"};
+    refuse(clipped, input);
+    auto missing = recipeFor("ball:10", "uniform:1,2");
+    missing.outputs = {folder.file("no/such/folder/o.csv")};
+    refuse(missing, io);
+    auto unknown = recipeFor("ball:10", "uniform:1,2");
+    unknown.outputs = {folder.file("o.docx")};
+    refuse(unknown, parameter);
+    auto twice = recipeFor("ball:10", "uniform:1,2");
+    twice.outputs = {out, out};
+    refuse(twice, parameter);
+}
+
+TEST_CASE("a target count on a mesh is met within 2 percent", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::torusMesh(30, 10, 96, 48), folder.file("t.obj"));
+    PackRecipe recipe = recipeFor(folder.file("t.obj"), "");
+    recipe.targetCount = 8000;
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(static_cast<double>(run.report.count) == Approx(8000).epsilon(0.02));
+}

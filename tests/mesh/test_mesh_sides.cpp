@@ -1,0 +1,75 @@
+#include "support/generators.h"
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/mesh_sides.h"
+
+#include <catch2/catch.hpp>
+
+using namespace vdbpack;
+
+namespace {
+
+Vec<3> randomPoint(RandomStream& random, double extent) {
+    Vec<3> p;
+    for (int d = 0; d < 3; ++d) p[d] = (2 * random.uniform() - 1) * extent;
+    return p;
+}
+
+}  // namespace
+
+TEST_CASE("inside a ball mesh is inside the ball", "[mesh][sides]") {
+    const auto mesh = test::ballMesh(10, 4);
+    // Also the vote of three axes, which a clean mesh does not need.
+    const bool clean = GENERATE(true, false);
+    const MeshSides sides(mesh, clean);
+    RandomStream random(1, 2);
+    for (int i = 0; i < 20000; ++i) {
+        const Vec<3> p = randomPoint(random, 12);
+        const double r = length(p);
+        if (r < 9.9) CHECK(sides.inside(p));
+        if (r > 10) CHECK_FALSE(sides.inside(p));
+    }
+}
+
+TEST_CASE("lines through vertices and edges count right", "[mesh][sides]") {
+    const auto mesh = test::ballMesh(10, 3);
+    const MeshSides sides(mesh, true);
+    for (std::size_t i = 0; i < mesh.triangles.size(); i += 7) {
+        const auto& t = mesh.triangles[i];
+        const Vec<3> a = mesh.vertices[t[0]];
+        const Vec<3> middle = (a + mesh.vertices[t[1]]) * 0.5;
+        for (Vec<3> p : {a, middle}) {
+            p[2] = 0.25;
+            const double flat = p[0] * p[0] + p[1] * p[1];
+            if (flat < 95) CHECK(sides.inside(p));
+            p[2] = 10.5;
+            CHECK_FALSE(sides.inside(p));
+        }
+    }
+}
+
+TEST_CASE("a nested shell bounds a cavity, whichever way it faces", "[mesh][sides]") {
+    const auto outer = test::ballMesh(10, 3);
+    const auto inner = test::ballMesh(5, 3);
+    const bool inverted = GENERATE(true, false);
+    const MeshSides sides(test::merged(outer, inverted ? test::flipped(inner) : inner), true);
+    CHECK_FALSE(sides.inside({{0, 0, 0}}));
+    CHECK_FALSE(sides.inside({{2, 3, 1}}));
+    CHECK(sides.inside({{7, 1, 0}}));
+    CHECK_FALSE(sides.inside({{11, 0, 0}}));
+}
+
+TEST_CASE("a hole does not flip the vote", "[mesh][sides]") {
+    auto mesh = test::ballMesh(10, 4);
+    mesh.triangles.erase(mesh.triangles.begin(), mesh.triangles.begin() + 3);
+    const MeshSides sides(mesh, false);
+    RandomStream random(3, 4);
+    int wrong = 0;
+    for (int i = 0; i < 5000; ++i) {
+        const Vec<3> p = randomPoint(random, 12);
+        const double r = length(p);
+        if (r < 9.5 && !sides.inside(p)) ++wrong;
+        if (r > 10.5 && sides.inside(p)) ++wrong;
+    }
+    CHECK(wrong <= 5);
+}
