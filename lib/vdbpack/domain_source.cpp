@@ -1,6 +1,7 @@
 #include "vdbpack/domain_source.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 
@@ -226,6 +227,27 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) 
         return checkProtrusion(circles, *shape);
     }
     return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
+}
+
+std::vector<float> DomainSource::depths(const std::vector<Sphere<3>>& spheres,
+                                        const Domain<3>& domain) const {
+    std::vector<std::array<Vec<3>, 3>> wall;
+    if (mesh_) {
+        wall.reserve(mesh_->triangles.size());
+        for (const auto& t : mesh_->triangles)
+            wall.push_back({mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]});
+    }
+    return centerDepths<3>(spheres, domain, wall, clips_);
+}
+
+std::vector<float> DomainSource::depths(const std::vector<Sphere<2>>& circles,
+                                        const Domain<2>& domain) const {
+    std::vector<std::array<Vec<2>, 2>> wall;
+    if (mesh_)
+        for (const auto& segment : sliceSegments(*mesh_, *slice_))
+            wall.push_back({segment.a, segment.b});
+    return centerDepths<2>(circles, domain, wall,
+                           mesh_ ? inPlane(clips_, *slice_) : std::vector<HalfSpace<2>>{});
 }
 
 }  // namespace vdbpack

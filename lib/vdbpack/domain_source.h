@@ -54,6 +54,10 @@ public:
     ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
     ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles) const;
 
+    /// Distance of each center to that wall, mm; `domain` as built from this source.
+    std::vector<float> depths(const std::vector<Sphere<3>>& spheres, const Domain<3>& domain) const;
+    std::vector<float> depths(const std::vector<Sphere<2>>& circles, const Domain<2>& domain) const;
+
     const DomainRecipe& recipe() const { return recipe_; }
 
 private:

@@ -10,9 +10,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <chrono>
 #include <cmath>
@@ -83,28 +80,6 @@ void checkOutputs(const PackRecipe& recipe) {
     }
 }
 
-/// Distance of each center to the wall: exact near it, else from the field (clamped to its depth).
-template <int Dim>
-std::vector<float> wallDepths(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
-    std::vector<float> depth(spheres.size());
-    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers(
-        [&] { return domain.sampler(); });
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, spheres.size(), 1024),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            auto& sampler = *samplers.local();
-            for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                const auto& s = spheres[i];
-                WallPoint<Dim> wall;
-                depth[i] = static_cast<float>(
-                    sampler.nearestWall(s.center, 1.25 * s.radius, wall)
-                        ? wall.distance
-                        : std::max(1.25 * s.radius, -sampler.signedDistance(s.center)));
-            }
-        });
-    return depth;
-}
-
 template <int Dim>
 double ksOf(const std::vector<Sphere<Dim>>& spheres, const SizeDistribution& sizes) {
     std::vector<double> radii(spheres.size());
@@ -145,7 +120,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         const double interior = 3 * report.radius.max;
         if (interior <= domain->fieldDepth())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
-        pack.depth = wallDepths(pack.spheres, *domain);
+        pack.depth = source->depths(pack.spheres, *domain);
     }
     auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     report.contactsMean = contacts.mean;

@@ -8,6 +8,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 
@@ -53,6 +54,30 @@ TEST_CASE("the mesh of a ball packs like the ball, wherever it lies", "[run]") {
     check(test::rotated(ball, {{1, 2, 3}}, 0.7), "turned", Unit::millimeter);
     check(test::translated(ball, {{1e4, -1e4, 1e4}}), "moved", Unit::millimeter);
     check(test::scaled(ball, 1e-3), "in meters", Unit::meter);
+}
+
+TEST_CASE("depth is the distance to the wall, however deep", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(20, 5), folder.file("b.obj"));
+    for (const std::string& source : {folder.file("b.obj"), std::string("ball:20")}) {
+        CAPTURE(source);
+        PackRecipe recipe = recipeFor(source, "uniform:1,2");
+        const auto run = runPack(recipe);
+        const auto& pack = std::get<Pack<3>>(run.pack);
+        float deepest = 0;
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+            CHECK(pack.depth[i] == Approx(20 - length(pack.spheres[i].center)).margin(0.03));
+            deepest = std::max(deepest, pack.depth[i]);
+        }
+        CHECK(deepest > 15);
+        recipe.domain.clips = {"plane:0,0,2,4"};  // z <= 2
+        const auto cut = runPack(recipe);
+        const auto& half = std::get<Pack<3>>(cut.pack);
+        for (std::size_t i = 0; i < half.spheres.size(); ++i) {
+            const auto& c = half.spheres[i].center;
+            CHECK(half.depth[i] == Approx(std::min(20 - length(c), 2 - c[2])).margin(0.03));
+        }
+    }
 }
 
 TEST_CASE("a marrow cavity stays empty, whichever way its triangles face", "[run]") {
