@@ -1,6 +1,5 @@
-#include "vdbpack/pack/block_lattice.h"
-
 #include "vdbpack/core/error.h"
+#include "vdbpack/pack/block_lattice.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,6 @@
-#include "vdbpack/pack/caps.h"
-
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/vec.h"
+#include "vdbpack/pack/caps.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,9 +1,8 @@
-#include "vdbpack/pack/size_distribution.h"
-
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/pack/size_distribution.h"
 
 #include <catch2/catch.hpp>
 

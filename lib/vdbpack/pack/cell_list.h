@@ -73,6 +73,7 @@ public:
 
         void add(const Sphere<Dim>& s, const Vec<Dim>& from, std::uint32_t i) {
             resize(count + 1);
+            if (count % kLanes == 0) clear(count, count + kLanes);  // left from another point
             for (int d = 0; d < Dim; ++d)
                 to[static_cast<std::size_t>(d)][count] = static_cast<float>(s.center[d] - from[d]);
             radius[count] = static_cast<float>(s.radius);
@@ -87,7 +88,10 @@ public:
         }
         void pad() {
             resize(count);
-            for (std::size_t l = count; l < padded(count); ++l) {
+            clear(count, padded(count));
+        }
+        void clear(std::size_t from, std::size_t end) {
+            for (std::size_t l = from; l < end; ++l) {
                 for (auto& v : to) v[l] = kFar;
                 radius[l] = 0;
             }
