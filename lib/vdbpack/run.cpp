@@ -210,6 +210,8 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
         std::min(pointVoxelSize(static_cast<double>(report.count), domain->measure(), Dim),
                  result.quantum * 0x1p25);
     for (const auto& output : recipe.outputs) {
+        // Interrupted before the first block was complete: nothing is worth replacing a file.
+        if (report.interrupted && report.count == 0) break;
         callbacks.report("write", 0, 0);
         writePack(result.pack, output, write);
         report.files.push_back(filePart(output));

@@ -237,6 +237,30 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
     refuse(twice, parameter);
 }
 
+TEST_CASE("an interrupted run keeps what is complete, or writes nothing", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:150,150,150", "uniform:1,2");
+    recipe.outputs = {folder.file("p.csv")};
+    Callbacks callbacks;
+    bool stop = true;
+    callbacks.cancelled = [&] { return stop; };
+    recipe.targetCount = 100000;  // stopped in the trial packs
+    auto run = runPack(recipe, callbacks);
+    CHECK(run.report.interrupted);
+    if (run.report.count == 0) CHECK(filesIn(folder.path()) == 0);
+    stop = false;
+    recipe.targetCount = 0;
+    callbacks.progress = [&](const Progress& p) { stop = stop || p.count > 2000; };
+    run = runPack(recipe, callbacks);
+    CHECK(run.report.interrupted);
+    CHECK(run.report.count > 2000);
+    CHECK(run.passed);
+    VerifyRecipe verify;
+    verify.pack = folder.file("p.csv");
+    verify.domain.source = recipe.domain.source;
+    CHECK(runVerify(verify).passed);
+}
+
 TEST_CASE("a target count on a mesh is met within 2 percent", "[run]") {
     const TemporaryFolder folder;
     test::writeObj(test::torusMesh(30, 10, 96, 48), folder.file("t.obj"));
