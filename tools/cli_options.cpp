@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <map>
 #include <memory>
 
@@ -27,6 +28,26 @@ const char* const kDomainHelp =
 const char* const kRadiusHelp =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
     "psd:FILE, in mm (default: uniform with ratio 1:2, about 100,000 spheres)";
+
+/// CLI11's own range checks print a range of 300 digits.
+CLI::Validator positive() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && value > 0 ? std::string()
+                                                    : "'" + text + "' must be positive";
+        },
+        "");
+}
+
+CLI::Validator notEmpty() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            return text.empty() ? std::string("must not be empty") : std::string();
+        },
+        "");
+}
 
 /// A recipe names the options of one command without saying which: they go to the one that runs.
 class RecipeFormat : public CLI::ConfigTOML {
@@ -70,12 +91,15 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->take_all();
     command.add_option("--voxel", domain.voxelSize, "edge of a voxel of the distance field, mm")
         ->option_text("H [chosen]")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->group("Domain");
 }
 
 void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) {
-    command.add_option("--radius", radius, kRadiusHelp)->option_text("SPEC")->group("Spheres");
+    command.add_option("--radius", radius, kRadiusHelp)
+        ->option_text("SPEC")
+        ->check(notEmpty())
+        ->group("Spheres");
     command.add_option("--weight-by", weightBy, "what the weights of table:FILE count")
         ->transform(CLI::Transformer(kWeights))
         ->option_text("count|volume [count]")
@@ -122,11 +146,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_option("--target-count", options.pack.targetCount,
                      "scale the radii so that about N spheres fill the domain")
         ->option_text("N")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->group("Spheres");
     pack->add_option("--max-count", options.pack.maxCount, "stop at N spheres")
         ->option_text("N")
-        ->check(CLI::PositiveNumber)
+        ->check(positive())
         ->group("Spheres");
     pack->add_option("--effort", options.pack.effort, "radii tried for each sphere")
         ->transform(CLI::Transformer(kEfforts))

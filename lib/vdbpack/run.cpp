@@ -20,6 +20,8 @@ namespace vdbpack {
 namespace {
 
 constexpr double kDefaultCount = 100000;
+/// Beyond this the field for the smallest radius would outgrow any pack of the largest.
+constexpr double kLargestSizeRatio = 200;
 /// How far the final count may be from --target-count before the pack is made again.
 constexpr double kCountTolerance = 0.02;
 
@@ -151,6 +153,11 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
                      Clock& clock, const Callbacks& callbacks) {
     double target = 0;
     SizeDistribution sizes = requestedSizes(recipe, Dim, target, report);
+    if (sizes.max() > kLargestSizeRatio * sizes.min())
+        throw ParameterError(fmt::format(
+            "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "
+            "smallest radius",
+            sizes.spec(), sizes.max() / sizes.min(), kLargestSizeRatio));
     double scale = 1;
     if (target > 0) {
         // Half full is the lowest that is to be expected: the field is deep and fine enough.

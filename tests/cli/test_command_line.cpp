@@ -77,6 +77,8 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("pack ball:8 --nonsense").code == 2);
     CHECK(vdbPack("pack ball:8 --radius uniform:2").code == 2);
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
+    CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
+    CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text, Catch::Contains("positive"));
     CHECK(vdbPack("pack ball:1 --radius uniform:4,5").code == 3);
     CHECK(vdbPack("pack " + folder.file("none.stl")).code == 4);
     CHECK(vdbPack("pack ball:8 --radius uniform:1,2 -o " + folder.file("no/p.csv")).code == 4);
