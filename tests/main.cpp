@@ -1,7 +1,7 @@
 #define CATCH_CONFIG_MAIN
 #include <catch2/catch.hpp>
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(VDBPACK_SANITIZE)
 // OpenVDB 10 forgets the half-read tree when a file ends early (RootNode::readTopology); it is not
 // ours to free. Everything else that leaks is reported.
 extern "C" const char* __lsan_default_suppressions();
