@@ -248,7 +248,7 @@ PlaceCheck<Dim> findPlaces(const std::vector<Sphere<Dim>>& spheres, const Domain
             const Vec<Dim> middle = corner + blockSize * 0.5;
             WallPoint<Dim> wall;
             const bool crossed = sampler.nearestWall(middle, halfDiagonal, wall);
-            if (!crossed && !(sampler.signedDistance(middle) < 0)) continue;
+            if (!crossed && !sampler.contains(middle)) continue;
             Spread<Dim> spread(b);
             for (std::uint64_t k = 0; k < pointsABlock; ++k) {
                 Vec<Dim> x = spread.next();
@@ -262,6 +262,8 @@ PlaceCheck<Dim> findPlaces(const std::vector<Sphere<Dim>>& spheres, const Domain
                 if (covered) continue;
                 if (crossed && !(sampler.signedDistance(x) < 0)) continue;
                 if (enough > 0 && sampler.nearestWall(x, enough, wall)) continue;
+                // The field takes some pockets of air for bone.
+                if (crossed && !sampler.contains(x)) continue;
                 if (mine.largest >= radius) {
                     ++mine.places;
                     if (!isFree(sampler, x, mine.largest)) continue;

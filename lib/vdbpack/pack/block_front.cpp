@@ -591,7 +591,7 @@ double BlockFront<Dim>::Work::clearance(const Vec<Dim>& x, double reach) {
     WallPoint<Dim> wall;
     const Vec<Dim> global = x + origin_;
     if (sampler_->nearestWall(global, least, wall)) least = wall.distance;
-    return sampler_->signedDistance(global) < 0 ? least : -least;
+    return sampler_->contains(global) ? least : -least;
 }
 
 /// Marks the cells in which some sphere leaves no place: a center with room for `wanted_` is
@@ -656,7 +656,7 @@ void BlockFront<Dim>::Work::searchPlaces() {
     // In bricks, since one lookup tells most of them to lie outside the domain or deep inside.
     constexpr int kBrick = 4;
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const double error = settings_.fieldError;
+    const double error = 2 * settings_.fieldError;
     const auto depthAt = [&](const Vec<Dim>& x) {
         const double depth = -sampler_->signedDistance(x + origin_);
         return depth < 0.99 * settings_.fieldDepth ? depth
@@ -731,7 +731,13 @@ bool BlockFront<Dim>::Work::hasPlace(const Vec<Dim>& center, double edge, Vec<Di
     const Vec<Dim> global = center + origin_;
     if (wanted_ > corner && sampler_->nearestWall(global, wanted_ - corner, wall)) return false;
     const bool crossed = wanted_ < 2 * corner && sampler_->nearestWall(global, corner, wall);
-    if (!crossed && sampler_->signedDistance(global) > 0) return false;
+    if (!crossed) {
+        const double outside = sampler_->signedDistance(global);
+        // Near the wall even the field's sign can be wrong; the triangles know.
+        if (outside > 2 * settings_.fieldError ||
+            (outside > 0 && (settings_.fieldError == 0 || !sampler_->contains(global))))
+            return false;
+    }
     if (room >= wanted_ && !sampler_->nearestWall(global, wanted_, wall)) {
         place = center;
         // All of a ball that no wall crosses is on one side.
@@ -771,34 +777,40 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
     }
     const std::size_t fitting = pool_->countUpTo(room - 2 * settings_.quantum);
     if (fitting == 0) return;
-    const double radius = (*pool_)[fitting - 1];
+    const auto placeAt = [&](const Vec<Dim>& center, std::size_t k) {
+        const double radius = (*pool_)[k];
+        if (!owns(center)) return false;
+        bool overlaps = false;
+        cells_.near(center, radius, settings_.maxRadius, [&](std::uint32_t i) {
+            const double least = spheres_[i].radius + radius;
+            overlaps = overlaps || squaredLength(spheres_[i].center - center) < least * least;
+            return true;
+        });
+        WallPoint<Dim> wall;
+        if (overlaps || sampler_->nearestWall(center + origin_, radius, wall) ||
+            !sampler_->contains(center + origin_))
+            return false;
+        ++seeds_;
+        place(center, radius);
+        pool_->take(k);
+        return true;
+    };
     // Down the sweep until it touches something.
+    const double radius = (*pool_)[fitting - 1];
+    Vec<Dim> low = x;
     for (int step = 0; step < 200; ++step) {
-        const double free = clearance(x, far) - radius - settings_.quantum;
+        const double free = clearance(low, far) - radius - settings_.quantum;
         if (free < 1e-6 * radius) break;
-        const Vec<Dim> y = x - settings_.sweep * free;
+        const Vec<Dim> y = low - settings_.sweep * free;
         if (!owns(y)) break;
-        x = y;
+        low = y;
     }
     // Snapping moves the center by less than a quantum; step back where that was too much.
-    Vec<Dim> center = snapped(x);
+    Vec<Dim> center = snapped(low);
     for (int step = 0; step < 8 && clearance(center, far) < radius; ++step)
-        center = snapped(x + settings_.sweep * (settings_.quantum * (2 << step)));
-    if (!owns(center)) return;
-    bool overlaps = false;
-    cells_.near(center, radius, settings_.maxRadius, [&](std::uint32_t i) {
-        const double least = spheres_[i].radius + radius;
-        overlaps = overlaps || squaredLength(spheres_[i].center - center) < least * least;
-        return true;
-    });
-    WallPoint<Dim> wall;
-    if (overlaps || sampler_->nearestWall(center + origin_, radius, wall) ||
-        !sampler_->contains(center + origin_))
-        return;
-    ++seeds_;
-    place(center, radius);
-    pool_->take(fitting - 1);
-    runFront();
+        center = snapped(low + settings_.sweep * (settings_.quantum * (2 << step)));
+    if (placeAt(center, fitting - 1) || placeAt(snapped(x), fitting - 1) || placeAt(snapped(x), 0))
+        runFront();
 }
 
 template <int Dim>
