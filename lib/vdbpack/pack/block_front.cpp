@@ -1,29 +1,34 @@
 #include "vdbpack/pack/block_front.h"
 
-#include "vdbpack/pack/caps.h"
-#include "vdbpack/pack/cell_list.h"
 #include "vdbpack/pack/lanes.h"
+#include "vdbpack/pack/place_search.h"
+#include "vdbpack/pack/resting.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <limits>
-#include <queue>
+#include <cstring>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
-/// Body numbers at and above this are wall planes of the pivot, below it neighbors.
+/// Body numbers at and above this are walls of the pivot, below it spheres of the block.
 constexpr std::uint32_t kWallBody = 0x40000000u;
+/// In place of a body where a sphere rests on the pivot alone.
 constexpr std::uint32_t kNoBody = 0x7fffffffu;
+constexpr std::uint32_t kNone = 0xffffffffu;
+/// In place of a block to come.
+constexpr std::uint32_t kDone = 0;
 
 /// Tangent planes that one pivot may collect; corners need three, rough walls a few more.
-constexpr std::size_t kMaxPlanes = 12;
+constexpr int kMaxPlanes = 12;
 
-/// Places are searched down to cells this small, in wanted radii: what may be missed is smaller
-/// than the wanted radius and half the diagonal of such a cell.
-constexpr double kSmallestCell = 0.01;
+/// Pending radii tried at a site, from the largest that seems to fit.
+constexpr std::size_t kAttempts = 3;
+
+/// A fresh front that places more makes it worthwhile to start the search anew.
+constexpr std::size_t kManySpheres = 200;
 
 /// Solves the Dim x Dim system a x = b in place by elimination with pivoting.
 template <int Dim>
@@ -53,447 +58,515 @@ bool solve(std::array<Vec<Dim>, Dim>& a, Vec<Dim>& b) {
     return true;
 }
 
+template <int Dim>
+std::array<float, Dim> toFloat(const Vec<Dim>& v) {
+    std::array<float, Dim> f;
+    for (std::size_t d = 0; d < Dim; ++d) f[d] = static_cast<float>(v.c[d]);
+    return f;
+}
+
+/// A key whose integer order is that of the floats.
+std::uint32_t ordered(float key) {
+    std::uint32_t bits;
+    std::memcpy(&bits, &key, sizeof bits);
+    return bits >> 31 ? ~bits : bits | 0x80000000u;
+}
+
 }  // namespace
 
 template <int Dim>
 class BlockFront<Dim>::Work {
 public:
-    explicit Work(const FrontSettings<Dim>& settings) : settings_(settings) {}
+    explicit Work(const FrontSettings<Dim>& settings) {
+        state_.settings = settings;
+        probe_ = static_cast<float>(settings.probe);
+        // Radii are floats; what rounds up here is decided in double.
+        largest_ = static_cast<float>(settings.maxRadius);
+    }
 
-    void fill(const Box<Dim>& own, const Box<Dim>& search, const std::vector<Sphere<Dim>>& around,
+    void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
               RadiusPool& pool, DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-              std::vector<Sphere<Dim>>& placed);
+              BlockSpheres<Dim>& placed);
 
     std::size_t seeds_ = 0;
 
 private:
     struct Plane {
-        Vec<Dim> point, normal;  ///< on the wall; unit, into the domain
+        Vec<Dim> point, normal;      ///< on the wall; unit, into the domain
+        std::uint32_t next = kNone;  ///< of the same sphere
     };
-    struct Queued {
-        double key;
-        std::uint32_t sphere;
-        bool operator<(const Queued& o) const {
-            return key > o.key || (key == o.key && sphere > o.sphere);
-        }
+    /// A place of the front where a sphere could rest.
+    struct FrontSite {
+        Track<float, Dim> track;     ///< from the probe's radius on, from the pivot
+        std::array<float, Dim> end;  ///< center at radius `limit`
+        float limit;                 ///< largest radius that fits, as far as is known
+        float base;                  ///< along the sweep, at the probe's radius
+        float side;
+        std::array<std::uint32_t, Dim - 1> bodies;
+        std::uint32_t pivot;
+        std::uint32_t next;  ///< of the same pivot
+        std::uint32_t key;   ///< as in the queue; entries with another one are stale
+        bool dead;
+        std::uint32_t foreign;  ///< the block it lies in if that comes later; see towards()
     };
-    using Vertex = typename CapSet<Dim>::Vertex;
+    /// What is kept of each sphere.
+    struct Lists {
+        std::uint32_t site = kNone, plane = kNone;
+        std::uint32_t open = 0;
+    };
+    /// What came of placing a sphere at a site.
+    enum class Outcome { placed, blocked, foreign, wallLearned };
+    using Site = typename Surroundings<Dim>::Site;
 
-    void push(std::uint32_t sphere) {
-        front_.push({dot(spheres_[sphere].center, settings_.sweep), sphere});
-    }
-    void place(const Vec<Dim>& center, double radius);
+    std::uint32_t towards(const Vec<Dim>& x) const;
+    void add(const Sphere<Dim>& sphere);
+    void settle(std::uint32_t index);
+    void findSites(std::uint32_t pivot, std::uint32_t only);
+    void addLooseSites(std::uint32_t pivot);
+    void addSite(std::uint32_t pivot, const Site& site);
+    void keepOff(std::uint32_t intruder);
+    void limitBy(FrontSite& site, const Body<float, Dim>& body);
+    Body<float, Dim> floatBody(std::uint32_t pivot, std::uint32_t body) const;
+    void enqueue(FrontSite& site);
     void runFront();
-    void growFrom(std::uint32_t pivot);
-    void gather(std::uint32_t pivot, double reach);
-    bool heightOf(std::uint32_t body, double radius, Vec<Dim>& axis, double& height) const;
-    bool buildCaps(double radius);
-    bool addCapLater(std::uint32_t body, double radius);
-    void looseVertices();
-    bool restingCenter(const Vertex& vertex, double radius, Vec<Dim>& fromPivot) const;
-    bool seemsFree(const Vec<Dim>& fromPivot, double radius) const;
+    void grow(std::uint32_t site);
+    bool centerAt(const FrontSite& site, double radius, Vec<Dim>& center) const;
+    Outcome tryPlace(std::uint32_t index, double radius, Vec<Dim> center);
+    bool polish(const FrontSite& site, double radius, Vec<Dim>& center);
+    bool findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double reach, Plane& plane,
+                   double& distance);
     bool overlaps(const Vec<Dim>& center, double radius) const;
-    /// What came of placing a sphere at a vertex.
-    enum class Outcome { placed, blocked, wallLearned };
-    Outcome tryVertex(const Vertex& vertex, double radius, Vec<Dim> center);
-    bool polish(double radius, const Vertex& vertex, Vec<Dim>& center);
-    bool findPlane(const Vec<Dim>& center, double reach, Plane& plane);
-    Vec<Dim> snapped(const Vec<Dim>& x) const;
-    bool owns(const Vec<Dim>& x) const;
-
-    void searchPlaces();
-    void stampSpheres();
-    void refine(const Vec<Dim>& center, double edge);
-    bool hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place);
+    void learn(std::uint32_t pivot, const Plane& plane);
+    int planesOf(std::uint32_t sphere) const;
     void fillPlace(Vec<Dim> x);
-    /// Distance from `x` to the nearest sphere or wall, at most `reach`.
-    double clearance(const Vec<Dim>& x, double reach);
 
-    FrontSettings<Dim> settings_;
-    // Of the block being filled; coordinates relative to origin_.
-    Vec<Dim> origin_;
-    Box<Dim> own_, search_;
+    const Sphere<Dim>& sphere(std::uint32_t i) const { return state_.spheres[i]; }
+    double reachOf(double radius) const { return radius + 2 * state_.settings.maxRadius; }
+
+    BlockState<Dim> state_;
+    float probe_, largest_;
     RadiusPool* pool_ = nullptr;
-    DomainSampler<Dim>* sampler_ = nullptr;
     const std::function<bool()>* cancelled_ = nullptr;
     bool stop_ = false;
-    std::vector<Sphere<Dim>> spheres_;
-    CellList<Dim> cells_;
-    std::priority_queue<Queued> front_;
-    // Of the pivot being grown from.
-    Sphere<Dim> pivot_;
-    typename CellList<Dim>::Around around_;  ///< spheres in reach; bodies are their places here
+    std::vector<Lists> lists_;  ///< beside state_.spheres
     std::vector<Plane> planes_;
-    CapSet<Dim> caps_;
-    std::vector<Vertex> vertices_;
-    // Of the search for places.
-    double wanted_ = 0;                   ///< radius that a place must have, mm
-    double step_ = 0;                     ///< edge of a search cell, mm
-    std::array<int, 3> steps_{};          ///< search cells along each axis
-    std::size_t rowWords_ = 0;            ///< 64-bit words of a row of cells
-    std::vector<std::uint64_t> covered_;  ///< a bit a cell: certainly no place in it
-    std::vector<std::uint32_t> nearby_;   ///< spheres that may reach into a cell
+    std::vector<FrontSite> sites_;
+    std::uint32_t unused_ = kNone;      ///< list of sites to use again
+    std::vector<std::uint64_t> queue_;  ///< heap of keys and sites
+    Surroundings<Dim> around_;
+    std::vector<Site> found_;
+    Plane wall_;  ///< nearest to the candidate
+    bool hasWall_ = false;
+    PlaceSearch<Dim> search_;
 };
 
 template <int Dim>
-Vec<Dim> BlockFront<Dim>::Work::snapped(const Vec<Dim>& x) const {
-    Vec<Dim> s;
-    for (int d = 0; d < Dim; ++d)
-        s[d] = std::nearbyint(x[d] / settings_.quantum) * settings_.quantum;
-    return s;
-}
-
-template <int Dim>
-bool BlockFront<Dim>::Work::owns(const Vec<Dim>& x) const {
-    for (int d = 0; d < Dim; ++d)
-        if (!(own_.lo[d] <= x[d] && x[d] < own_.hi[d])) return false;
-    return true;
-}
-
-template <int Dim>
-void BlockFront<Dim>::Work::place(const Vec<Dim>& center, double radius) {
-    const auto index = static_cast<std::uint32_t>(spheres_.size());
-    spheres_.push_back({center, radius});
-    cells_.add(spheres_.back(), index);
-    push(index);
-}
-
-template <int Dim>
 void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
-                                 const std::vector<Sphere<Dim>>& around, RadiusPool& pool,
+                                 const BlockSpheres<Dim>& around, RadiusPool& pool,
                                  DomainSampler<Dim>& sampler,
                                  const std::function<bool()>& cancelled,
-                                 std::vector<Sphere<Dim>>& placed) {
-    origin_ = own.lo;
-    search_ = {search.lo - origin_, search.hi - origin_};
-    own_ = {search_.lo, own.hi - origin_};
+                                 BlockSpheres<Dim>& placed) {
+    const FrontSettings<Dim>& settings = state_.settings;
+    state_.origin = own.lo;
+    state_.search = {search.lo - own.lo, search.hi - own.lo};
+    state_.own = {state_.search.lo, own.hi - own.lo};
+    state_.sampler = &sampler;
     pool_ = &pool;
-    sampler_ = &sampler;
     cancelled_ = &cancelled;
     stop_ = false;
-    spheres_.clear();
-    front_ = {};
-    const double halo = 2 * settings_.maxRadius;
+    state_.spheres.clear();
+    lists_.clear();
+    planes_.clear();
+    sites_.clear();
+    unused_ = kNone;
+    queue_.clear();
+    const double halo = 2 * settings.maxRadius;
+    const Box<Dim> reach = state_.own.grown(halo);
     // About six spheres a cell: nearly a full chunk, and few cells in reach.
-    cells_.reset(own_.grown(halo), std::pow(10 * settings_.meanBall, 1.0 / Dim));
-    const Box<Dim> reach = own_.grown(halo);
-    for (const auto& s : around) {
-        const Sphere<Dim> local{s.center - origin_, s.radius};
+    state_.cells.reset(reach, std::pow(10 * settings.meanBall, 1.0 / Dim));
+    for (std::size_t i = 0; i < around.spheres.size(); ++i) {
+        const Sphere<Dim> local{around.spheres[i].center - state_.origin, around.spheres[i].radius};
         if (!reach.contains(local.center)) continue;
-        const auto index = static_cast<std::uint32_t>(spheres_.size());
-        spheres_.push_back(local);
-        cells_.add(local, index);
-        bool borders = true;  // on the block itself, not on the part that is only searched
-        for (int d = 0; d < Dim; ++d) borders = borders && local.center[d] > -halo;
-        if (borders) push(index);
+        add(local);
+        lists_.back().open = around.open[i];
     }
-    const std::size_t standing = spheres_.size();
+    const std::size_t standing = state_.spheres.size();
     pool.refill();
+    for (std::uint32_t i = 0; i < standing; ++i) {
+        if (lists_[i].open == 0) continue;
+        around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius),
+                        settings.maxRadius, i);
+        Plane plane;
+        double distance;
+        if (findPlane(sphere(i).center, sphere(i).center, reachOf(sphere(i).radius), plane,
+                      distance)) {
+            lists_[i].plane = static_cast<std::uint32_t>(planes_.size());
+            planes_.push_back(plane);
+        }
+        findSites(i, Surroundings<Dim>::kAll);
+    }
     runFront();
-    searchPlaces();
+    for (const bool centersOnly : {true, false}) {
+        if (centersOnly && !state_.spheres.empty()) continue;
+        search_.start(state_, centersOnly);
+        for (Vec<Dim> place; !stop_ && search_.next(place);) {
+            const std::size_t before = state_.spheres.size();
+            fillPlace(place);
+            const std::size_t filled = state_.spheres.size() - before;
+            if (filled == 0) search_.skip();
+            if (filled <= kManySpheres) continue;
+            if (centersOnly) break;
+            search_.start(state_, centersOnly);  // most cells that were left are covered now
+        }
+    }
+
+    for (const FrontSite& site : sites_)
+        if (site.foreign != 0 && !site.dead) lists_[site.pivot].open |= site.foreign;
     placed.clear();
-    placed.reserve(spheres_.size() - standing);
-    for (std::size_t i = standing; i < spheres_.size(); ++i)
-        placed.push_back({spheres_[i].center + origin_, spheres_[i].radius});
+    placed.spheres.reserve(state_.spheres.size() - standing);
+    placed.open.reserve(state_.spheres.size() - standing);
+    for (std::size_t i = standing; i < state_.spheres.size(); ++i) {
+        placed.spheres.push_back(
+            {state_.spheres[i].center + state_.origin, state_.spheres[i].radius});
+        placed.open.push_back(lists_[i].open);
+    }
+}
+
+/// The neighbor block that holds a point outside this one, as BlockSpheres::open names it; kDone
+/// if all of that lies behind the front.
+template <int Dim>
+std::uint32_t BlockFront<Dim>::Work::towards(const Vec<Dim>& x) const {
+    std::array<int, Dim> offset;
+    bool ahead = false;
+    for (int d = 0; d < Dim; ++d) {
+        // The faces of the block itself: 0 and own.hi.
+        offset[static_cast<std::size_t>(d)] = x[d] < 0 ? -1 : x[d] < state_.own.hi[d] ? 0 : 1;
+        ahead = ahead || x[d] >= state_.own.hi[d];
+    }
+    return ahead ? BlockSpheres<Dim>::bit(offset) : kDone;
+}
+
+template <int Dim>
+void BlockFront<Dim>::Work::add(const Sphere<Dim>& sphere) {
+    state_.cells.add(sphere, static_cast<std::uint32_t>(state_.spheres.size()));
+    state_.spheres.push_back(sphere);
+    lists_.emplace_back();
+}
+
+/// Brings the front up to date with a sphere just added; `around_` and `wall_` are those of its
+/// center.
+template <int Dim>
+void BlockFront<Dim>::Work::settle(std::uint32_t index) {
+    if (hasWall_) {
+        lists_[index].plane = static_cast<std::uint32_t>(planes_.size());
+        planes_.push_back(wall_);
+    }
+    keepOff(index);
+    findSites(index, Surroundings<Dim>::kAll);
+}
+
+/// Adds the sites of a pivot: all, or those that rest on body `only`. `around_` holds its spheres.
+template <int Dim>
+void BlockFront<Dim>::Work::findSites(std::uint32_t pivot, std::uint32_t only) {
+    const Vec<Dim>& center = sphere(pivot).center;
+    for (std::uint32_t p = lists_[pivot].plane; p != kNone; p = planes_[p].next) {
+        const double above = dot(center - planes_[p].point, planes_[p].normal);
+        around_.addPlane(toFloat(planes_[p].normal), static_cast<float>(above), kWallBody + p);
+    }
+    around_.findSites(static_cast<float>(sphere(pivot).radius), probe_, largest_, only, found_);
+    for (const Site& site : found_) addSite(pivot, site);
+    if (found_.empty() && only == Surroundings<Dim>::kAll && around_.reached() <= Dim)
+        addLooseSites(pivot);
+}
+
+template <int Dim>
+void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
+    const Vec<Dim>& center = sphere(pivot).center;
+    FrontSite s;
+    Vec<Dim> start;
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        start[d] = center[d] + static_cast<double>(site.start[at]);
+        s.end[at] = static_cast<float>(center[d]) + site.end[at];
+    }
+    const bool own = state_.owns(start);
+    const std::uint32_t foreign = own ? 0 : towards(start);
+    if (!own && foreign == kDone) return;
+    s.track = site.track;
+    s.limit = site.limit;
+    s.base = static_cast<float>(dot(start, state_.settings.sweep));
+    s.side = site.side;
+    s.bodies = site.bodies;
+    s.pivot = pivot;
+    s.dead = false;
+    s.foreign = foreign;
+    s.key = 0;
+    std::uint32_t index = unused_;
+    if (index == kNone) {
+        index = static_cast<std::uint32_t>(sites_.size());
+        sites_.emplace_back();
+    } else {
+        // An entry of the queue that is left from its last use does no harm: it is stale, or
+        // has the same key by chance.
+        unused_ = sites_[index].next;
+    }
+    s.next = lists_[pivot].site;
+    lists_[pivot].site = index;
+    sites_[index] = s;
+    enqueue(sites_[index]);
+}
+
+/// A front begins with too few bodies to rest on: then a sphere may rest on the pivot alone.
+template <int Dim>
+void BlockFront<Dim>::Work::addLooseSites(std::uint32_t pivot) {
+    std::vector<Vec<Dim>> directions;
+    if constexpr (Dim == 3) {
+        constexpr int kAround = 16;
+        const std::size_t count = around_.spheres.count;
+        for (std::size_t i = 0; i < count; ++i) {
+            // A little off each body that is in reach.
+            Vec<3> axis;
+            for (int d = 0; d < 3; ++d)
+                axis[d] = static_cast<double>(around_.spheres.to[static_cast<std::size_t>(d)][i]);
+            const Body<float, 3> body = floatBody(pivot, around_.spheres.index[i]);
+            const double l = length(axis);
+            const double level = static_cast<double>(body.level + probe_ * body.slope);
+            const double height = level / (l * (sphere(pivot).radius + state_.settings.probe));
+            if (height >= 1) continue;
+            axis *= 1 / l;
+            const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
+            const Vec<3> e1 = normalized(cross(axis, other));
+            const Vec<3> e2 = cross(axis, e1);
+            const double up = height - 1e-5;
+            const double out = std::sqrt(std::max(0.0, 1 - up * up));
+            for (int a = 0; a < kAround; ++a) {
+                const double angle = 2 * kPi * a / kAround;
+                directions.push_back(axis * up +
+                                     (e1 * std::cos(angle) + e2 * std::sin(angle)) * out);
+            }
+        }
+    }
+    if (directions.empty()) directions.push_back(-state_.settings.sweep);
+    const float rolling = static_cast<float>(sphere(pivot).radius) + probe_;
+    for (const Vec<Dim>& n : directions) {
+        Site site;
+        site.track.makeLoose(rolling, toFloat(n));
+        const float most = largest_ - probe_;
+        const float t = around_.growth(site.track, most);
+        if (most > 0 && !(t > 0)) continue;
+        site.track.at(0, site.start);
+        site.track.at(t, site.end);
+        site.limit = t >= most ? largest_ : probe_ + t;
+        site.side = 1;
+        site.bodies.fill(kNoBody);
+        addSite(pivot, site);
+    }
+}
+
+/// Puts a site into the queue by what is known of it.
+template <int Dim>
+void BlockFront<Dim>::Work::enqueue(FrontSite& site) {
+    if (site.foreign != 0) return;
+    float key = site.base;
+    if (site.limit < 0.99f * largest_)
+        key -=
+            static_cast<float>(state_.settings.lead) * (site.limit - probe_) / (largest_ - probe_);
+    site.key = ordered(key);
+    queue_.push_back(std::uint64_t{site.key} << 32 |
+                     static_cast<std::uint64_t>(&site - sites_.data()));
+    std::push_heap(queue_.begin(), queue_.end(), std::greater<>());
+}
+
+template <int Dim>
+Body<float, Dim> BlockFront<Dim>::Work::floatBody(std::uint32_t pivot, std::uint32_t body) const {
+    const Vec<Dim>& center = sphere(pivot).center;
+    if (body >= kWallBody) {
+        const Plane& plane = planes_[body - kWallBody];
+        return Body<float, Dim>::plane(toFloat(plane.normal),
+                                       static_cast<float>(dot(center - plane.point, plane.normal)));
+    }
+    return Body<float, Dim>::sphere(toFloat(sphere(body).center - center),
+                                    static_cast<float>(sphere(pivot).radius),
+                                    static_cast<float>(sphere(body).radius));
+}
+
+/// Takes off a site's limit what `body`, seen from the site's pivot, leaves of it.
+template <int Dim>
+void BlockFront<Dim>::Work::limitBy(FrontSite& site, const Body<float, Dim>& body) {
+    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe_;
+    const float most = site.limit - probe_;
+    const float level = body.level + probe_ * body.slope;
+    std::array<float, Dim> x;
+    bool fits = site.track.at(0, x);
+    float room = level;
+    for (std::size_t d = 0; d < Dim; ++d) room -= x[d] * body.to[d];
+    fits = fits && room > -2e-5f * rolling * rolling;
+    if (!fits) {  // not even the smallest
+        site.dead = true;
+        return;
+    }
+    if (!(most > 0)) return;
+    const float t = firstHit<Dim>(site.track, body, level, 1e-5f * rolling, most);
+    if (t >= most) return;
+    site.limit = probe_ + t;
+    if (site.track.at(t, x))
+        for (std::size_t d = 0; d < Dim; ++d)
+            site.end[d] = static_cast<float>(sphere(site.pivot).center.c[d]) + x[d];
+    enqueue(site);
+}
+
+/// Updates the sites that sphere `intruder` reaches into; `around_` holds its neighbors.
+template <int Dim>
+void BlockFront<Dim>::Work::keepOff(std::uint32_t intruder) {
+    const std::array<float, Dim> center = toFloat(sphere(intruder).center);
+    const auto radius = static_cast<float>(sphere(intruder).radius);
+    for (std::size_t i = 0; i < around_.spheres.count; ++i) {
+        const std::uint32_t pivot = around_.spheres.index[i];
+        std::uint32_t* link = &lists_[pivot].site;
+        while (*link != kNone) {
+            FrontSite& site = sites_[*link];
+            if (!site.dead) {
+                float square = 0;
+                for (std::size_t d = 0; d < Dim; ++d)
+                    square += (site.end[d] - center[d]) * (site.end[d] - center[d]);
+                const float least = radius + site.limit;
+                if (square < least * least * (1 - 2e-5f)) {
+                    limitBy(site, floatBody(pivot, intruder));
+                }
+            }
+            if (site.dead) {
+                const std::uint32_t gone = *link;
+                *link = site.next;
+                site.next = unused_;
+                unused_ = gone;
+            } else {
+                link = &site.next;
+            }
+        }
+    }
 }
 
 template <int Dim>
 void BlockFront<Dim>::Work::runFront() {
-    while (!front_.empty() && !stop_) {
-        const std::uint32_t pivot = front_.top().sphere;
-        front_.pop();
-        growFrom(pivot);
-        if (*cancelled_ && (*cancelled_)()) stop_ = true;
+    for (std::size_t step = 0; !queue_.empty() && !stop_; ++step) {
+        std::pop_heap(queue_.begin(), queue_.end(), std::greater<>());
+        const std::uint64_t entry = queue_.back();
+        queue_.pop_back();
+        const auto site = static_cast<std::uint32_t>(entry);
+        if (sites_[site].dead || sites_[site].key != static_cast<std::uint32_t>(entry >> 32))
+            continue;
+        grow(site);
+        if (step % 64 == 0 && *cancelled_ && (*cancelled_)()) stop_ = true;
     }
 }
 
+/// Places the largest pending radius that fits at a site, or gives the site up.
 template <int Dim>
-void BlockFront<Dim>::Work::gather(std::uint32_t pivot, double reach) {
-    cells_.collect(pivot_.center, reach, settings_.maxRadius, pivot, around_);
-    planes_.clear();
-    const double depth = -sampler_->signedDistance(pivot_.center + origin_);
-    if (depth < reach + settings_.fieldError) {
-        Plane plane;
-        if (findPlane(pivot_.center, reach, plane)) planes_.push_back(plane);
-    }
-}
-
-template <int Dim>
-void BlockFront<Dim>::Work::growFrom(std::uint32_t index) {
-    pivot_ = spheres_[index];
-    const double smallest = pool_->smallest();
-    const double largest = pool_->largest();
-    gather(index, pivot_.radius + 2 * largest);
-    if (!buildCaps(smallest)) return;
-    caps_.findVertices(vertices_);
-    if (vertices_.empty()) looseVertices();
-
-    while (!vertices_.empty() && !stop_) {
-        // Lowest along the sweep first.
-        const auto key = [&](const Vertex& v) {
-            double k = 0;
-            for (std::size_t d = 0; d < Dim; ++d)
-                k += static_cast<double>(v.direction[d]) * settings_.sweep.c[d];
-            return k;
-        };
-        std::size_t lowest = 0;
-        double lowestKey = key(vertices_[0]);
-        for (std::size_t i = 1; i < vertices_.size(); ++i) {
-            const double k = key(vertices_[i]);
-            if (k < lowestKey) lowestKey = k, lowest = i;
-        }
-        const Vertex vertex = vertices_[lowest];
-        vertices_[lowest] = vertices_.back();
-        vertices_.pop_back();
-
-        // The largest pending radius that rests on the same bodies: the largest of all first,
-        // then halfway between what fits and what does not.
-        const auto fitsAt = [&](std::size_t k, Vec<Dim>& from) {
-            return restingCenter(vertex, (*pool_)[k], from) && seemsFree(from, (*pool_)[k]);
-        };
+void BlockFront<Dim>::Work::grow(std::uint32_t index) {
+    const float limit = sites_[index].limit;
+    std::size_t k = pool_->countUpTo(static_cast<double>(limit));
+    for (std::size_t attempt = 0; attempt < kAttempts && k > 0; ++attempt) {
+        const double radius = (*pool_)[--k];
         Vec<Dim> center;
-        std::size_t fits = pool_->size();
-        std::size_t below = 0;  // nothing is known to fit below this
-        std::size_t end = pool_->countUpTo(largest);
-        for (int t = 0; t < settings_.radiiTried && below < end; ++t) {
-            const std::size_t k = t == 0 ? end - 1 : (below + end) / 2;
-            Vec<Dim> from;
-            if (fitsAt(k, from)) {
-                center = from;
-                fits = k;
-                below = k + 1;
+        if (!centerAt(sites_[index], radius, center)) continue;
+        switch (tryPlace(index, radius, center)) {
+            case Outcome::placed:
+                pool_->take(k);
+                return;
+            case Outcome::wallLearned:
+                // Queued again where the wall leaves it less room.
+                if (sites_[index].dead || sites_[index].limit < limit) return;
+                break;
+            case Outcome::foreign:  // better filled by the block that comes there
+                sites_[index].dead = true;
+                return;
+            case Outcome::blocked:
+                break;
+        }
+    }
+    sites_[index].dead = true;
+}
+
+/// Where a sphere of `radius` rests at a site, in double.
+template <int Dim>
+bool BlockFront<Dim>::Work::centerAt(const FrontSite& site, double radius, Vec<Dim>& center) const {
+    const Sphere<Dim>& pivot = sphere(site.pivot);
+    const double open = radius + state_.settings.quantum;
+    Track<double, Dim> track;
+    if (site.bodies[0] == kNoBody) {
+        Vec<Dim> n;
+        for (int d = 0; d < Dim; ++d)
+            n[d] = static_cast<double>(site.end[static_cast<std::size_t>(d)]) - pivot.center[d];
+        track.makeLoose(pivot.radius + open, normalized(n).c);
+    } else {
+        std::array<Body<double, Dim>, Dim - 1> bodies;
+        for (std::size_t b = 0; b < Dim - 1; ++b) {
+            const std::uint32_t body = site.bodies[b];
+            if (body >= kWallBody) {
+                const Plane& plane = planes_[body - kWallBody];
+                bodies[b] = Body<double, Dim>::plane(plane.normal.c,
+                                                     dot(pivot.center - plane.point, plane.normal));
             } else {
-                end = k;
+                bodies[b] = Body<double, Dim>::sphere((sphere(body).center - pivot.center).c,
+                                                      pivot.radius, sphere(body).radius);
             }
         }
-        if (fits == pool_->size()) {
-            if (end == 0 || !fitsAt(0, center)) continue;
-            fits = 0;
-        }
-        Outcome outcome = tryVertex(vertex, (*pool_)[fits], center + pivot_.center);
-        if (outcome == Outcome::blocked && fits > 0 && fitsAt(0, center)) {
-            fits = 0;
-            outcome = tryVertex(vertex, (*pool_)[0], center + pivot_.center);
-        }
-        if (outcome == Outcome::placed) {
-            pool_->take(fits);
-            const auto child = static_cast<std::uint32_t>(spheres_.size() - 1);
-            around_.add(spheres_[child], pivot_.center, child);
-            if (!addCapLater(static_cast<std::uint32_t>(around_.count - 1), smallest)) return;
-        } else if (outcome == Outcome::wallLearned) {
-            const auto plane = kWallBody + static_cast<std::uint32_t>(planes_.size() - 1);
-            if (!addCapLater(plane, smallest)) return;
-        }
+        if (!track.make(pivot.radius + open, open, bodies, static_cast<double>(site.side)))
+            return false;
     }
+    Vec<Dim> x;
+    if (!track.at(0, x.c)) return false;
+    center = pivot.center + x;
+    return true;
 }
 
+/// The tangent plane of the wall point nearest to `x`, if one is closer than `reach`.
 template <int Dim>
-bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& center, double reach, Plane& plane) {
+bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double reach,
+                                      Plane& plane, double& distance) {
+    const FrontSettings<Dim>& settings = state_.settings;
+    const Vec<Dim> global = x + state_.origin;
+    if (settings.fieldDepth > reach + settings.fieldError &&
+        -state_.sampler->signedDistance(global) > reach + settings.fieldError)
+        return false;
     WallPoint<Dim> wall;
-    if (!sampler_->nearestWall(center + origin_, reach, wall)) return false;
-    plane.point = wall.point - origin_;
-    plane.normal = center - plane.point;
+    if (!state_.sampler->nearestWall(global, reach, wall)) return false;
+    distance = wall.distance;
+    plane.point = wall.point - state_.origin;
+    plane.normal = x - plane.point;
+    plane.next = kNone;
     const double l = length(plane.normal);
     if (!(l > 1e-9 * reach)) return false;
     // Triangles do not say which side is inside; the pivot does.
-    const double side = dot(pivot_.center - plane.point, plane.normal);
+    const double side = dot(pivot - plane.point, plane.normal);
     plane.normal *= (side < 0 ? -1.0 : 1.0) / l;
     return true;
 }
 
-/// The cap that `body` forbids a candidate of `radius`.
-/// @return false if the body is out of reach.
 template <int Dim>
-bool BlockFront<Dim>::Work::heightOf(std::uint32_t body, double radius, Vec<Dim>& axis,
-                                     double& height) const {
-    const double rolling = pivot_.radius + radius + settings_.quantum;
-    if (body >= kWallBody) {
-        const Plane& plane = planes_[body - kWallBody];
-        const double above = dot(pivot_.center - plane.point, plane.normal);
-        axis = -plane.normal;
-        height = (above - radius - settings_.quantum) / rolling;
-        return height < 1;
-    }
-    const Sphere<Dim>& s = spheres_[around_.index[body]];
-    const Vec<Dim> to = s.center - pivot_.center;
-    const double square = squaredLength(to);
-    const double other = s.radius + radius + settings_.quantum;
-    if (square >= (rolling + other) * (rolling + other)) return false;
-    const double inverse = 1 / std::sqrt(square);
-    axis = to * inverse;
-    height = (square + rolling * rolling - other * other) / (2 * rolling) * inverse;
-    return true;
+int BlockFront<Dim>::Work::planesOf(std::uint32_t sphere) const {
+    int count = 0;
+    for (std::uint32_t p = lists_[sphere].plane; p != kNone; p = planes_[p].next) ++count;
+    return count;
 }
 
-template <int Dim>
-bool BlockFront<Dim>::Work::buildCaps(double radius) {
-    caps_.clear();
-    const auto add = [&](std::uint32_t body) {
-        Vec<Dim> axis;
-        double height;
-        if (!heightOf(body, radius, axis, height)) return true;
-        std::array<float, Dim> a;
-        for (std::size_t d = 0; d < Dim; ++d) a[d] = static_cast<float>(axis.c[d]);
-        return caps_.add(a, static_cast<float>(height), body);
-    };
-    for (std::uint32_t p = 0; p < planes_.size(); ++p)
-        if (!add(kWallBody + p)) return false;
-    const Lanes rolling = static_cast<float>(pivot_.radius + radius + settings_.quantum);
-    const Lanes own = static_cast<float>(radius + settings_.quantum);
-    for (std::size_t i = 0; i < around_.count; i += kLanes) {
-        Lanes square = 0.0f;
-        for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = load(&around_.to[d][i]);
-            square += to * to;
-        }
-        const Lanes other = load(&around_.radius[i]) + own;
-        const auto reached = square < (rolling + other) * (rolling + other);
-        if (none_of(reached)) continue;
-        const Lanes inverse = 1.0f / sqrt(square);
-        float axis[Dim][kLanes], height[kLanes];
-        for (std::size_t d = 0; d < Dim; ++d)
-            (load(&around_.to[d][i]) * inverse).copy_to(axis[d], stdx::element_aligned);
-        const Lanes h = (square + (rolling * rolling - other * other)) / (2.0f * rolling) * inverse;
-        h.copy_to(height, stdx::element_aligned);
-        bool open = true;
-        forEachSet(reached, [&](std::size_t l) {
-            std::array<float, Dim> a;
-            for (std::size_t d = 0; d < Dim; ++d) a[d] = axis[d][l];
-            open = caps_.add(a, height[l], static_cast<std::uint32_t>(i + l)) && open;
-        });
-        if (!open) return false;
-    }
-    return true;
-}
-
-template <int Dim>
-bool BlockFront<Dim>::Work::addCapLater(std::uint32_t body, double radius) {
-    Vec<Dim> axis;
-    double height;
-    if (!heightOf(body, radius, axis, height)) return true;
-    std::array<float, Dim> a;
-    for (std::size_t d = 0; d < Dim; ++d) a[d] = static_cast<float>(axis.c[d]);
-    return caps_.addLater(a, static_cast<float>(height), body, vertices_);
-}
-
-/// A front begins with too few bodies for a vertex: then a candidate may rest on fewer.
-template <int Dim>
-void BlockFront<Dim>::Work::looseVertices() {
-    if (caps_.size() > Dim) return;
-    std::vector<std::pair<Vec<Dim>, double>> caps;
-    const auto collect = [&](std::uint32_t body) {
-        Vec<Dim> axis;
-        double height;
-        if (heightOf(body, pool_->smallest(), axis, height)) caps.emplace_back(axis, height);
-    };
-    for (std::uint32_t p = 0; p < planes_.size(); ++p) collect(kWallBody + p);
-    for (std::uint32_t n = 0; n < around_.count; ++n) collect(n);
-    const auto emit = [&](const Vec<Dim>& n) {
-        for (const auto& [axis, height] : caps)
-            if (dot(n, axis) > height) return;
-        Vertex v;
-        for (std::size_t d = 0; d < Dim; ++d) v.direction[d] = static_cast<float>(n.c[d]);
-        v.bodies.fill(kNoBody);
-        v.side = 1;
-        vertices_.push_back(v);
-    };
-    if (caps.empty()) emit(-settings_.sweep);
-    if constexpr (Dim == 3) {
-        constexpr int kAround = 16;
-        for (const auto& [axis, height] : caps) {
-            const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
-            const Vec<3> e1 = normalized(cross(axis, other));
-            const Vec<3> e2 = cross(axis, e1);
-            // A little off the cap: the candidate rests on the pivot alone and needs no polish.
-            const double up = std::min(height, 1.0) - 1e-6;
-            const double out = std::sqrt(std::max(0.0, 1 - up * up));
-            for (int a = 0; a < kAround; ++a) {
-                const double angle = 2 * kPi * a / kAround;
-                emit(axis * up + (e1 * std::cos(angle) + e2 * std::sin(angle)) * out);
-            }
-        }
-    }
-}
-
-/// Where a candidate of `radius` rests on the bodies of `vertex`, on the same side of them.
-/// @return false if it cannot touch them all.
-template <int Dim>
-bool BlockFront<Dim>::Work::restingCenter(const Vertex& vertex, double radius,
-                                          Vec<Dim>& fromPivot) const {
-    const double rolling = pivot_.radius + radius + settings_.quantum;
-    if (vertex.bodies[0] == kNoBody) {
-        Vec<Dim> n;
-        for (std::size_t d = 0; d < Dim; ++d) n.c[d] = vertex.direction[d];
-        fromPivot = normalized(n) * rolling;
-        return true;
-    }
-    Vec<Dim> a;
-    double ha;
-    if (!heightOf(vertex.bodies[0], radius, a, ha)) return false;
-    if constexpr (Dim == 3) {
-        Vec<3> b;
-        double hb;
-        if (!heightOf(vertex.bodies[1], radius, b, hb)) return false;
-        const double c = dot(a, b);
-        const double inverse = 1 / (1 - c * c);
-        const double alpha = (ha - hb * c) * inverse;
-        const double beta = (hb - ha * c) * inverse;
-        const double square = (1 - alpha * ha - beta * hb) * inverse;
-        if (!(square >= 0)) return false;
-        fromPivot = (a * alpha + b * beta +
-                     cross(a, b) * (static_cast<double>(vertex.side) * std::sqrt(square))) *
-                    rolling;
-    } else {
-        if (!(ha * ha <= 1)) return false;
-        const double out = static_cast<double>(vertex.side) * std::sqrt(1 - ha * ha);
-        fromPivot = (a * ha + Vec<2>{{-a[1], a[0]}} * out) * rolling;
-    }
-    return true;
-}
-
-/// A filter in float: false if a neighbor or a known plane is clearly in the way.
-template <int Dim>
-bool BlockFront<Dim>::Work::seemsFree(const Vec<Dim>& fromPivot, double radius) const {
-    constexpr double kSlack = 2e-5;
-    const Lanes r = static_cast<float>(radius * (1 - kSlack));
-    std::array<Lanes, Dim> x;
-    for (std::size_t d = 0; d < Dim; ++d) x[d] = static_cast<float>(fromPivot.c[d]);
-    for (std::size_t i = 0; i < around_.count; i += kLanes) {
-        Lanes square = 0.0f;
-        for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = load(&around_.to[d][i]) - x[d];
-            square += to * to;
-        }
-        const Lanes least = load(&around_.radius[i]) + r;
-        if (any_of(square < least * least)) return false;
-    }
-    for (const Plane& plane : planes_)
-        if (dot(fromPivot + pivot_.center - plane.point, plane.normal) < radius * (1 - kSlack))
-            return false;
-    return true;
-}
-
-/// The decision, in double: whether a sphere there would overlap the pivot or a neighbor.
+/// Decides in double whether a sphere at `center` overlaps one of `around_`.
 template <int Dim>
 bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) const {
-    const double contact = pivot_.radius + radius;
-    const Vec<Dim> from = center - pivot_.center;
-    if (squaredLength(from) < contact * contact) return true;
     const Lanes r = static_cast<float>(radius * (1 + 1e-4));
-    std::array<Lanes, Dim> x;
-    for (std::size_t d = 0; d < Dim; ++d) x[d] = static_cast<float>(from.c[d]);
-    for (std::size_t i = 0; i < around_.count; i += kLanes) {
+    const auto& near = around_.spheres;
+    for (std::size_t i = 0; i < near.count; i += kLanes) {
         Lanes square = 0.0f;
         for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = load(&around_.to[d][i]) - x[d];
+            const Lanes to = load(&near.to[d][i]);
             square += to * to;
         }
-        const Lanes least = load(&around_.radius[i]) + r;
+        const Lanes least = load(&near.radius[i]) + r;
         const auto close = square < least * least;
         if (none_of(close)) continue;
         bool disjoint = true;
         forEachSet(close, [&](std::size_t l) {
-            const Sphere<Dim>& s = spheres_[around_.index[i + l]];
+            const Sphere<Dim>& s = sphere(near.index[i + l]);
             const double exact = s.radius + radius;
             disjoint = disjoint && squaredLength(center - s.center) >= exact * exact;
         });
@@ -502,24 +575,82 @@ bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) cons
     return false;
 }
 
+template <int Dim>
+typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryPlace(std::uint32_t index,
+                                                                        double radius,
+                                                                        Vec<Dim> center) {
+    const FrontSite& site = sites_[index];
+    const Vec<Dim> guess = center;
+    const FrontSettings<Dim>& settings = state_.settings;
+    const auto leave = [&] {
+        const std::uint32_t foreign = towards(center);
+        if (foreign != kDone) lists_[site.pivot].open |= foreign;
+        return Outcome::foreign;
+    };
+    if (!state_.own.grown(0.5 * radius).contains(center)) return leave();
+    if (!polish(site, radius, center)) return Outcome::blocked;
+    center = state_.snapped(center);
+    if (!state_.owns(center)) return leave();
+    around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
+    if (overlaps(center, radius)) return Outcome::blocked;
+    double distance = 0;
+    hasWall_ = findPlane(sphere(site.pivot).center, center, reachOf(radius), wall_, distance);
+    if (!hasWall_ || distance >= radius) {
+        add({center, radius});
+        sites_[index].dead = true;  // and may be used again from here on
+        settle(static_cast<std::uint32_t>(state_.spheres.size() - 1));
+        return Outcome::placed;
+    }
+    // A wall that the pivot did not know. Learn its plane, unless the plane leaves this site
+    // as it is: then it would come up again and again.
+    if (planesOf(site.pivot) < kMaxPlanes &&
+        dot(guess - wall_.point, wall_.normal) < radius * (1 - 1e-4)) {
+        learn(site.pivot, wall_);
+        return Outcome::wallLearned;
+    }
+    return Outcome::blocked;
+}
+
+/// Gives a pivot a wall that it did not know of.
+template <int Dim>
+void BlockFront<Dim>::Work::learn(std::uint32_t pivot, const Plane& plane) {
+    const auto index = static_cast<std::uint32_t>(planes_.size());
+    planes_.push_back(plane);
+    planes_.back().next = lists_[pivot].plane;
+    lists_[pivot].plane = index;
+    const Body<float, Dim> body = floatBody(pivot, kWallBody + index);
+    for (std::uint32_t s = lists_[pivot].site; s != kNone; s = sites_[s].next)
+        if (!sites_[s].dead) limitBy(sites_[s], body);
+    around_.collect(state_.cells, sphere(pivot).center, reachOf(sphere(pivot).radius),
+                    state_.settings.maxRadius, pivot);
+    findSites(pivot, kWallBody + index);
+}
+
 /// Follows the resting place to curved walls, where the plane was only a first guess.
 template <int Dim>
-bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>& center) {
-    const Sphere<Dim>& pivot = pivot_;
-    const double slack = settings_.quantum;
+bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim>& center) {
+    const Sphere<Dim>& pivot = sphere(site.pivot);
+    const double slack = state_.settings.quantum;
     const double rolling = pivot.radius + radius + slack;
-    if (vertex.bodies[0] == kNoBody) return true;
+    if (site.bodies[0] == kNoBody) return true;
     std::size_t wallBodies = 0, wallAt = 0;
     for (std::size_t b = 0; b < Dim - 1; ++b)
-        if (vertex.bodies[b] >= kWallBody) ++wallBodies, wallAt = b;
+        if (site.bodies[b] >= kWallBody) ++wallBodies, wallAt = b;
     if (wallBodies == 0) return true;
     Plane tangent{};
+    double distance = 0;
     // One curved wall is followed to its true nearest point; two (a corner) are taken as planes.
     const int rounds = wallBodies == 1 ? 4 : 1;
     for (int round = 0; round < rounds; ++round) {
         const Vec<Dim> before = center;
         if (wallBodies == 1) {
-            if (!findPlane(center, 2 * radius, tangent)) return false;
+            if (!findPlane(pivot.center, center, 2 * radius, tangent, distance)) return false;
+            // In a corner another wall may be nearer: that one is not what the sphere rests on.
+            const Plane& known = planes_[site.bodies[wallAt] - kWallBody];
+            if (dot(tangent.normal, known.normal) < 0.8) tangent = known;
+            // A flat wall: the place is right as it is.
+            const double above = dot(center - tangent.point, tangent.normal);
+            if (round == 0 && std::fabs(above - radius - slack) < 0.01 * slack) return true;
         }
         for (int step = 0; step < 3; ++step) {
             std::array<Vec<Dim>, Dim> gradient;
@@ -529,7 +660,7 @@ bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>
             gradient[0] = from * (1 / d0);
             residual[0] = rolling - d0;
             for (std::size_t b = 0; b < Dim - 1; ++b) {
-                const std::uint32_t body = vertex.bodies[b];
+                const std::uint32_t body = site.bodies[b];
                 if (body >= kWallBody) {
                     const Plane& plane =
                         wallBodies == 1 && b == wallAt ? tangent : planes_[body - kWallBody];
@@ -537,7 +668,7 @@ bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>
                     residual[static_cast<int>(b) + 1] =
                         radius + slack - dot(center - plane.point, plane.normal);
                 } else {
-                    const Sphere<Dim>& other = spheres_[around_.index[body]];
+                    const Sphere<Dim>& other = sphere(body);
                     const Vec<Dim> away = center - other.center;
                     const double d = length(away);
                     gradient[b + 1] = away * (1 / d);
@@ -555,217 +686,22 @@ bool BlockFront<Dim>::Work::polish(double radius, const Vertex& vertex, Vec<Dim>
     return true;
 }
 
-template <int Dim>
-typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryVertex(const Vertex& vertex,
-                                                                         double radius,
-                                                                         Vec<Dim> center) {
-    const Vec<Dim> guess = center;
-    if (!own_.grown(0.5 * radius).contains(center)) return Outcome::blocked;
-    if (!polish(radius, vertex, center)) return Outcome::blocked;
-    center = snapped(center);
-    if (!owns(center)) return Outcome::blocked;
-    if (overlaps(center, radius)) return Outcome::blocked;
-    Plane plane;
-    if (!findPlane(center, radius, plane)) {
-        place(center, radius);
-        return Outcome::placed;
-    }
-    // A wall that the pivot did not know. Learn its plane, unless the plane leaves this vertex
-    // as it is: then it would come up again and again.
-    if (planes_.size() < kMaxPlanes &&
-        dot(guess - plane.point, plane.normal) < radius * (1 - 1e-4)) {
-        planes_.push_back(plane);
-        return Outcome::wallLearned;
-    }
-    return Outcome::blocked;
-}
-
-template <int Dim>
-double BlockFront<Dim>::Work::clearance(const Vec<Dim>& x, double reach) {
-    double least = reach;
-    cells_.near(x, reach, settings_.maxRadius, [&](std::uint32_t i) {
-        least = std::min(least, length(spheres_[i].center - x) - spheres_[i].radius);
-        return true;
-    });
-    if (least <= 0) return least;
-    WallPoint<Dim> wall;
-    const Vec<Dim> global = x + origin_;
-    if (sampler_->nearestWall(global, least, wall)) least = wall.distance;
-    return sampler_->contains(global) ? least : -least;
-}
-
-/// Marks the cells in which some sphere leaves no place: a center with room for `wanted_` is
-/// nowhere farther from its cell's center than half the diagonal.
-template <int Dim>
-void BlockFront<Dim>::Work::stampSpheres() {
-    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const auto rows = static_cast<std::size_t>(steps_[1]) * static_cast<std::size_t>(steps_[2]);
-    covered_.assign(rows * rowWords_, 0);
-    const double inverse = 1 / step_;
-    for (const auto& s : spheres_) {
-        const double reach = (s.radius + wanted_ - corner) * inverse;
-        if (reach <= 0) continue;
-        // In steps, with cell i's center at i.
-        Vec<3> c;
-        for (int d = 0; d < Dim; ++d) c[d] = (s.center[d] - search_.lo[d]) * inverse - 0.5;
-        int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
-        for (int d = 1; d < Dim; ++d) {
-            from[d] = std::max(0, static_cast<int>(std::ceil(c[d] - reach)));
-            to[d] = std::min(steps_[static_cast<std::size_t>(d)] - 1,
-                             static_cast<int>(std::floor(c[d] + reach)));
-        }
-        for (int k = from[2]; k <= to[2]; ++k)
-            for (int j = from[1]; j <= to[1]; ++j) {
-                const double square = reach * reach - (k - c[2]) * (k - c[2]) -
-                                      (Dim > 1 ? (j - c[1]) * (j - c[1]) : 0.0);
-                if (square <= 0) continue;
-                const double half = std::sqrt(square);
-                const int first = std::max(0, static_cast<int>(std::ceil(c[0] - half)));
-                const int last = std::min(steps_[0] - 1, static_cast<int>(std::floor(c[0] + half)));
-                if (first > last) continue;
-                std::uint64_t* const row =
-                    &covered_[(static_cast<std::size_t>(k) * static_cast<std::size_t>(steps_[1]) +
-                               static_cast<std::size_t>(j)) *
-                              rowWords_];
-                const int firstWord = first >> 6, lastWord = last >> 6;
-                const std::uint64_t head = ~std::uint64_t{0} << (first & 63);
-                const std::uint64_t tail = ~std::uint64_t{0} >> (63 - (last & 63));
-                if (firstWord == lastWord) {
-                    row[firstWord] |= head & tail;
-                } else {
-                    row[firstWord] |= head;
-                    for (int w = firstWord + 1; w < lastWord; ++w) row[w] = ~std::uint64_t{0};
-                    row[lastWord] |= tail;
-                }
-            }
-    }
-}
-
-template <int Dim>
-void BlockFront<Dim>::Work::searchPlaces() {
-    wanted_ = settings_.meanRadius;
-    step_ = std::min(settings_.minRadius, 0.7 * wanted_);
-    step_ = std::max(step_, 0.3 * wanted_);
-    steps_ = {1, 1, 1};
-    for (int d = 0; d < Dim; ++d)
-        steps_[static_cast<std::size_t>(d)] =
-            std::max(1, static_cast<int>(std::ceil((search_.hi[d] - search_.lo[d]) / step_)));
-    rowWords_ = (static_cast<std::size_t>(steps_[0]) + 63) / 64;
-    stampSpheres();
-
-    // In bricks, since one lookup tells most of them to lie outside the domain or deep inside.
-    constexpr int kBrick = 4;
-    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const double error = 2 * settings_.fieldError;
-    const auto depthAt = [&](const Vec<Dim>& x) {
-        const double depth = -sampler_->signedDistance(x + origin_);
-        return depth < 0.99 * settings_.fieldDepth ? depth
-                                                   : std::numeric_limits<double>::infinity();
-    };
-    int bricks[3], size[3];
-    for (std::size_t d = 0; d < 3; ++d) {
-        size[d] = d < Dim ? kBrick : 1;
-        bricks[d] = (steps_[d] + size[d] - 1) / size[d];
-    }
-    for (int bk = 0; bk < bricks[2]; ++bk)
-        for (int bj = 0; bj < bricks[1]; ++bj)
-            for (int bi = 0; bi < bricks[0]; ++bi) {
-                const int at[3] = {bi * size[0], bj * size[1], bk * size[2]};
-                Vec<Dim> center;
-                for (int d = 0; d < Dim; ++d)
-                    center[d] = search_.lo[d] + (at[d] + 0.5 * size[d]) * step_;
-                const double depth = depthAt(center);
-                if (depth < wanted_ - kBrick * corner - error) continue;
-                const bool deep = depth > wanted_ + kBrick * corner + error;
-                for (int k = at[2]; k < std::min(at[2] + size[2], steps_[2]); ++k)
-                    for (int j = at[1]; j < std::min(at[1] + size[1], steps_[1]); ++j)
-                        for (int i = at[0]; i < std::min(at[0] + size[0], steps_[0]); ++i) {
-                            const std::size_t row =
-                                (static_cast<std::size_t>(k) * static_cast<std::size_t>(steps_[1]) +
-                                 static_cast<std::size_t>(j)) *
-                                rowWords_;
-                            if (covered_[row + static_cast<std::size_t>(i >> 6)] >> (i & 63) & 1)
-                                continue;
-                            const int cell[3] = {i, j, k};
-                            Vec<Dim> c;
-                            for (int d = 0; d < Dim; ++d)
-                                c[d] = search_.lo[d] + (cell[d] + 0.5) * step_;
-                            if (!deep && depthAt(c) < wanted_ - corner - error) continue;
-                            refine(c, step_);
-                            if (stop_) return;
-                        }
-            }
-}
-
-/// Fills all places with a center in the cell.
-template <int Dim>
-void BlockFront<Dim>::Work::refine(const Vec<Dim>& center, double edge) {
-    for (;;) {
-        nearby_.clear();
-        cells_.near(center, wanted_, settings_.maxRadius, [&](std::uint32_t i) {
-            nearby_.push_back(i);
-            return true;
-        });
-        Vec<Dim> place;
-        const std::size_t before = spheres_.size();
-        if (!hasPlace(center, edge, place)) return;
-        fillPlace(place);
-        if (spheres_.size() == before || stop_) return;
-    }
-}
-
-/// Looks for a place with its center in the cell, by halving; `nearby_` holds the spheres in reach.
-template <int Dim>
-bool BlockFront<Dim>::Work::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place) {
-    const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
-    double room = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t i : nearby_) {
-        const Sphere<Dim>& s = spheres_[i];
-        const double least = s.radius + wanted_ - corner;
-        const double square = squaredLength(s.center - center);
-        if (least > 0 && square < least * least) return false;
-        room = std::min(room, std::sqrt(square) - s.radius);
-    }
-    // The field is too coarse a guess here: every cell along the wall would be halved to the end.
-    WallPoint<Dim> wall;
-    const Vec<Dim> global = center + origin_;
-    if (wanted_ > corner && sampler_->nearestWall(global, wanted_ - corner, wall)) return false;
-    const bool crossed = wanted_ < 2 * corner && sampler_->nearestWall(global, corner, wall);
-    if (!crossed) {
-        const double outside = sampler_->signedDistance(global);
-        // Near the wall even the field's sign can be wrong; the triangles know.
-        if (outside > 2 * settings_.fieldError ||
-            (outside > 0 && (settings_.fieldError == 0 || !sampler_->contains(global))))
-            return false;
-    }
-    if (room >= wanted_ && !sampler_->nearestWall(global, wanted_, wall)) {
-        place = center;
-        // All of a ball that no wall crosses is on one side.
-        return sampler_->contains(global);
-    }
-    if (edge < kSmallestCell * wanted_) return false;
-    for (int child = 0; child < (1 << Dim); ++child) {
-        Vec<Dim> c = center;
-        for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;
-        if (hasPlace(c, 0.5 * edge, place)) return true;
-    }
-    return false;
-}
-
+/// Starts a fresh front at a place that none has reached.
 template <int Dim>
 void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
-    const double far = 1.5 * settings_.maxRadius;
-    double room = clearance(x, far);
+    const FrontSettings<Dim>& settings = state_.settings;
+    const double far = 1.5 * settings.maxRadius;
+    double room = state_.clearance(x, far);
     // Uphill to where there is most room, so that the largest pending radius that fits is taken.
-    for (double step = 0.25 * settings_.minRadius; step > 0.005 * settings_.minRadius;) {
+    for (double step = 0.25 * settings.minRadius; step > 0.005 * settings.minRadius;) {
         Vec<Dim> best = x;
         double bestRoom = room;
         for (int d = 0; d < Dim; ++d)
             for (const double sign : {-1.0, 1.0}) {
                 Vec<Dim> y = x;
                 y[d] += sign * step;
-                if (!owns(y)) continue;
-                const double c = clearance(y, far);
+                if (!state_.owns(y)) continue;
+                const double c = state_.clearance(y, far);
                 if (c > bestRoom) bestRoom = c, best = y;
             }
         if (bestRoom > room) {
@@ -775,41 +711,39 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
             step *= 0.5;
         }
     }
-    const std::size_t fitting = pool_->countUpTo(room - 2 * settings_.quantum);
+    const std::size_t fitting = pool_->countUpTo(room - 2 * settings.quantum);
     if (fitting == 0) return;
     const auto placeAt = [&](const Vec<Dim>& center, std::size_t k) {
         const double radius = (*pool_)[k];
-        if (!owns(center)) return false;
-        bool overlaps = false;
-        cells_.near(center, radius, settings_.maxRadius, [&](std::uint32_t i) {
-            const double least = spheres_[i].radius + radius;
-            overlaps = overlaps || squaredLength(spheres_[i].center - center) < least * least;
-            return true;
-        });
-        WallPoint<Dim> wall;
-        if (overlaps || sampler_->nearestWall(center + origin_, radius, wall) ||
-            !sampler_->contains(center + origin_))
+        if (!state_.owns(center)) return false;
+        around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
+        double distance = 0;
+        hasWall_ = findPlane(center, center, reachOf(radius), wall_, distance);
+        if (overlaps(center, radius) || (hasWall_ && distance < radius) ||
+            !state_.sampler->contains(center + state_.origin))
             return false;
         ++seeds_;
-        place(center, radius);
+        add({center, radius});
         pool_->take(k);
+        settle(static_cast<std::uint32_t>(state_.spheres.size() - 1));
         return true;
     };
     // Down the sweep until it touches something.
     const double radius = (*pool_)[fitting - 1];
     Vec<Dim> low = x;
     for (int step = 0; step < 200; ++step) {
-        const double free = clearance(low, far) - radius - settings_.quantum;
+        const double free = state_.clearance(low, far) - radius - settings.quantum;
         if (free < 1e-6 * radius) break;
-        const Vec<Dim> y = low - settings_.sweep * free;
-        if (!owns(y)) break;
+        const Vec<Dim> y = low - settings.sweep * free;
+        if (!state_.owns(y)) break;
         low = y;
     }
     // Snapping moves the center by less than a quantum; step back where that was too much.
-    Vec<Dim> center = snapped(low);
-    for (int step = 0; step < 8 && clearance(center, far) < radius; ++step)
-        center = snapped(low + settings_.sweep * (settings_.quantum * (2 << step)));
-    if (placeAt(center, fitting - 1) || placeAt(snapped(x), fitting - 1) || placeAt(snapped(x), 0))
+    Vec<Dim> center = state_.snapped(low);
+    for (int step = 0; step < 8 && state_.clearance(center, far) < radius; ++step)
+        center = state_.snapped(low + settings.sweep * (settings.quantum * (2 << step)));
+    if (placeAt(center, fitting - 1) || placeAt(state_.snapped(x), fitting - 1) ||
+        placeAt(state_.snapped(x), 0))
         runFront();
 }
 
@@ -822,9 +756,9 @@ BlockFront<Dim>::~BlockFront() = default;
 
 template <int Dim>
 void BlockFront<Dim>::fill(const Box<Dim>& own, const Box<Dim>& search,
-                           const std::vector<Sphere<Dim>>& around, RadiusPool& pool,
+                           const BlockSpheres<Dim>& around, RadiusPool& pool,
                            DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-                           std::vector<Sphere<Dim>>& placed) {
+                           BlockSpheres<Dim>& placed) {
     work_->fill(own, search, around, pool, sampler, cancelled, placed);
 }
 

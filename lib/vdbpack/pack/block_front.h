@@ -2,40 +2,48 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/core/progress.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/block_state.h"
 #include "vdbpack/pack/radius_pool.h"
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
 namespace vdbpack {
 
-/// What a block needs to know besides the spheres around it.
+/// Spheres of a block, or around one.
 template <int Dim>
-struct FrontSettings {
-    /// Unit direction in which the front sweeps: low values are filled first.
-    Vec<Dim> sweep;
-    /// Radii tried at a pivot for each sphere placed there, at least 2: the smallest pending one
-    /// and others from the largest down.
-    int radiiTried = 3;
-    /// Centers are whole multiples of this, mm; a power of two. Contacts stay open by about as
-    /// much, so that no rounding can turn them into overlaps.
-    double quantum = 0x1p-24;
-    double minRadius = 0;   ///< of the distribution, mm
-    double meanRadius = 0;  ///< of the distribution, mm
-    double maxRadius = 0;   ///< of the distribution, mm
-    double meanBall = 0;    ///< mean volume (2D: area) of a sphere, mm^Dim
-    double fieldError = 0;  ///< how far off the domain's signedDistance may be, mm
-    double fieldDepth = 0;  ///< depth at which it is clamped, mm
+struct BlockSpheres {
+    std::vector<Sphere<Dim>> spheres;
+    /// Neighbors of the block, as bits, in which a sphere could come to rest on this one.
+    std::vector<std::uint32_t> open;
+
+    /// The bit of the neighbor at `offset`, each -1, 0 or 1.
+    static std::uint32_t bit(const std::array<int, Dim>& offset) {
+        unsigned n = 0;
+        for (const int o : offset) n = 3 * n + static_cast<unsigned>(o + 1);
+        return std::uint32_t{1} << n;
+    }
+
+    void clear() {
+        spheres.clear();
+        open.clear();
+    }
 };
 
 /// Fills one block: a pure function of its arguments.
 ///
-/// A front starts from the spheres that stand around the block and from whatever place could
-/// take a sphere of the mean radius, and goes on until no such place is left.
+/// The front is the set of sites where a sphere could rest on Dim bodies. It advances by the
+/// lowest one along the sweep, but sites where a sphere is stopped by a further body before it
+/// has grown to the largest radius go ahead of it, those with most room first: such a sphere
+/// touches one body more, and later there would be less room for it. A site takes the largest
+/// pending radius that fits. When the front has nowhere to go on, a search looks for places that
+/// it has not reached and starts a fresh one from each, until none is left that could take a
+/// sphere of the mean radius.
 /// Keeps its memory from one block to the next; one object a thread.
 template <int Dim>
 class BlockFront {
@@ -49,14 +57,15 @@ public:
     ///                  the finished blocks: what is left at a face that another block will
     ///                  grow across is better filled by that block's front.
     /// @param around    spheres that stand with a center within two largest radii of `own` or
-    ///                  `search` (others do no harm), in an order fixed by the caller.
+    ///                  `search` (others do no harm), in an order fixed by the caller; `open` is
+    ///                  not 0 where a sphere could rest on one with its center in this block.
     /// @param pool      pending radii; filled up and left for the next block.
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.
     /// @param placed    is overwritten with the spheres of this block in the order of placement.
-    void fill(const Box<Dim>& own, const Box<Dim>& search, const std::vector<Sphere<Dim>>& around,
+    void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
               RadiusPool& pool, DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-              std::vector<Sphere<Dim>>& placed);
+              BlockSpheres<Dim>& placed);
 
     /// Fresh fronts that `fill` had to start so far.
     std::size_t seeds() const;

@@ -12,19 +12,21 @@ namespace vdbpack {
 
 template <int Dim>
 BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum) {
-    side_ = std::ceil(side / quantum) * quantum;
     lag_ = std::ceil(lag / quantum) * quantum;
     double total = 1;
     for (int d = 0; d < Dim; ++d) {
         lo_[d] = std::floor(bounds.lo[d] / quantum) * quantum;
-        const double blocks = std::ceil((bounds.hi[d] - lo_[d]) / side_);
-        total *= std::max(1.0, blocks);
+        const double extent = bounds.hi[d] - lo_[d];
+        // Up to half as long again as wanted: a short block costs more than it saves.
+        const double blocks = std::max(1.0, std::ceil(extent / side - 0.5));
+        total *= blocks;
         if (!(total < 5e7))
             throw ResourceError(fmt::format(
                 "the domain would need more than {:.2g} blocks of {:.3g} mm; ask for larger "
                 "radii or clip the domain",
-                5e7, side_));
-        count_[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(blocks));
+                5e7, side));
+        side_[d] = std::ceil(extent / blocks / quantum) * quantum;
+        count_[static_cast<std::size_t>(d)] = static_cast<int>(blocks);
     }
     // Weight 1 to the axis with most blocks.
     std::array<std::size_t, Dim> axes;
@@ -97,8 +99,8 @@ Box<Dim> BlockLattice<Dim>::own(std::uint32_t b) const {
     const Index i = indexOf(b);
     Box<Dim> box;
     for (int d = 0; d < Dim; ++d) {
-        box.lo[d] = lo_[d] + side_ * i[static_cast<std::size_t>(d)];
-        box.hi[d] = box.lo[d] + side_;
+        box.lo[d] = lo_[d] + side_[d] * i[static_cast<std::size_t>(d)];
+        box.hi[d] = box.lo[d] + side_[d];
     }
     return box;
 }
@@ -130,6 +132,14 @@ std::vector<std::uint32_t> BlockLattice<Dim>::lowerNeighbors(std::uint32_t b) co
         if (other != kNone) lower.push_back(other);
     }
     return lower;
+}
+
+template <int Dim>
+std::array<int, Dim> BlockLattice<Dim>::offset(std::uint32_t from, std::uint32_t to) const {
+    const Index a = indexOf(from), b = indexOf(to);
+    Index o;
+    for (std::size_t d = 0; d < Dim; ++d) o[d] = b[d] - a[d];
+    return o;
 }
 
 template class BlockLattice<2>;

@@ -22,13 +22,13 @@ public:
     static constexpr std::uint32_t kNone = 0xffffffffu;
 
     /// @param bounds   of the domain, mm.
-    /// @param side     wanted edge of a block, mm.
+    /// @param side     wanted edge of a block, mm: the domain is cut evenly into blocks of about
+    ///                 that edge.
     /// @param lag      how far the search for places lags behind the front, mm.
     /// @param quantum  faces are multiples of this power of two, mm.
     BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum);
 
     std::size_t size() const { return order_.size(); }
-    double side() const { return side_; }
     /// Blocks on the longest chain of dependencies: the least time, in blocks, on any number of
     /// threads.
     std::size_t longestChain() const { return chain_; }
@@ -36,8 +36,10 @@ public:
     /// Where block `b` grows, and where it leaves no place; see BlockFront::fill.
     Box<Dim> own(std::uint32_t b) const;
     Box<Dim> search(std::uint32_t b) const;
-    /// Finished neighbors of `b`, by rising index.
+    /// Finished neighbors of `b`, in a fixed order.
     std::vector<std::uint32_t> lowerNeighbors(std::uint32_t b) const;
+    /// Where block `to` lies as seen from its neighbor `from`: -1, 0 or 1 along each axis.
+    std::array<int, Dim> offset(std::uint32_t from, std::uint32_t to) const;
     /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
     /// a row the ends of rows that finished earlier.
     const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
@@ -51,7 +53,8 @@ private:
     int rank(const Index& i) const;
 
     Vec<Dim> lo_;
-    double side_ = 0, lag_ = 0;
+    Vec<Dim> side_;
+    double lag_ = 0;
     Index count_{};
     Index weight_{};
     std::size_t chain_ = 0;

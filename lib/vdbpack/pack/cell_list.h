@@ -71,12 +71,11 @@ public:
         std::vector<std::uint32_t> index;
         std::size_t count = 0;
 
-        void add(const Sphere<Dim>& s, const Vec<Dim>& from, std::uint32_t i) {
+        void append(const std::array<float, Dim>& center, float r, std::uint32_t i) {
             resize(count + 1);
             if (count % kLanes == 0) clear(count, count + kLanes);  // left from another point
-            for (int d = 0; d < Dim; ++d)
-                to[static_cast<std::size_t>(d)][count] = static_cast<float>(s.center[d] - from[d]);
-            radius[count] = static_cast<float>(s.radius);
+            for (std::size_t d = 0; d < Dim; ++d) to[d][count] = center[d];
+            radius[count] = r;
             index[count++] = i;
         }
         /// Room for `n` spheres and the padding.

@@ -20,24 +20,17 @@ namespace vdbpack {
 namespace {
 
 /// Pending radii a row holds: more raise the density a little, but are lost at the last rows.
-constexpr std::size_t kPoolCapacity = 64;
+std::size_t poolCapacity(Effort effort) {
+    return effort == Effort::dense ? 256 : 64;
+}
+
+/// Least radius for which sites are sought, in mean radii.
+constexpr double kProbe = 0.62;
 
 /// Edge of a block in largest radii. Shorter ones cost density (box 120, radii 1 to 2: total
 /// 0.614 as one block, 0.613 at 20, 0.610 at 14), longer ones leave threads without work.
 template <int Dim>
 constexpr double kBlockSide = Dim == 3 ? 20 : 60;
-
-int radiiTried(Effort effort) {
-    switch (effort) {
-        case Effort::fast:
-            return 3;
-        case Effort::normal:
-            return 5;
-        case Effort::dense:
-            return 8;
-    }
-    return 5;
-}
 
 template <int Dim>
 class Wavefront {
@@ -78,13 +71,13 @@ private:
     struct Block {
         std::atomic<int> waiting{0};
         bool complete = false;
-        std::vector<Sphere<Dim>> spheres;
+        BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
     };
     struct Thread {
         std::unique_ptr<BlockFront<Dim>> front;
         std::unique_ptr<DomainSampler<Dim>> sampler;
-        std::vector<Sphere<Dim>> around;
+        BlockSpheres<Dim> around;
     };
 
     static double side(const PackOptions& options) {
@@ -96,7 +89,10 @@ private:
     static FrontSettings<Dim> makeSettings(const Domain<Dim>& domain, const PackOptions& options) {
         FrontSettings<Dim> s;
         s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
-        s.radiiTried = radiiTried(options.effort);
+        // The probe finds all sites where it is the smallest radius; for wide distributions most
+        // spheres are larger, and what only the smallest could reach is not worth the time.
+        s.probe = std::max(options.sizes.min(), kProbe * options.sizes.mean());
+        s.lead = options.effort == Effort::fast ? 0 : options.sizes.max();
         // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
         s.quantum = std::exp2(std::floor(std::log2(options.sizes.mean())) - 22);
         s.minRadius = options.sizes.min();
@@ -139,22 +135,27 @@ private:
                 block.pool->absorb(*blocks_[donor].pool);
         }
         if (!block.pool)
-            block.pool =
-                std::make_unique<RadiusPool>(options_.sizes, options_.seed, b, kPoolCapacity);
+            block.pool = std::make_unique<RadiusPool>(options_.sizes, options_.seed, b,
+                                                      poolCapacity(options_.effort));
         const Box<Dim> own = lattice_.own(b);
         const Box<Dim> search = lattice_.search(b);
         Box<Dim> reach = own;
         for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
         reach = reach.grown(2 * settings_.maxRadius);
         thread.around.clear();
-        for (const std::uint32_t n : lattice_.lowerNeighbors(b))
-            for (const auto& s : blocks_[n].spheres)
-                if (reach.contains(s.center)) thread.around.push_back(s);
+        for (const std::uint32_t n : lattice_.lowerNeighbors(b)) {
+            const std::uint32_t here = BlockSpheres<Dim>::bit(lattice_.offset(n, b));
+            for (std::size_t i = 0; i < blocks_[n].placed.spheres.size(); ++i)
+                if (reach.contains(blocks_[n].placed.spheres[i].center)) {
+                    thread.around.spheres.push_back(blocks_[n].placed.spheres[i]);
+                    thread.around.open.push_back(blocks_[n].placed.open[i] & here);
+                }
+        }
         thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
-                           block.spheres);
+                           block.placed);
         if (stopped_) return;
         block.complete = true;
-        report(block.spheres.size());
+        report(block.placed.spheres.size());
     }
 
     void report(std::size_t placed) {
@@ -175,12 +176,13 @@ private:
             if (thread.front) result.fronts += thread.front->seeds();
         auto& spheres = result.pack.spheres;
         std::size_t total = 0;
-        for (const auto& block : blocks_) total += block.complete ? block.spheres.size() : 0;
+        for (const auto& block : blocks_) total += block.complete ? block.placed.spheres.size() : 0;
         spheres.reserve(total);
         for (const std::uint32_t b : lattice_.order()) {
             if (blocks_[b].complete)
-                spheres.insert(spheres.end(), blocks_[b].spheres.begin(), blocks_[b].spheres.end());
-            std::vector<Sphere<Dim>>().swap(blocks_[b].spheres);
+                spheres.insert(spheres.end(), blocks_[b].placed.spheres.begin(),
+                               blocks_[b].placed.spheres.end());
+            blocks_[b].placed = {};
         }
         if (options_.maxCount > 0 && spheres.size() > static_cast<std::size_t>(options_.maxCount))
             spheres.resize(static_cast<std::size_t>(options_.maxCount));

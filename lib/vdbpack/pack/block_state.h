@@ -1,0 +1,77 @@
+// What the front and the search for places share while one block is filled.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/cell_list.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// What a block needs to know besides the spheres around it.
+template <int Dim>
+struct FrontSettings {
+    /// Unit direction in which the front sweeps: low values are filled first.
+    Vec<Dim> sweep;
+    /// How far a sphere that a fourth (2D: third) body stops from growing goes ahead of the sweep
+    /// if it is as large as any, mm; smaller ones go ahead by less. 0: nothing does.
+    double lead = 0;
+    /// Radius for which resting places are sought, mm: what rests there may be larger.
+    double probe = 0;
+    /// Centers are whole multiples of this, mm; a power of two. Contacts stay open by about as
+    /// much, so that no rounding can turn them into overlaps.
+    double quantum = 0x1p-24;
+    double minRadius = 0;   ///< of the distribution, mm
+    double meanRadius = 0;  ///< of the distribution, mm
+    double maxRadius = 0;   ///< of the distribution, mm
+    double meanBall = 0;    ///< mean volume (2D: area) of a sphere, mm^Dim
+    double fieldError = 0;  ///< how far off the domain's signedDistance may be, mm
+    double fieldDepth = 0;  ///< depth at which it is clamped, mm
+};
+
+/// A block being filled. Coordinates are relative to `origin`.
+template <int Dim>
+struct BlockState {
+    FrontSettings<Dim> settings;
+    Vec<Dim> origin;  ///< of the block, in the domain, mm
+    Box<Dim> own;     ///< centers placed lie in [lo, hi), half-open
+    Box<Dim> search;  ///< where no place may be left
+    std::vector<Sphere<Dim>> spheres;
+    CellList<Dim> cells;  ///< of all `spheres`
+    DomainSampler<Dim>* sampler = nullptr;
+
+    bool owns(const Vec<Dim>& x) const {
+        for (int d = 0; d < Dim; ++d)
+            if (!(own.lo[d] <= x[d] && x[d] < own.hi[d])) return false;
+        return true;
+    }
+
+    Vec<Dim> snapped(const Vec<Dim>& x) const {
+        Vec<Dim> s;
+        for (int d = 0; d < Dim; ++d)
+            s[d] = std::nearbyint(x[d] / settings.quantum) * settings.quantum;
+        return s;
+    }
+
+    /// Distance from `x` to the nearest sphere or wall, at most `reach`, mm; negative outside the
+    /// domain and inside a sphere.
+    double clearance(const Vec<Dim>& x, double reach) const {
+        double least = reach;
+        cells.near(x, reach, settings.maxRadius, [&](std::uint32_t i) {
+            least = std::min(least, length(spheres[i].center - x) - spheres[i].radius);
+            return true;
+        });
+        if (least <= 0) return least;
+        WallPoint<Dim> wall;
+        const Vec<Dim> global = x + origin;
+        if (sampler->nearestWall(global, least, wall)) least = wall.distance;
+        return sampler->contains(global) ? least : -least;
+    }
+};
+
+}  // namespace vdbpack
