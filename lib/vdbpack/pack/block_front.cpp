@@ -105,7 +105,7 @@ private:
         std::array<std::uint32_t, Dim - 1> bodies;
         std::uint32_t pivot;
         std::uint32_t next;  ///< of the same pivot
-        std::uint32_t key;   ///< as in the queue; entries with another one are stale
+        std::uint32_t key;   ///< as in the queue, where other entries are stale; 0: not there
         bool dead;
         std::uint32_t foreign;  ///< the block it lies in if that comes later; see towards()
     };
@@ -141,7 +141,7 @@ private:
     void fillPlace(Vec<Dim> x);
 
     const Sphere<Dim>& sphere(std::uint32_t i) const { return state_.spheres[i]; }
-    double reachOf(double radius) const { return radius + 2 * state_.settings.maxRadius; }
+    double reachOf(double radius) const { return radius + state_.settings.reach; }
 
     BlockState<Dim> state_;
     float probe_, largest_;
@@ -182,8 +182,8 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     queue_.clear();
     const double halo = 2 * settings.maxRadius;
     const Box<Dim> reach = state_.own.grown(halo);
-    // About six spheres a cell: nearly a full chunk, and few cells in reach.
-    state_.cells.reset(reach, std::pow(10 * settings.meanBall, 1.0 / Dim));
+    // About twelve spheres a cell: full chunks, and few cells in reach.
+    state_.cells.reset(reach, std::pow(20 * settings.meanBall, 1.0 / Dim));
     for (std::size_t i = 0; i < around.spheres.size(); ++i) {
         const Sphere<Dim> local{around.spheres[i].center - state_.origin, around.spheres[i].radius};
         if (!reach.contains(local.center)) continue;
@@ -371,6 +371,7 @@ void BlockFront<Dim>::Work::enqueue(FrontSite& site) {
     if (site.limit < 0.99f * largest_)
         key -=
             static_cast<float>(state_.settings.lead) * (site.limit - probe_) / (largest_ - probe_);
+    if (site.key == ordered(key)) return;  // it waits there already
     site.key = ordered(key);
     queue_.push_back(std::uint64_t{site.key} << 32 |
                      static_cast<std::uint64_t>(&site - sites_.data()));
@@ -455,6 +456,7 @@ void BlockFront<Dim>::Work::runFront() {
         const auto site = static_cast<std::uint32_t>(entry);
         if (sites_[site].dead || sites_[site].key != static_cast<std::uint32_t>(entry >> 32))
             continue;
+        sites_[site].key = 0;
         grow(site);
         if (step % 64 == 0 && *cancelled_ && (*cancelled_)()) stop_ = true;
     }

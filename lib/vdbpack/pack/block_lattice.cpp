@@ -64,6 +64,9 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
     for (const std::uint32_t start : starts)  // both by rising rank
         if (next < ends.size() && ranks[ends[next]] < ranks[start])
             donors_[start].push_back(ends[next++]);
+    endsPool_.assign(order_.size(), true);
+    for (const auto& donors : donors_)
+        for (const std::uint32_t donor : donors) endsPool_[donor] = false;
 }
 
 template <int Dim>

@@ -43,6 +43,8 @@ public:
     /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
     /// a row the ends of rows that finished earlier.
     const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
+    /// Whether the radii pending after `b` go to no other block.
+    bool endsPool(std::uint32_t b) const { return endsPool_[b]; }
     /// All blocks by rank: an order that meets every dependency.
     const std::vector<std::uint32_t>& order() const { return order_; }
 
@@ -60,6 +62,7 @@ private:
     std::size_t chain_ = 0;
     std::vector<std::uint32_t> order_;
     std::vector<std::vector<std::uint32_t>> donors_;
+    std::vector<bool> endsPool_;
 };
 
 extern template class BlockLattice<2>;

@@ -23,6 +23,9 @@ struct FrontSettings {
     double lead = 0;
     /// Radius for which resting places are sought, mm: what rests there may be larger.
     double probe = 0;
+    /// Gap up to which bodies are asked whether they stop a sphere on the pivot from growing, mm,
+    /// at least twice the probe. Those farther off hardly matter.
+    double reach = 0;
     /// Centers are whole multiples of this, mm; a power of two. Contacts stay open by about as
     /// much, so that no rounding can turn them into overlaps.
     double quantum = 0x1p-24;

@@ -12,7 +12,7 @@ constexpr double kSmallestCell = 0.01;
 /// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
 /// leave more cells to halve.
 template <int Dim>
-constexpr double kStep = Dim == 3 ? 0.47 : 0.47;
+constexpr double kStep = Dim == 3 ? 0.65 : 0.47;
 
 }  // namespace
 

@@ -21,6 +21,8 @@ public:
                std::size_t capacity);
 
     std::size_t size() const { return radii_.size(); }
+    /// How many radii may be pending; what is pending beyond that stays until it is placed.
+    void setCapacity(std::size_t capacity) { capacity_ = capacity; }
     /// The `k`-th smallest pending radius, mm.
     double operator[](std::size_t k) const { return radii_[k]; }
     double smallest() const { return radii_.front(); }
