@@ -52,7 +52,53 @@ double solidFraction(const Pack<Dim>& pack, const Domain<Dim>& domain) {
     return sum / domain.measure();
 }
 
+/// A ball whose field takes points for deeper than they are, by far more than it admits.
+class MistakenBall : public Domain<3> {
+public:
+    explicit MistakenBall(double radius) : ball_(ballDomain<3>(radius)) {}
+
+    Box<3> bounds() const override { return ball_->bounds(); }
+    double measure() const override { return ball_->measure(); }
+    double wallMeasure() const override { return ball_->wallMeasure(); }
+    double measureDeeperThan(double depth) const override {
+        return ball_->measureDeeperThan(depth);
+    }
+    double fieldDepth() const override { return 8; }
+    DomainFacts facts() const override {
+        DomainFacts facts = ball_->facts();
+        facts.voxelSize = 0.5;
+        return facts;
+    }
+    std::unique_ptr<DomainSampler<3>> sampler() const override {
+        class Sampler : public DomainSampler<3> {
+        public:
+            explicit Sampler(std::unique_ptr<DomainSampler<3>> s) : exact_(std::move(s)) {}
+            double signedDistance(const Vec<3>& x) override {
+                return std::max(-8.0, exact_->signedDistance(x) - 7);
+            }
+            bool contains(const Vec<3>& x) override { return exact_->signedDistance(x) < 0; }
+            bool nearestWall(const Vec<3>& x, double reach, WallPoint<3>& wall) override {
+                return exact_->nearestWall(x, reach, wall);
+            }
+
+        private:
+            std::unique_ptr<DomainSampler<3>> exact_;
+        };
+        return std::make_unique<Sampler>(ball_->sampler());
+    }
+
+private:
+    std::shared_ptr<const Domain<3>> ball_;
+};
+
 }  // namespace
+
+TEST_CASE("a field that is wrong about the wall lets nothing through it", "[pack]") {
+    const MistakenBall domain(20);
+    const auto result = packWith<3>(domain, 1, 2);
+    CHECK(result.pack.spheres.size() > 500);
+    for (const auto& s : result.pack.spheres) REQUIRE(length(s.center) + s.radius <= 20 + 1e-12);
+}
 
 TEMPLATE_TEST_CASE_SIG("spheres stay inside, do not overlap and touch what they rest on", "[pack]",
                        ((int Dim), Dim), 2, 3) {

@@ -133,8 +133,8 @@ private:
     bool centerAt(const FrontSite& site, double radius, Vec<Dim>& center) const;
     Outcome tryPlace(std::uint32_t index, double radius, Vec<Dim> center);
     bool polish(const FrontSite& site, double radius, Vec<Dim>& center);
-    bool findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double reach, Plane& plane,
-                   double& distance);
+    bool findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double least, double reach,
+                   Plane& plane, double& distance);
     bool overlaps(const Vec<Dim>& center, double radius) const;
     void learn(std::uint32_t pivot, const Plane& plane);
     int planesOf(std::uint32_t sphere) const;
@@ -198,8 +198,8 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
                         settings.maxRadius, i);
         Plane plane;
         double distance;
-        if (findPlane(sphere(i).center, sphere(i).center, reachOf(sphere(i).radius), plane,
-                      distance)) {
+        if (findPlane(sphere(i).center, sphere(i).center, sphere(i).radius,
+                      reachOf(sphere(i).radius), plane, distance)) {
             lists_[i].plane = static_cast<std::uint32_t>(planes_.size());
             planes_.push_back(plane);
         }
@@ -522,23 +522,31 @@ bool BlockFront<Dim>::Work::centerAt(const FrontSite& site, double radius, Vec<D
     return true;
 }
 
-/// The tangent plane of the wall point nearest to `x`, if one is closer than `reach`.
+/// The tangent plane of the wall point nearest to `x`, if one is closer than `reach`; where the
+/// field says that none is, at least all that are closer than `least`.
 template <int Dim>
-bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double reach,
-                                      Plane& plane, double& distance) {
+bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double least,
+                                      double reach, Plane& plane, double& distance) {
     const FrontSettings<Dim>& settings = state_.settings;
     const Vec<Dim> global = x + state_.origin;
     if (settings.fieldDepth > reach + settings.fieldError &&
-        -state_.sampler->signedDistance(global) > reach + settings.fieldError)
-        return false;
+        -state_.sampler->signedDistance(global) > reach + settings.fieldError) {
+        // The field may be wrong by more than it is said to be: what decides is asked of the wall.
+        if (settings.fieldError == 0) return false;
+        reach = least;
+    }
     WallPoint<Dim> wall;
     if (!state_.sampler->nearestWall(global, reach, wall)) return false;
     distance = wall.distance;
     plane.point = wall.point - state_.origin;
     plane.normal = x - plane.point;
     plane.next = kNone;
-    const double l = length(plane.normal);
-    if (!(l > 1e-9 * reach)) return false;
+    double l = length(plane.normal);
+    if (!(l > 1e-9 * reach)) {  // on the wall
+        plane.normal = pivot - plane.point;
+        l = length(plane.normal);
+        if (!(l > 0)) plane.normal = -settings.sweep, l = 1;
+    }
     // Triangles do not say which side is inside; the pivot does.
     const double side = dot(pivot - plane.point, plane.normal);
     plane.normal *= (side < 0 ? -1.0 : 1.0) / l;
@@ -596,7 +604,8 @@ typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryPlace(std::uin
     around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
     if (overlaps(center, radius)) return Outcome::blocked;
     double distance = 0;
-    hasWall_ = findPlane(sphere(site.pivot).center, center, reachOf(radius), wall_, distance);
+    hasWall_ =
+        findPlane(sphere(site.pivot).center, center, radius, reachOf(radius), wall_, distance);
     if (!hasWall_ || distance >= radius) {
         add({center, radius});
         sites_[index].dead = true;  // and may be used again from here on
@@ -646,7 +655,8 @@ bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim
     for (int round = 0; round < rounds; ++round) {
         const Vec<Dim> before = center;
         if (wallBodies == 1) {
-            if (!findPlane(pivot.center, center, 2 * radius, tangent, distance)) return false;
+            if (!findPlane(pivot.center, center, 2 * radius, 2 * radius, tangent, distance))
+                return false;
             // In a corner another wall may be nearer: that one is not what the sphere rests on.
             const Plane& known = planes_[site.bodies[wallAt] - kWallBody];
             if (dot(tangent.normal, known.normal) < 0.8) tangent = known;
@@ -720,7 +730,7 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
         if (!state_.owns(center)) return false;
         around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
         double distance = 0;
-        hasWall_ = findPlane(center, center, reachOf(radius), wall_, distance);
+        hasWall_ = findPlane(center, center, radius, reachOf(radius), wall_, distance);
         if (overlaps(center, radius) || (hasWall_ && distance < radius) ||
             !state_.sampler->contains(center + state_.origin))
             return false;

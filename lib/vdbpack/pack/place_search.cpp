@@ -103,7 +103,7 @@ void PlaceSearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
     const double depth = -state_->sampler->signedDistance(center);
-    const double least = wanted_ - 2 * state_->settings.fieldError;
+    const double least = wanted_ - state_->settings.fieldError;
     if (depth < least - corner) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
@@ -139,7 +139,7 @@ bool PlaceSearch<Dim>::nextWord() {
 template <int Dim>
 bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const double least = wanted_ - corner - 2 * state_->settings.fieldError;
+    const double least = wanted_ - corner - state_->settings.fieldError;
     do {
         for (; left_ != 0; skip()) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
@@ -175,14 +175,13 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
     WallPoint<Dim> wall;
     const Vec<Dim> global = center + state_->origin;
     if (wanted_ > corner && sampler.nearestWall(global, wanted_ - corner, wall)) return false;
-    const bool crossed = wanted_ < 2 * corner && sampler.nearestWall(global, corner, wall);
-    if (!crossed) {
-        const double outside = sampler.signedDistance(global);
-        // Near the wall even the field's sign can be wrong; the triangles know.
-        if (outside > 2 * settings.fieldError ||
-            (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
-            return false;
-    }
+    // From a center outside, a place is at least the wanted radius away, more than the corner of
+    // the cell: nothing is in it.
+    const double outside = sampler.signedDistance(global);
+    // Near the wall even the field's sign can be wrong; the triangles know.
+    if (outside > settings.fieldError ||
+        (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
+        return false;
     if (room >= wanted_ && !sampler.nearestWall(global, wanted_, wall)) {
         place = center;
         // All of a ball that no wall crosses is on one side.
