@@ -1,21 +1,33 @@
-// bench_pack: what the distance field of a mesh costs beside the one call that it cannot do
-// without, OpenVDB's meshToVolume at the same voxel size and band, in the same run.
+// bench_pack: how fast and how dense packs are, beside the time it takes to check them; and what
+// the distance field of a mesh costs beside the one call that it cannot do without, OpenVDB's
+// meshToVolume at the same voxel size and band. Each in one run.
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/verify.h"
 #include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/pack/packer.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
+#include <fstream>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -51,51 +63,186 @@ void bareField(const TriangleMesh& mesh, double voxelSize, double depth) {
     if (grid->activeVoxelCount() == 0) throw std::runtime_error("meshToVolume made no voxels");
 }
 
+int benchFields(const std::vector<std::string>& meshes) {
+    openvdb::initialize();
+    fmt::print("{} threads\n{:<28} {:>10} {:>8} {:>9} {:>12} {:>7}\n",
+               std::thread::hardware_concurrency(), "mesh", "triangles", "voxel", "field s",
+               "bare call s", "ratio");
+    for (const std::string& argument : meshes) {
+        std::vector<std::string> words(1);
+        for (const char c : argument) {
+            if (c == ':')
+                words.emplace_back();
+            else
+                words.back() += c;
+        }
+        MeshReadOptions read;
+        if (words.size() > 1) read.unit = parseUnit(words[1]);
+        const TriangleMesh mesh = readMesh(words[0], read);
+        FieldOptions options;
+        options.name = words[0];
+        if (words.size() > 2) options.detail = std::atof(words[2].c_str());
+        options.depth = 6 * options.detail;  // three largest radii at a ratio of 1:2
+        double field = std::numeric_limits<double>::infinity(), bare = field, voxel = 0;
+        for (int run = 0; run < 3; ++run) {
+            field = std::min(
+                field, secondsOf([&] { voxel = meshDomain(mesh, options)->facts().voxelSize; }));
+            bare = std::min(bare, secondsOf([&] { bareField(mesh, voxel, options.depth); }));
+        }
+        fmt::print("{:<28} {:>10} {:>8.4g} {:>9.2f} {:>12.2f} {:>7.2f}\n",
+                   words[0].substr(words[0].find_last_of('/') + 1), mesh.triangles.size(), voxel,
+                   field, bare, field / bare);
+        std::fflush(stdout);
+    }
+    return 0;
+}
+
+struct Job {
+    int dim;
+    double side;  ///< of the box or square, mm
+    const char* radii;
+    Effort effort;
+    int threads;  ///< 0: as asked for
+    bool oneBlock;
+};
+
+const char* nameOf(Effort effort) {
+    return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
+}
+
+/// Packs, checks and prints a row.
+template <int Dim>
+void runJob(const Job& job, int threads) {
+    const double half = job.side / 2;
+    const auto domain = boxDomain<Dim>({Box<Dim>::filled(-half), Box<Dim>::filled(half)});
+    PackOptions options(SizeDistribution::parse(job.radii, Dim));
+    options.effort = job.effort;
+    options.threads = job.threads > 0 ? job.threads : threads;
+    if (job.oneBlock) options.blockSide = 2 * job.side;
+    PackResult<Dim> result;
+    const double pack = secondsOf([&] { result = packSpheres(*domain, options); });
+    auto& spheres = result.pack.spheres;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    double total = 0, check = std::numeric_limits<double>::infinity(), shuffled = check, ks = 0;
+    std::optional<double> interior;
+    std::size_t overlaps = 0;
+    withThreads(threads, [&] {
+        total = solidFraction(spheres, *domain);
+        interior = interiorFraction(spheres, *domain, 3 * options.sizes.max());
+        std::vector<double> radii;
+        for (const auto& s : spheres) radii.push_back(s.radius);
+        ks = ksDistance(std::move(radii), [&](double r) { return options.sizes.cdf(r); });
+        for (int run = 0; run < 3; ++run)
+            check = std::min(check, secondsOf([&] { overlaps += checkOverlap(spheres).pairs; }));
+        RandomStream random(1, 0);
+        for (std::size_t i = spheres.size(); i > 1; --i)
+            std::swap(spheres[i - 1],
+                      spheres[static_cast<std::size_t>(random.uniform() * static_cast<double>(i))]);
+        for (int run = 0; run < 3; ++run)
+            shuffled =
+                std::min(shuffled, secondsOf([&] { overlaps += checkOverlap(spheres).pairs; }));
+    });
+    const auto count = static_cast<double>(spheres.size());
+    fmt::print(
+        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6.4f} {:>8} {:>7.5f} {:>7.2f} {:>9.0f} {:>6.3f} "
+        "{:>6.1f} {:>6.3f} {:>6.1f} {:>6} {:>5} {:>6}{}\n",
+        fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side), job.radii,
+        nameOf(job.effort), options.threads, spheres.size(), total,
+        interior ? fmt::format("{:.4f}", *interior) : "-", ks, pack, count / pack, check,
+        pack / check, shuffled, pack / shuffled, result.blocks, result.longestChain,
+        usage.ru_maxrss / 1024, overlaps > 0 ? "  OVERLAPS" : "");
+    std::fflush(stdout);
+    if (overlaps > 0) throw std::runtime_error("a pack has overlaps");
+}
+
+int benchPacks(bool quick, int threads) {
+    std::vector<Job> jobs;
+    const auto add = [&](int dim, double side, const char* radii, Effort effort, int t = 0,
+                         bool one = false) {
+        jobs.push_back({dim, side, radii, effort, t, one});
+    };
+    const char* const narrow = "uniform:1,2";
+    for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense})
+        add(3, quick ? 120 : 370, narrow, effort);
+    add(3, quick ? 120 : 370, narrow, Effort::normal, 1);
+    for (const Effort effort : {Effort::normal, Effort::dense}) add(3, 200, narrow, effort);
+    add(3, 200, narrow, Effort::normal, 1, true);
+    add(3, quick ? 120 : 200, "uniform:0.3,3", Effort::normal);
+    if (!quick) add(3, 200, "lognormal:1,0.5,0.3,3", Effort::normal);
+    for (const Effort effort : {Effort::fast, Effort::normal})
+        add(2, quick ? 1000 : 3000, narrow, effort);
+
+    std::string hardware = "unknown processor";
+    std::ifstream info("/proc/cpuinfo");
+    for (std::string line; std::getline(info, line);)
+        if (line.rfind("model name", 0) == 0) {
+            hardware = line.substr(line.find(':') + 2);
+            break;
+        }
+    fmt::print(
+        "{}, {} hardware threads; seed 1, blocks of the default size but where there is one.\n"
+        "check: seconds of verify's overlap pass over the pack, least of three; shuffled: the same "
+        "with the\nspheres in random order; ratio: pack / check. chain: blocks that wait for one "
+        "another. MB: peak.\n",
+        hardware, std::thread::hardware_concurrency());
+    fmt::print(
+        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6} {:>8} {:>7} {:>7} {:>9} {:>6} {:>6} {:>6} {:>6} "
+        "{:>6} {:>5} {:>6}\n",
+        "domain", "radii", "effort", "t", "spheres", "total", "interior", "ks", "pack s",
+        "spheres/s", "check", "ratio", "shuff.", "ratio", "blocks", "chain", "MB");
+    std::fflush(stdout);
+    for (const Job& job : jobs) {
+        // A process each: the peak of memory is its own.
+        const pid_t child = fork();
+        if (child < 0) throw std::runtime_error("cannot start a process");
+        if (child == 0) {
+            try {
+                if (job.dim == 3)
+                    runJob<3>(job, threads);
+                else
+                    runJob<2>(job, threads);
+                _exit(0);
+            } catch (const std::exception& e) {
+                fmt::print(stderr, "bench_pack: {}\n", e.what());
+                _exit(1);
+            }
+        }
+        int status = 0;
+        if (waitpid(child, &status, 0) != child || !WIFEXITED(status) || WEXITSTATUS(status) != 0)
+            return 1;
+    }
+    return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
-    if (argc < 2) {
-        fmt::print(stderr,
-                   "bench_pack MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
-                   "    seconds to make the field of each mesh, against one bare meshToVolume at "
-                   "the same\n    voxel size and band; the least of three runs each, in turn\n");
-        return 2;
-    }
+    const std::vector<std::string> words(argv + 1, argv + argc);
     try {
-        openvdb::initialize();
-        fmt::print("{} threads\n{:<28} {:>10} {:>8} {:>9} {:>12} {:>7}\n",
-                   std::thread::hardware_concurrency(), "mesh", "triangles", "voxel", "field s",
-                   "bare call s", "ratio");
-        for (int i = 1; i < argc; ++i) {
-            std::vector<std::string> words(1);
-            for (const char* c = argv[i]; *c; ++c) {
-                if (*c == ':')
-                    words.emplace_back();
-                else
-                    words.back() += *c;
-            }
-            MeshReadOptions read;
-            if (words.size() > 1) read.unit = parseUnit(words[1]);
-            const TriangleMesh mesh = readMesh(words[0], read);
-            FieldOptions options;
-            options.name = words[0];
-            if (words.size() > 2) options.detail = std::atof(words[2].c_str());
-            options.depth = 6 * options.detail;  // three largest radii at a ratio of 1:2
-            double field = std::numeric_limits<double>::infinity(), bare = field, voxel = 0;
-            for (int run = 0; run < 3; ++run) {
-                field = std::min(field, secondsOf([&] {
-                                     voxel = meshDomain(mesh, options)->facts().voxelSize;
-                                 }));
-                bare = std::min(bare, secondsOf([&] { bareField(mesh, voxel, options.depth); }));
-            }
-            fmt::print("{:<28} {:>10} {:>8.4g} {:>9.2f} {:>12.2f} {:>7.2f}\n",
-                       words[0].substr(words[0].find_last_of('/') + 1), mesh.triangles.size(),
-                       voxel, field, bare, field / bare);
-            std::fflush(stdout);
+        if (words.size() > 1 && words[0] == "fields")
+            return benchFields({words.begin() + 1, words.end()});
+        bool quick = false, usable = !words.empty() && words[0] == "packs";
+        int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+        for (std::size_t i = 1; usable && i < words.size(); ++i) {
+            if (words[i] == "--quick")
+                quick = true;
+            else if (words[i] == "--threads" && i + 1 < words.size() &&
+                     (threads = std::atoi(words[i + 1].c_str())) > 0)
+                ++i;
+            else
+                usable = false;
         }
+        if (usable) return benchPacks(quick, threads);
     } catch (const std::exception& e) {
         fmt::print(stderr, "bench_pack: {}\n", e.what());
         return 1;
     }
-    return 0;
+    fmt::print(stderr,
+               "bench_pack packs [--quick] [--threads T]\n"
+               "    packs of boxes and squares: density, speed, the time to check them\n"
+               "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
+               "    seconds to make the field of each mesh, against one bare meshToVolume at the "
+               "same\n    voxel size and band; the least of three runs each, in turn\n");
+    return 2;
 }
