@@ -201,6 +201,18 @@ TEMPLATE_TEST_CASE_SIG("packs are dense and follow the distribution", "[pack]", 
     CHECK(ks < 0.01);
 }
 
+TEST_CASE("a wide distribution is kept and leaves no place", "[pack]") {
+    // Ratio 10: large radii pend for long, and drawing on for small ones once biased the pack.
+    const auto domain = boxDomain<3>(cube<3>(110));
+    PackOptions options(SizeDistribution::parse("uniform:0.3,3", 3));
+    const auto result = packSpheres(*domain, options);
+    CHECK(solidFraction(result.pack, *domain) > 0.61);
+    double sum = 0;
+    for (const auto& s : result.pack.spheres) sum += s.radius;
+    const double mean = sum / static_cast<double>(result.pack.spheres.size());
+    CHECK(mean == Approx(options.sizes.mean()).epsilon(0.01));
+}
+
 TEST_CASE("more effort is denser", "[pack]") {
     const auto domain = boxDomain<3>(cube<3>(50));
     double before = 0.57;

@@ -723,6 +723,7 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
             step *= 0.5;
         }
     }
+    pool_->refill();
     const std::size_t fitting = pool_->countUpTo(room - 2 * settings.quantum);
     if (fitting == 0) return;
     const auto placeAt = [&](const Vec<Dim>& center, std::size_t k) {

@@ -26,7 +26,7 @@ void RadiusPool::draw() {
 
 void RadiusPool::take(std::size_t k) {
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
-    refill();
+    while (radii_.size() < capacity_) draw();
 }
 
 void RadiusPool::refill() {

@@ -30,10 +30,11 @@ public:
     /// How many pending radii are <= `r`.
     std::size_t countUpTo(double r) const;
 
-    /// Removes the `k`-th smallest and draws a new one.
+    /// Removes the `k`-th smallest and draws up to the capacity.
     void take(std::size_t k);
     /// Draws until the pool is full and holds a radius of at most the mean: every place that
-    /// takes a mean sphere can then be filled.
+    /// takes a mean sphere can then be filled. Not for every draw: what is drawn on the way and
+    /// is too large would pend for ever.
     void refill();
     /// Moves the radii pending in `other` into this pool.
     void absorb(RadiusPool& other);
