@@ -152,7 +152,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
-    pack->add_option("--effort", options.pack.effort, "radii tried for each sphere")
+    pack->add_option(
+            "--effort", options.pack.effort,
+            "fast: places as they come; normal: the tightest first; dense: more pending radii")
         ->transform(CLI::Transformer(kEfforts))
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");

@@ -52,6 +52,19 @@ double solidFraction(const Pack<Dim>& pack, const Domain<Dim>& domain) {
     return sum / domain.measure();
 }
 
+/// Kolmogorov-Smirnov distance of the radii to a continuous distribution.
+template <int Dim>
+double ksDistance(const Pack<Dim>& pack, const SizeDistribution& sizes) {
+    std::vector<double> radii;
+    for (const auto& s : pack.spheres) radii.push_back(s.radius);
+    std::sort(radii.begin(), radii.end());
+    double ks = 0;
+    for (std::size_t i = 0; i < radii.size(); ++i)
+        ks = std::max(ks, std::fabs(sizes.cdf(radii[i]) -
+                                    static_cast<double>(i) / static_cast<double>(radii.size())));
+    return ks;
+}
+
 /// A ball whose field takes points for deeper than they are, by far more than it admits.
 class MistakenBall : public Domain<3> {
 public:
@@ -191,26 +204,16 @@ TEMPLATE_TEST_CASE_SIG("packs are dense and follow the distribution", "[pack]", 
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
     const auto result = packSpheres(*domain, options);
     CHECK(solidFraction(result.pack, *domain) > (Dim == 3 ? 0.59 : 0.815));
-    std::vector<double> radii;
-    for (const auto& s : result.pack.spheres) radii.push_back(s.radius);
-    std::sort(radii.begin(), radii.end());
-    double ks = 0;
-    for (std::size_t i = 0; i < radii.size(); ++i)
-        ks = std::max(ks, std::fabs(options.sizes.cdf(radii[i]) -
-                                    static_cast<double>(i) / static_cast<double>(radii.size())));
-    CHECK(ks < 0.01);
+    CHECK(ksDistance(result.pack, options.sizes) < 0.01);
 }
 
-TEST_CASE("a wide distribution is kept and leaves no place", "[pack]") {
-    // Ratio 10: large radii pend for long, and drawing on for small ones once biased the pack.
-    const auto domain = boxDomain<3>(cube<3>(110));
+TEST_CASE("a wide distribution is kept", "[pack]") {
+    // Ratio 10: drawing on for small radii while large ones pend once gave a distance of 0.022.
+    const auto domain = boxDomain<3>(cube<3>(120));
     PackOptions options(SizeDistribution::parse("uniform:0.3,3", 3));
     const auto result = packSpheres(*domain, options);
     CHECK(solidFraction(result.pack, *domain) > 0.61);
-    double sum = 0;
-    for (const auto& s : result.pack.spheres) sum += s.radius;
-    const double mean = sum / static_cast<double>(result.pack.spheres.size());
-    CHECK(mean == Approx(options.sizes.mean()).epsilon(0.01));
+    CHECK(ksDistance(result.pack, options.sizes) < 0.01);
 }
 
 TEST_CASE("more effort is denser", "[pack]") {

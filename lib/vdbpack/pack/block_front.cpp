@@ -136,6 +136,7 @@ private:
     bool findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, double least, double reach,
                    Plane& plane, double& distance);
     bool overlaps(const Vec<Dim>& center, double radius) const;
+    std::uint32_t keepPlane(std::uint32_t sphere, const Plane& plane);
     void learn(std::uint32_t pivot, const Plane& plane);
     int planesOf(std::uint32_t sphere) const;
     void fillPlace(Vec<Dim> x);
@@ -199,10 +200,8 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
         Plane plane;
         double distance;
         if (findPlane(sphere(i).center, sphere(i).center, sphere(i).radius,
-                      reachOf(sphere(i).radius), plane, distance)) {
-            lists_[i].plane = static_cast<std::uint32_t>(planes_.size());
-            planes_.push_back(plane);
-        }
+                      reachOf(sphere(i).radius), plane, distance))
+            keepPlane(i, plane);
         findSites(i, Surroundings<Dim>::kAll);
     }
     runFront();
@@ -257,10 +256,7 @@ void BlockFront<Dim>::Work::add(const Sphere<Dim>& sphere) {
 /// center.
 template <int Dim>
 void BlockFront<Dim>::Work::settle(std::uint32_t index) {
-    if (hasWall_) {
-        lists_[index].plane = static_cast<std::uint32_t>(planes_.size());
-        planes_.push_back(wall_);
-    }
+    if (hasWall_) keepPlane(index, wall_);
     keepOff(index);
     findSites(index, Surroundings<Dim>::kAll);
 }
@@ -401,13 +397,13 @@ void BlockFront<Dim>::Work::limitBy(FrontSite& site, const Body<float, Dim>& bod
     bool fits = site.track.at(0, x);
     float room = level;
     for (std::size_t d = 0; d < Dim; ++d) room -= x[d] * body.to[d];
-    fits = fits && room > -2e-5f * rolling * rolling;
+    fits = fits && room > -kSlack * rolling * rolling;
     if (!fits) {  // not even the smallest
         site.dead = true;
         return;
     }
     if (!(most > 0)) return;
-    const float t = firstHit<Dim>(site.track, body, level, 1e-5f * rolling, most);
+    const float t = firstHit<Dim>(site.track, body, level, kTouching * rolling, most);
     if (t >= most) return;
     site.limit = probe_ + t;
     if (site.track.at(t, x))
@@ -431,9 +427,8 @@ void BlockFront<Dim>::Work::keepOff(std::uint32_t intruder) {
                 for (std::size_t d = 0; d < Dim; ++d)
                     square += (site.end[d] - center[d]) * (site.end[d] - center[d]);
                 const float least = radius + site.limit;
-                if (square < least * least * (1 - 2e-5f)) {
+                if (square < least * least * (1 - kSlack))
                     limitBy(site, floatBody(pivot, intruder));
-                }
             }
             if (site.dead) {
                 const std::uint32_t gone = *link;
@@ -553,6 +548,16 @@ bool BlockFront<Dim>::Work::findPlane(const Vec<Dim>& pivot, const Vec<Dim>& x, 
     return true;
 }
 
+/// Adds a wall to those that a sphere knows. @return its place in `planes_`.
+template <int Dim>
+std::uint32_t BlockFront<Dim>::Work::keepPlane(std::uint32_t sphere, const Plane& plane) {
+    const auto index = static_cast<std::uint32_t>(planes_.size());
+    planes_.push_back(plane);
+    planes_.back().next = lists_[sphere].plane;
+    lists_[sphere].plane = index;
+    return index;
+}
+
 template <int Dim>
 int BlockFront<Dim>::Work::planesOf(std::uint32_t sphere) const {
     int count = 0;
@@ -625,16 +630,13 @@ typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryPlace(std::uin
 /// Gives a pivot a wall that it did not know of.
 template <int Dim>
 void BlockFront<Dim>::Work::learn(std::uint32_t pivot, const Plane& plane) {
-    const auto index = static_cast<std::uint32_t>(planes_.size());
-    planes_.push_back(plane);
-    planes_.back().next = lists_[pivot].plane;
-    lists_[pivot].plane = index;
-    const Body<float, Dim> body = floatBody(pivot, kWallBody + index);
+    const std::uint32_t wall = kWallBody + keepPlane(pivot, plane);
+    const Body<float, Dim> body = floatBody(pivot, wall);
     for (std::uint32_t s = lists_[pivot].site; s != kNone; s = sites_[s].next)
         if (!sites_[s].dead) limitBy(sites_[s], body);
     around_.collect(state_.cells, sphere(pivot).center, reachOf(sphere(pivot).radius),
                     state_.settings.maxRadius, pivot);
-    findSites(pivot, kWallBody + index);
+    findSites(pivot, wall);
 }
 
 /// Follows the resting place to curved walls, where the plane was only a first guess.

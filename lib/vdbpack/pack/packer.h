@@ -10,7 +10,8 @@
 
 namespace vdbpack {
 
-/// How hard the packer tries to place large spheres: radii tried for each sphere.
+/// fast takes places as they come along the sweep, normal first those where a sphere is stopped
+/// from growing by a further body, dense the same with more pending radii.
 enum class Effort { fast, normal, dense };
 
 struct PackOptions {
@@ -44,7 +45,7 @@ struct PackResult {
 ///
 /// @throws InputError if the smallest radius fits nowhere (with the largest place), or the
 /// domain is empty. ResourceError if the count would be absurd.
-/// Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583; caps, pools and
+/// Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583; sites, pools and
 /// wavefront as described in the README.
 template <int Dim>
 PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& options,

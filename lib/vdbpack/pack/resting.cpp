@@ -8,11 +8,6 @@ namespace vdbpack {
 
 namespace {
 
-/// How deep inside another body a resting place may seem to lie, in squared rolling radii: above
-/// the rounding of the place, far below what matters; the decision is made in double.
-constexpr float kSlack = 2e-5f;
-/// Growth that counts as none, in rolling radii: a body touched at the start stops it at once.
-constexpr float kTouching = 1e-5f;
 /// Bodies whose directions are this close to (anti)parallel, by sin², define no place.
 constexpr float kParallel = 1e-5f;
 /// Level of padding: a bound that no center meets, with squares that are still finite.

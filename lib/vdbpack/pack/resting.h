@@ -11,6 +11,12 @@
 
 namespace vdbpack {
 
+/// How deep inside another body a resting place may seem to lie, in squared rolling radii: above
+/// the rounding of the place, far below what matters; the decision is made in double.
+inline constexpr float kSlack = 2e-5f;
+/// Growth that counts as none, in rolling radii: a body touched at the start stops it at once.
+inline constexpr float kTouching = 1e-5f;
+
 /// A body beside a pivot, as a bound on the center of a sphere that touches the pivot.
 ///
 /// With x the center as seen from the pivot and r the radius, the sphere stays off the body
