@@ -23,6 +23,8 @@ struct FrontSettings {
     double lead = 0;
     /// Radius for which resting places are sought, mm: what rests there may be larger.
     double probe = 0;
+    /// Resting places where no sphere of this radius fits are not used, mm; 0: all are.
+    double least = 0;
     /// Gap up to which bodies are asked whether they stop a sphere on the pivot from growing, mm,
     /// at least twice the probe. Those farther off hardly matter.
     double reach = 0;

@@ -34,6 +34,11 @@ std::size_t lastCapacity(Effort effort) {
 /// 0.6346 / 0.6411 at 1 and 2. Of those the second scatters least in small domains.
 constexpr double kLead = 0.7;
 constexpr double kReach = 1.7;
+/// The same at Effort::fast, which also leaves places alone where only the smallest of the radii
+/// fit, this share of them: in 3D 15 % less work for 0.011 of the density.
+constexpr double kFastReach = 1.4;
+template <int Dim>
+constexpr double kFastShare = Dim == 3 ? 0.2 : 0;
 
 /// Least radius for which sites are sought, in mean radii.
 constexpr double kProbe = 0.62;
@@ -103,8 +108,10 @@ private:
         // The probe finds all sites where it is the smallest radius; for wide distributions most
         // spheres are larger, and what only the smallest could reach is not worth the time.
         s.probe = std::max(options.sizes.min(), kProbe * options.sizes.mean());
-        s.reach = std::max(2.001 * s.probe, kReach * options.sizes.max());
-        s.lead = options.effort == Effort::fast ? 0 : kLead * options.sizes.max();
+        const bool fast = options.effort == Effort::fast;
+        s.reach = std::max(2.001 * s.probe, (fast ? kFastReach : kReach) * options.sizes.max());
+        s.least = fast ? options.sizes.quantile(kFastShare<Dim>) : 0;
+        s.lead = fast ? 0 : kLead * options.sizes.max();
         // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
         s.quantum = std::exp2(std::floor(std::log2(options.sizes.mean())) - 22);
         s.minRadius = options.sizes.min();
