@@ -65,9 +65,9 @@ template <int Dim>
 void fillWith(Surroundings<Dim>& around, const Scene<Dim>& scene) {
     around.spheres.count = 0;
     CellList<Dim> cells;
-    cells.reset({Box<Dim>::filled(-10), Box<Dim>::filled(10)}, 3);
+    cells.reset({Box<Dim>::filled(-10), Box<Dim>::filled(10)}, 3, 2);
     for (std::uint32_t i = 0; i < scene.spheres.size(); ++i) cells.add(scene.spheres[i], i);
-    around.collect(cells, Vec<Dim>{}, 8, 2, 0xffffffffu);
+    around.collect(cells, Vec<Dim>{}, 8, 0xffffffffu);
     REQUIRE(around.spheres.count == scene.spheres.size());
     for (std::uint32_t p = 0; p < scene.planes.size(); ++p) {
         std::array<float, Dim> normal;

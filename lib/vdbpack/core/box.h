@@ -30,6 +30,15 @@ struct Box {
             if (!(lo[i] <= p[i] && p[i] <= hi[i])) return false;
         return true;
     }
+    /// Squared distance from `p` to the box, mm²; 0 inside.
+    double squaredDistance(const Vec<Dim>& p) const {
+        double square = 0;
+        for (int i = 0; i < Dim; ++i) {
+            const double out = std::max({lo[i] - p[i], p[i] - hi[i], 0.0});
+            square += out * out;
+        }
+        return square;
+    }
     Vec<Dim> size() const { return hi - lo; }
     Vec<Dim> center() const { return (lo + hi) * 0.5; }
     /// The box grown by `margin` (mm) on every side.

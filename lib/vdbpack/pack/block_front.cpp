@@ -31,6 +31,12 @@ constexpr std::size_t kAttempts = 3;
 /// come. Wider ones cost density (at `normal` 0.0005 at 0.05, 0.002 at 0.2).
 constexpr double kBucket = 0.02;
 
+/// Steps of a sphere that is moved ahead of the front until it is clear.
+constexpr int kSetDownSteps = 20;
+
+/// Sites to pass at most after one of the largest spheres found no room.
+constexpr int kLongestPause = 256;
+
 /// A fresh front that places more makes it worthwhile to start the search anew.
 constexpr std::size_t kManySpheres = 200;
 
@@ -80,6 +86,7 @@ public:
         least_ = static_cast<float>(settings.least);
         // Radii are floats; what rounds up here is decided in double.
         largest_ = static_cast<float>(settings.maxRadius);
+        common_ = static_cast<float>(settings.commonRadius);
     }
 
     void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
@@ -124,6 +131,7 @@ private:
     void settle(std::uint32_t index);
     void findSites(std::uint32_t pivot, std::uint32_t only);
     void addLooseSites(std::uint32_t pivot);
+    float baseOf(const Vec<Dim>& start);
     void addSite(std::uint32_t pivot, const Site& site);
     void keepOff(std::uint32_t intruder);
     void limitBy(std::uint32_t index, const Body<float, Dim>& body);
@@ -131,6 +139,7 @@ private:
     void enqueue(std::uint32_t index);
     void runFront();
     void grow(std::uint32_t site);
+    bool setDown(std::uint32_t site);
     bool centerAt(std::uint32_t site, double radius, Vec<Dim>& center) const;
     Outcome tryPlace(std::uint32_t index, double radius, Vec<Dim> center);
     bool polish(const FrontSite& site, double radius, Vec<Dim>& center);
@@ -140,17 +149,20 @@ private:
     std::uint32_t keepPlane(std::uint32_t sphere, const Plane& plane);
     void learn(std::uint32_t pivot, const Plane& plane);
     int planesOf(std::uint32_t sphere) const;
+    bool placeAt(const Vec<Dim>& center, std::size_t k);
     void fillPlace(Vec<Dim> x);
 
     const Sphere<Dim>& sphere(std::uint32_t i) const { return state_.spheres[i]; }
     double reachOf(double radius) const { return radius + state_.settings.reach; }
 
     BlockState<Dim> state_;
-    float probe_, least_, largest_;
+    float probe_, least_, largest_, common_;
     RadiusPool* pool_ = nullptr;
     const std::function<bool()>* cancelled_ = nullptr;
     bool stop_ = false;
-    std::vector<Lists> lists_;  ///< beside state_.spheres
+    int wideWait_ = 0, widePause_ = 1;  ///< sites to pass before the next of the largest
+    std::uint64_t arrived_ = 0;         ///< sites so far
+    std::vector<Lists> lists_;          ///< beside state_.spheres
     std::vector<Plane> planes_;
     std::vector<FrontSite> sites_;
     std::vector<SiteEnd> ends_;     ///< beside `sites_`
@@ -183,15 +195,21 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     sites_.clear();
     ends_.clear();
     unused_ = kNone;
-    queue_.reset(static_cast<float>(dot(state_.own.lo, settings.sweep) - settings.lead),
+    arrived_ = 0;
+    wideWait_ = 0;
+    widePause_ = 1;
+    const double low = settings.order == Order::sweep ? dot(state_.own.lo, settings.sweep) : 0.0;
+    queue_.reset(static_cast<float>(low - settings.lead),
                  static_cast<float>(kBucket * settings.meanRadius));
-    const double halo = 2 * settings.maxRadius;
-    const Box<Dim> reach = state_.own.grown(halo);
+    const Box<Dim> reach = state_.own.grown(2 * settings.commonRadius);
     // About twelve spheres a cell: full chunks, and few cells in reach.
-    state_.cells.reset(reach, std::pow(20 * settings.meanBall, 1.0 / Dim));
+    const double ball =
+        std::min(settings.meanBall, 0.6 * Measure<Dim>::ball(settings.commonRadius));
+    state_.cells.reset(reach, std::pow(20 * ball, 1.0 / Dim), settings.commonRadius);
     for (std::size_t i = 0; i < around.spheres.size(); ++i) {
         const Sphere<Dim> local{around.spheres[i].center - state_.origin, around.spheres[i].radius};
-        if (!reach.contains(local.center)) continue;
+        const double far = local.radius + settings.maxRadius;
+        if (state_.own.squaredDistance(local.center) >= far * far) continue;
         add(local);
         lists_.back().open = around.open[i];
     }
@@ -199,8 +217,7 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     pool.refill();
     for (std::uint32_t i = 0; i < standing; ++i) {
         if (lists_[i].open == 0) continue;
-        around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius),
-                        settings.maxRadius, i);
+        around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius), i);
         Plane plane;
         double distance;
         if (findPlane(sphere(i).center, sphere(i).center, sphere(i).radius,
@@ -209,6 +226,9 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
         findSites(i, Surroundings<Dim>::kAll);
     }
     runFront();
+    if ((settings.order == Order::center || settings.order == Order::fifo) &&
+        state_.owns(settings.middle - state_.origin))
+        fillPlace(settings.middle - state_.origin);
     for (const bool centersOnly : {true, false}) {
         if (centersOnly && !state_.spheres.empty()) continue;
         search_.start(state_, centersOnly);
@@ -296,7 +316,7 @@ void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     if (!own && foreign == kDone) return;
     s.track = site.track;
     end.limit = site.limit;
-    s.base = static_cast<float>(dot(start, state_.settings.sweep));
+    s.base = baseOf(start);
     s.side = site.side;
     s.bodies = site.bodies;
     s.pivot = pivot;
@@ -325,14 +345,16 @@ void BlockFront<Dim>::Work::addLooseSites(std::uint32_t pivot) {
         constexpr int kAround = 16;
         const std::size_t count = around_.spheres.count;
         for (std::size_t i = 0; i < count; ++i) {
-            // A little off each body that is in reach.
+            // A little off each body that is in reach, for the largest of the common spheres:
+            // smaller ones fit there as well.
             Vec<3> axis;
             for (int d = 0; d < 3; ++d)
                 axis[d] = static_cast<double>(around_.spheres.to[static_cast<std::size_t>(d)][i]);
             const Body<float, 3> body = floatBody(pivot, around_.spheres.index[i]);
             const double l = length(axis);
-            const double level = static_cast<double>(body.level + probe_ * body.slope);
-            const double height = level / (l * (sphere(pivot).radius + state_.settings.probe));
+            const double level = static_cast<double>(body.level + common_ * body.slope);
+            const double height =
+                level / (l * (sphere(pivot).radius + state_.settings.commonRadius));
             if (height >= 1) continue;
             axis *= 1 / l;
             const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
@@ -364,6 +386,25 @@ void BlockFront<Dim>::Work::addLooseSites(std::uint32_t pivot) {
     }
 }
 
+/// Where a site stands in the order of the front, mm.
+template <int Dim>
+float BlockFront<Dim>::Work::baseOf(const Vec<Dim>& start) {
+    const FrontSettings<Dim>& settings = state_.settings;
+    switch (settings.order) {
+        case Order::sweep:
+            return static_cast<float>(dot(start, settings.sweep));
+        case Order::wall:
+            return static_cast<float>(-state_.sampler->signedDistance(start + state_.origin));
+        case Order::center:
+            return static_cast<float>(length(start + state_.origin - settings.middle));
+        case Order::fifo:
+            // Sixteen sites a bucket of the queue, which keeps their order.
+            return static_cast<float>(kBucket * settings.meanRadius *
+                                      static_cast<double>(arrived_++ / 16));
+    }
+    return 0;
+}
+
 /// Puts a site into the queue by what is known of it.
 template <int Dim>
 void BlockFront<Dim>::Work::enqueue(std::uint32_t index) {
@@ -371,8 +412,9 @@ void BlockFront<Dim>::Work::enqueue(std::uint32_t index) {
     if (site.foreign != 0) return;
     float key = site.base;
     const float limit = ends_[index].limit;
-    if (limit < 0.99f * largest_)
-        key -= static_cast<float>(state_.settings.lead) * (limit - probe_) / (largest_ - probe_);
+    if (limit < 0.99f * largest_ && common_ > probe_)
+        key -= static_cast<float>(state_.settings.lead) * (std::min(limit, common_) - probe_) /
+               (common_ - probe_);
     queue_.push(index, key);
 }
 
@@ -465,6 +507,19 @@ void BlockFront<Dim>::Work::runFront() {
 /// Places the largest pending radius that fits at a site, or gives the site up.
 template <int Dim>
 void BlockFront<Dim>::Work::grow(std::uint32_t index) {
+    const FrontSettings<Dim>& settings = state_.settings;
+    if (pool_->largest() > settings.wideRadius) {
+        if (wideWait_ > 0) {
+            --wideWait_;
+        } else if (setDown(index)) {
+            widePause_ = 1;
+            if (!ends_[index].dead) enqueue(index);
+            return;
+        } else {
+            wideWait_ = widePause_;
+            widePause_ = std::min(2 * widePause_, kLongestPause);
+        }
+    }
     const float limit = ends_[index].limit;
     std::size_t k = pool_->countUpTo(static_cast<double>(limit));
     for (std::size_t attempt = 0; attempt < kAttempts && k > 0; ++attempt) {
@@ -483,10 +538,54 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
                 ends_[index].dead = true;
                 return;
             case Outcome::blocked:
+                // The limit of one far larger than most is a guess, made without what lies beyond
+                // the reach.
+                if (radius > settings.commonRadius)
+                    k = pool_->countUpTo(std::max(settings.commonRadius, 0.6 * radius));
                 break;
         }
     }
     ends_[index].dead = true;
+}
+
+/// Places the largest pending radius ahead of the front, as near to a site as there is room: one
+/// far larger than the others would hardly ever fit between three of them.
+template <int Dim>
+bool BlockFront<Dim>::Work::setDown(std::uint32_t index) {
+    const FrontSettings<Dim>& settings = state_.settings;
+    const std::size_t k = pool_->size() - 1;
+    const double radius = (*pool_)[k];
+    Vec<Dim> x;
+    for (std::size_t d = 0; d < Dim; ++d) x.c[d] = static_cast<double>(ends_[index].center[d]);
+    const Vec<Dim> ahead = settings.order == Order::sweep
+                               ? settings.sweep
+                               : normalized(x - sphere(sites_[index].pivot).center);
+    x += ahead * (radius - static_cast<double>(ends_[index].limit));
+    // Away until it is clear of all; every step leaves some sphere or the wall behind.
+    for (int step = 0;; ++step) {
+        double most = 0;
+        state_.cells.near(x, radius + settings.quantum, [&](std::uint32_t i) {
+            const Sphere<Dim>& s = sphere(i);
+            const double least = s.radius + radius + 1.5 * settings.quantum;
+            const Vec<Dim> from = x - s.center;
+            const double along = dot(from, ahead);
+            const double inside = least * least - squaredLength(from);
+            if (inside > 0) most = std::max(most, std::sqrt(along * along + inside) - along);
+            return true;
+        });
+        Vec<Dim> by = ahead * (most > 0 ? most + settings.quantum : 0.0);
+        Plane plane;
+        double distance = radius;
+        if (most == 0 &&
+            findPlane(sphere(sites_[index].pivot).center, x, radius, radius, plane, distance))
+            by =
+                plane.normal * (radius + 2 * settings.quantum - dot(x - plane.point, plane.normal));
+        else if (most == 0)
+            break;
+        x += by;
+        if (step == kSetDownSteps || !state_.owns(x)) return false;
+    }
+    return placeAt(state_.snapped(x), k);
 }
 
 /// Where a sphere of `radius` rests at a site, in double.
@@ -575,7 +674,7 @@ int BlockFront<Dim>::Work::planesOf(std::uint32_t sphere) const {
 /// Decides in double whether a sphere at `center` overlaps one of `around_`.
 template <int Dim>
 bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) const {
-    const Lanes r = static_cast<float>(radius * (1 + 1e-4));
+    const Lanes r = static_cast<float>(radius * (1 + 1e-4));  // more than lanes are off by
     const auto& near = around_.spheres;
     for (std::size_t i = 0; i < near.count; i += kLanes) {
         Lanes square = 0.0f;
@@ -583,7 +682,7 @@ bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) cons
             const Lanes to = load(&near.to[d][i]);
             square += to * to;
         }
-        const Lanes least = load(&near.radius[i]) + r;
+        const Lanes least = load(&near.radius[i]) * (1 + 1e-6f) + r;
         const auto close = square < least * least;
         if (none_of(close)) continue;
         bool disjoint = true;
@@ -613,7 +712,9 @@ typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryPlace(std::uin
     if (!polish(site, radius, center)) return Outcome::blocked;
     center = state_.snapped(center);
     if (!state_.owns(center)) return leave();
-    around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
+    // One far larger than most has many neighbors, and most places are too small for it.
+    if (radius > settings.commonRadius && !state_.isFree(center, radius)) return Outcome::blocked;
+    around_.collect(state_.cells, center, reachOf(radius), kNone);
     if (overlaps(center, radius)) return Outcome::blocked;
     double distance = 0;
     hasWall_ =
@@ -641,8 +742,7 @@ void BlockFront<Dim>::Work::learn(std::uint32_t pivot, const Plane& plane) {
     const Body<float, Dim> body = floatBody(pivot, wall);
     for (std::uint32_t s = lists_[pivot].site; s != kNone; s = ends_[s].next)
         if (!ends_[s].dead) limitBy(s, body);
-    around_.collect(state_.cells, sphere(pivot).center, reachOf(sphere(pivot).radius),
-                    state_.settings.maxRadius, pivot);
+    around_.collect(state_.cells, sphere(pivot).center, reachOf(sphere(pivot).radius), pivot);
     findSites(pivot, wall);
 }
 
@@ -707,12 +807,33 @@ bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim
     return true;
 }
 
+/// Places the `k`-th pending radius at `center` if it is free there.
+template <int Dim>
+bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, std::size_t k) {
+    const double radius = (*pool_)[k];
+    if (!state_.owns(center)) return false;
+    around_.collect(state_.cells, center, reachOf(radius), kNone);
+    double distance = 0;
+    hasWall_ = findPlane(center, center, radius, reachOf(radius), wall_, distance);
+    if (overlaps(center, radius) || (hasWall_ && distance < radius) ||
+        !state_.sampler->contains(center + state_.origin))
+        return false;
+    add({center, radius});
+    pool_->take(k);
+    settle(static_cast<std::uint32_t>(state_.spheres.size() - 1));
+    return true;
+}
+
 /// Starts a fresh front at a place that none has reached.
 template <int Dim>
 void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
     const FrontSettings<Dim>& settings = state_.settings;
-    const double far = 1.5 * settings.maxRadius;
+    double far = 1.5 * settings.commonRadius;
     double room = state_.clearance(x, far);
+    if (room >= far) {
+        far = 1.5 * settings.maxRadius;
+        room = state_.clearance(x, far);
+    }
     // Uphill to where there is most room, so that the largest pending radius that fits is taken.
     for (double step = 0.25 * settings.minRadius; step > 0.005 * settings.minRadius;) {
         Vec<Dim> best = x;
@@ -735,25 +856,10 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
     pool_->refill();
     const std::size_t fitting = pool_->countUpTo(room - 2 * settings.quantum);
     if (fitting == 0) return;
-    const auto placeAt = [&](const Vec<Dim>& center, std::size_t k) {
-        const double radius = (*pool_)[k];
-        if (!state_.owns(center)) return false;
-        around_.collect(state_.cells, center, reachOf(radius), settings.maxRadius, kNone);
-        double distance = 0;
-        hasWall_ = findPlane(center, center, radius, reachOf(radius), wall_, distance);
-        if (overlaps(center, radius) || (hasWall_ && distance < radius) ||
-            !state_.sampler->contains(center + state_.origin))
-            return false;
-        ++seeds_;
-        add({center, radius});
-        pool_->take(k);
-        settle(static_cast<std::uint32_t>(state_.spheres.size() - 1));
-        return true;
-    };
     // Down the sweep until it touches something.
     const double radius = (*pool_)[fitting - 1];
     Vec<Dim> low = x;
-    for (int step = 0; step < 200; ++step) {
+    for (int step = 0; settings.order == Order::sweep && step < 200; ++step) {
         const double free = state_.clearance(low, far) - radius - settings.quantum;
         if (free < 1e-6 * radius) break;
         const Vec<Dim> y = low - settings.sweep * free;
@@ -765,8 +871,10 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
     for (int step = 0; step < 8 && state_.clearance(center, far) < radius; ++step)
         center = state_.snapped(low + settings.sweep * (settings.quantum * (2 << step)));
     if (placeAt(center, fitting - 1) || placeAt(state_.snapped(x), fitting - 1) ||
-        placeAt(state_.snapped(x), 0))
+        placeAt(state_.snapped(x), 0)) {
+        ++seeds_;
         runFront();
+    }
 }
 
 template <int Dim>

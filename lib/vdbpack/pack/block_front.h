@@ -56,9 +56,9 @@ public:
     /// @param search    where no place may be left at the end, mm. It lags behind `own` towards
     ///                  the finished blocks: what is left at a face that another block will
     ///                  grow across is better filled by that block's front.
-    /// @param around    spheres that stand with a center within two largest radii of `own` or
-    ///                  `search` (others do no harm), in an order fixed by the caller; `open` is
-    ///                  not 0 where a sphere could rest on one with its center in this block.
+    /// @param around    spheres that stand within a largest radius of `own` or `search` (others do
+    ///                  no harm), in an order fixed by the caller; `open` is not 0 where a sphere
+    ///                  could rest on one with its center in this block.
     /// @param pool      pending radii; filled up and left for the next block.
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.

@@ -121,6 +121,28 @@ Box<Dim> BlockLattice<Dim>::search(std::uint32_t b) const {
 }
 
 template <int Dim>
+std::vector<std::uint32_t> BlockLattice<Dim>::blocksIn(const Box<Dim>& box) const {
+    Index from{}, to{};
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        const double last = count_[at] - 1;
+        // A search lags behind its block.
+        const double lo = (box.lo[d] - lo_[d]) / side_[d];
+        const double hi = (box.hi[d] + lag_ - lo_[d]) / side_[d];
+        if (!(hi >= 0 && lo <= last + 1)) return {};
+        from[at] = static_cast<int>(std::clamp(std::floor(lo), 0.0, last));
+        to[at] = static_cast<int>(std::clamp(std::floor(hi), 0.0, last));
+    }
+    std::vector<std::uint32_t> blocks;
+    for (Index i = from;;) {
+        blocks.push_back(blockAt(i));
+        std::size_t d = 0;
+        while (d < Dim && ++i[d] > to[d]) i[d] = from[d], ++d;
+        if (d == Dim) return blocks;
+    }
+}
+
+template <int Dim>
 std::vector<std::uint32_t> BlockLattice<Dim>::lowerNeighbors(std::uint32_t b) const {
     const Index i = indexOf(b);
     const int own = rank(i);

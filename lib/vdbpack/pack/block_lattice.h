@@ -36,6 +36,8 @@ public:
     /// Where block `b` grows, and where it leaves no place; see BlockFront::fill.
     Box<Dim> own(std::uint32_t b) const;
     Box<Dim> search(std::uint32_t b) const;
+    /// Blocks that grow or search within `box`, mm.
+    std::vector<std::uint32_t> blocksIn(const Box<Dim>& box) const;
     /// Finished neighbors of `b`, in a fixed order.
     std::vector<std::uint32_t> lowerNeighbors(std::uint32_t b) const;
     /// Where block `to` lies as seen from its neighbor `from`: -1, 0 or 1 along each axis.

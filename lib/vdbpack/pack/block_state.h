@@ -5,6 +5,7 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/cell_list.h"
+#include "vdbpack/pack/order.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,10 @@ namespace vdbpack {
 /// What a block needs to know besides the spheres around it.
 template <int Dim>
 struct FrontSettings {
+    Order order = Order::sweep;
     /// Unit direction in which the front sweeps: low values are filled first.
     Vec<Dim> sweep;
+    Vec<Dim> middle;  ///< of the domain, where Order::center and fifo begin, mm
     /// How far a sphere that a fourth (2D: third) body stops from growing goes ahead of the sweep
     /// if it is as large as any, mm; smaller ones go ahead by less. 0: nothing does.
     double lead = 0;
@@ -34,6 +37,11 @@ struct FrontSettings {
     double minRadius = 0;   ///< of the distribution, mm
     double meanRadius = 0;  ///< of the distribution, mm
     double maxRadius = 0;   ///< of the distribution, mm
+    /// Radius up to which spheres are so many that neighbors are sought for them, mm: the largest
+    /// one, but for distributions with a few that are far larger than most.
+    double commonRadius = 0;
+    /// Larger spheres find too few places between others: they are set down ahead of the front, mm.
+    double wideRadius = 0;
     double meanBall = 0;    ///< mean volume (2D: area) of a sphere, mm^Dim
     double fieldError = 0;  ///< how far off the domain's signedDistance may be, mm
     double fieldDepth = 0;  ///< depth at which it is clamped, mm
@@ -63,11 +71,19 @@ struct BlockState {
         return s;
     }
 
+    /// Whether a sphere would overlap none.
+    bool isFree(const Vec<Dim>& x, double radius) const {
+        return cells.near(x, radius, [&](std::uint32_t i) {
+            const double least = spheres[i].radius + radius;
+            return squaredLength(spheres[i].center - x) >= least * least;
+        });
+    }
+
     /// Distance from `x` to the nearest sphere or wall, at most `reach`, mm; negative outside the
     /// domain and inside a sphere.
     double clearance(const Vec<Dim>& x, double reach) const {
         double least = reach;
-        cells.near(x, reach, settings.maxRadius, [&](std::uint32_t i) {
+        cells.near(x, reach, [&](std::uint32_t i) {
             least = std::min(least, length(spheres[i].center - x) - spheres[i].radius);
             return true;
         });

@@ -13,32 +13,34 @@
 
 namespace vdbpack {
 
-/// A uniform cell list that grows while a block is filled. Coordinates are the caller's;
-/// keep them small (relative to the block), since they are stored as float for searching.
+/// A cell list that grows while a block is filled. Spheres that are far larger than most lie on
+/// coarser levels, so that they do not widen the search for the others. Coordinates are the
+/// caller's; keep them small (relative to the block), since they are stored as float for searching.
 template <int Dim>
 class CellList {
 public:
     /// Empties the list and lays cells of edge `cell` (mm) over `bounds`.
-    void reset(const Box<Dim>& bounds, double cell) {
-        lo_ = bounds.lo;
-        inverse_ = 1.0 / cell;
-        std::size_t total = 1;
-        for (int d = 0; d < Dim; ++d) {
-            n_[d] = std::max(1, static_cast<int>(std::ceil((bounds.hi[d] - lo_[d]) * inverse_)));
-            total *= static_cast<std::size_t>(n_[d]);
-        }
-        head_.assign(total, kNone);
+    /// @param common  radius up to which spheres lie on the finest level, mm.
+    void reset(const Box<Dim>& bounds, double cell, double common) {
+        bounds_ = bounds;
         chunks_.clear();
+        used_ = 0;
+        addLevel(cell, common);
     }
 
     /// Adds sphere `index`; outside the bounds it is kept in the nearest cell, where a search
     /// that reaches it looks as well.
     void add(const Sphere<Dim>& s, std::uint32_t index) {
+        std::size_t l = 0;
+        for (; s.radius > levels_[l].maxRadius; ++l)
+            if (l + 1 == used_)
+                addLevel(2 * kNextLevel * levels_[l].maxRadius, kNextLevel * levels_[l].maxRadius);
+        Level& level = levels_[l];
         std::size_t cell = 0;
         for (int d = Dim - 1; d >= 0; --d)
-            cell = cell * static_cast<std::size_t>(n_[d]) +
-                   static_cast<std::size_t>(coordinate(s.center[d], d));
-        std::uint32_t& head = head_[cell];
+            cell = cell * static_cast<std::size_t>(level.n[d]) +
+                   static_cast<std::size_t>(coordinate(level, s.center[d], d));
+        std::uint32_t& head = level.head[cell];
         if (head == kNone || chunks_[head].count == kChunk) {
             chunks_.emplace_back();
             chunks_.back().next = head;
@@ -52,11 +54,10 @@ public:
     }
 
     /// Calls `visit(index)` for every sphere that may have a gap smaller than `reach` to `x`:
-    /// all that do, and some that miss it by rounding. `maxRadius` bounds the radii added.
-    /// `visit` returns false to stop.
+    /// all that do, and some that miss it by rounding. `visit` returns false to stop.
     template <class Visit>
-    bool near(const Vec<Dim>& x, double reach, double maxRadius, Visit visit) const {
-        return forEachChunk(x, reach, maxRadius, [&](const Chunk& c, const auto&, auto inside) {
+    bool near(const Vec<Dim>& x, double reach, Visit visit) const {
+        return forEachChunk(x, reach, [&](const Chunk& c, const auto&, auto inside) {
             bool on = true;
             forEachSet(inside, [&](std::size_t l) { on = on && visit(c.index[l]); });
             return on;
@@ -99,24 +100,21 @@ public:
     };
 
     /// The spheres that `near` finds, but for sphere `except`.
-    void collect(const Vec<Dim>& x, double reach, double maxRadius, std::uint32_t except,
-                 Around& around) const {
+    void collect(const Vec<Dim>& x, double reach, std::uint32_t except, Around& around) const {
         around.count = 0;
-        forEachChunk(x, reach, maxRadius,
-                     [&](const Chunk& c, const std::array<Lanes, Dim>& to, auto inside) {
-                         around.resize(around.count + 2 * kLanes);
-                         float away[Dim][kLanes];
-                         for (std::size_t d = 0; d < Dim; ++d)
-                             to[d].copy_to(away[d], stdx::element_aligned);
-                         forEachSet(inside, [&](std::size_t l) {
-                             const std::size_t n = around.count;
-                             for (std::size_t d = 0; d < Dim; ++d) around.to[d][n] = away[d][l];
-                             around.radius[n] = c.radius[l];
-                             around.index[n] = c.index[l];
-                             around.count += c.index[l] != except ? 1 : 0;
-                         });
-                         return true;
-                     });
+        forEachChunk(x, reach, [&](const Chunk& c, const std::array<Lanes, Dim>& to, auto inside) {
+            around.resize(around.count + 2 * kLanes);
+            float away[Dim][kLanes];
+            for (std::size_t d = 0; d < Dim; ++d) to[d].copy_to(away[d], stdx::element_aligned);
+            forEachSet(inside, [&](std::size_t l) {
+                const std::size_t n = around.count;
+                for (std::size_t d = 0; d < Dim; ++d) around.to[d][n] = away[d][l];
+                around.radius[n] = c.radius[l];
+                around.index[n] = c.index[l];
+                around.count += c.index[l] != except ? 1 : 0;
+            });
+            return true;
+        });
         around.pad();
     }
 
@@ -137,51 +135,76 @@ private:
         }
     };
 
+    /// Each level holds spheres up to this many times as large as the one before.
+    static constexpr double kNextLevel = 4;
+    struct Level {
+        double maxRadius = 0, inverse = 1;
+        int n[3] = {1, 1, 1};
+        std::vector<std::uint32_t> head;  ///< of each cell's list of chunks
+    };
+
+    void addLevel(double cell, double maxRadius) {
+        if (levels_.size() == used_) levels_.emplace_back();
+        Level& level = levels_[used_++];
+        level.maxRadius = maxRadius;
+        level.inverse = 1.0 / cell;
+        std::size_t total = 1;
+        for (int d = 0; d < Dim; ++d) {
+            level.n[d] = std::max(
+                1, static_cast<int>(std::ceil((bounds_.hi[d] - bounds_.lo[d]) * level.inverse)));
+            total *= static_cast<std::size_t>(level.n[d]);
+        }
+        level.head.assign(total, kNone);
+    }
+
     /// Calls `visit(chunk, centers from x, which are in reach)` until it returns false.
     template <class Visit>
-    bool forEachChunk(const Vec<Dim>& x, double reach, double maxRadius, Visit visit) const {
-        int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+    bool forEachChunk(const Vec<Dim>& x, double reach, Visit visit) const {
         std::array<Lanes, Dim> at;
-        for (int d = 0; d < Dim; ++d) {
-            from[d] = coordinate(x[d] - reach - maxRadius, d);
-            to[d] = coordinate(x[d] + reach + maxRadius, d);
-            at[static_cast<std::size_t>(d)] = static_cast<float>(x[d]);
-        }
-        const Lanes r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + maxRadius));
-        for (int k = from[2]; k <= to[2]; ++k)
-            for (int j = from[1]; j <= to[1]; ++j) {
-                const std::size_t row =
-                    (static_cast<std::size_t>(k) * static_cast<std::size_t>(n_[1]) +
-                     static_cast<std::size_t>(j)) *
-                    static_cast<std::size_t>(n_[0]);
-                for (int i = from[0]; i <= to[0]; ++i)
-                    for (std::uint32_t q = head_[row + static_cast<std::size_t>(i)]; q != kNone;
-                         q = chunks_[q].next) {
-                        const Chunk& c = chunks_[q];
-                        std::array<Lanes, Dim> away;
-                        Lanes square = 0.0f;
-                        for (std::size_t d = 0; d < Dim; ++d) {
-                            away[d] = load(c.x[d].data()) - at[d];
-                            square += away[d] * away[d];
-                        }
-                        // Lanes not in use have a radius that no reach makes up for.
-                        const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
-                        const auto inside = square < limit * limit;
-                        if (any_of(inside) && !visit(c, away, inside)) return false;
-                    }
+        for (int d = 0; d < Dim; ++d) at[static_cast<std::size_t>(d)] = static_cast<float>(x[d]);
+        for (std::size_t l = 0; l < used_; ++l) {
+            const Level& level = levels_[l];
+            const double far = reach + level.maxRadius;
+            int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+            for (int d = 0; d < Dim; ++d) {
+                from[d] = coordinate(level, x[d] - far, d);
+                to[d] = coordinate(level, x[d] + far, d);
             }
+            const Lanes r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + level.maxRadius));
+            for (int k = from[2]; k <= to[2]; ++k)
+                for (int j = from[1]; j <= to[1]; ++j) {
+                    const std::size_t row =
+                        (static_cast<std::size_t>(k) * static_cast<std::size_t>(level.n[1]) +
+                         static_cast<std::size_t>(j)) *
+                        static_cast<std::size_t>(level.n[0]);
+                    for (int i = from[0]; i <= to[0]; ++i)
+                        for (std::uint32_t q = level.head[row + static_cast<std::size_t>(i)];
+                             q != kNone; q = chunks_[q].next) {
+                            const Chunk& c = chunks_[q];
+                            std::array<Lanes, Dim> away;
+                            Lanes square = 0.0f;
+                            for (std::size_t d = 0; d < Dim; ++d) {
+                                away[d] = load(c.x[d].data()) - at[d];
+                                square += away[d] * away[d];
+                            }
+                            // Lanes not in use have a radius that no reach makes up for.
+                            const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
+                            const auto inside = square < limit * limit;
+                            if (any_of(inside) && !visit(c, away, inside)) return false;
+                        }
+                }
+        }
         return true;
     }
 
-    int coordinate(double x, int d) const {
-        const double c = (x - lo_[d]) * inverse_;
-        return c <= 0 ? 0 : c >= n_[d] ? n_[d] - 1 : static_cast<int>(c);
+    int coordinate(const Level& level, double x, int d) const {
+        const double c = (x - bounds_.lo[d]) * level.inverse;
+        return c <= 0 ? 0 : c >= level.n[d] ? level.n[d] - 1 : static_cast<int>(c);
     }
 
-    Vec<Dim> lo_;
-    double inverse_ = 1;
-    int n_[3] = {1, 1, 1};
-    std::vector<std::uint32_t> head_;
+    Box<Dim> bounds_;
+    std::vector<Level> levels_;
+    std::size_t used_ = 0;  ///< levels in use; the others keep their memory
     std::vector<Chunk> chunks_;
 };
 

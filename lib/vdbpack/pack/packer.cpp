@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/pack/block_front.h"
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/radius_pool.h"
@@ -43,23 +44,38 @@ constexpr double kFastShare = Dim == 3 ? 0.2 : 0;
 /// Least radius for which sites are sought, in mean radii.
 constexpr double kProbe = 0.62;
 
-/// Edge of a block in largest radii. Shorter ones cost density (box 120, radii 1 to 2: total
+/// Spheres larger than this many mean radii are few: no neighbors are sought for them beforehand.
+constexpr double kCommon = 2;
+/// In largest common radii; see FrontSettings::wideRadius.
+constexpr double kWide = 1.5;
+
+/// Edge of a block in largest common radii. Shorter ones cost density (box 120, radii 1 to 2: total
 /// 0.614 as one block, 0.613 at 20, 0.610 at 14), longer ones leave threads without work.
 template <int Dim>
 constexpr double kBlockSide = Dim == 3 ? 20 : 60;
 
+/// Packs radii grown by a shell of half the gap into a domain whose wall is moved inwards by as
+/// much: where those do not overlap, the spheres inside keep the gap.
 template <int Dim>
 class Wavefront {
 public:
-    Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks)
+    Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks,
+              const std::vector<Sphere<Dim>>& existing)
         : domain_(domain),
           options_(options),
           callbacks_(callbacks),
           settings_(makeSettings(domain, options)),
-          lattice_(domain.bounds(), side(options), 2 * settings_.maxRadius, settings_.quantum),
+          lattice_(domain.bounds(), side(domain, options, settings_), 2 * settings_.maxRadius,
+                   settings_.quantum),
           blocks_(lattice_.size()) {
+        for (const Sphere<Dim>& s : existing) {
+            const Sphere<Dim> grown{s.center, s.radius + shellOf(options)};
+            const double far = grown.radius + 2 * settings_.maxRadius;
+            for (const std::uint32_t b : lattice_.blocksIn(Box<Dim>{s.center, s.center}.grown(far)))
+                blocks_[b].existing.push_back(grown);
+        }
         cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
-        expected_ = 0.6 * domain.measure() / options.sizes.meanBall(Dim);
+        expected_ = 0.6 * domain.measure() / settings_.meanBall;
     }
 
     PackResult<Dim> run() {
@@ -87,6 +103,7 @@ private:
     struct Block {
         std::atomic<int> waiting{0};
         bool complete = false;
+        std::vector<Sphere<Dim>> existing;
         BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
     };
@@ -96,28 +113,53 @@ private:
         BlockSpheres<Dim> around;
     };
 
-    static double side(const PackOptions& options) {
-        const double least = 8 * options.sizes.max();
-        return std::max(least, options.blockSide > 0 ? options.blockSide
-                                                     : kBlockSide<Dim> * options.sizes.max());
+    static double shellOf(const PackOptions& options) { return 0.5 * options.gap; }
+
+    /// Mean volume (2D: area) of the spheres with their shells.
+    static double ballWithShell(const PackOptions& options) {
+        const SizeDistribution& sizes = options.sizes;
+        const double h = shellOf(options), square = sizes.meanBall(2) / kPi;
+        if constexpr (Dim == 2)
+            return kPi * (square + 2 * h * sizes.mean() + h * h);
+        else
+            return sizes.meanBall(3) +
+                   4.0 / 3.0 * kPi * h * (3 * square + h * (3 * sizes.mean() + h));
+    }
+
+    static double side(const Domain<Dim>& domain, const PackOptions& options,
+                       const FrontSettings<Dim>& settings) {
+        if (options.order != Order::sweep) {
+            const Vec<Dim> size = domain.bounds().size();
+            return 2 * *std::max_element(size.c.begin(), size.c.end());
+        }
+        return std::max(8 * settings.maxRadius, options.blockSide > 0
+                                                    ? options.blockSide
+                                                    : kBlockSide<Dim> * settings.commonRadius);
     }
 
     static FrontSettings<Dim> makeSettings(const Domain<Dim>& domain, const PackOptions& options) {
+        const SizeDistribution& sizes = options.sizes;
+        const double shell = shellOf(options);
         FrontSettings<Dim> s;
+        s.order = options.order;
         s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
+        if (options.order == Order::center || options.order == Order::fifo)
+            s.middle = largestPlace(domain).center;
+        s.minRadius = sizes.min() + shell;
+        s.meanRadius = sizes.mean() + shell;
+        s.meanBall = ballWithShell(options);
+        s.maxRadius = sizes.max() + shell;
+        s.commonRadius = std::min(s.maxRadius, kCommon * s.meanRadius);
+        s.wideRadius = kWide * s.commonRadius;
         // The probe finds all sites where it is the smallest radius; for wide distributions most
         // spheres are larger, and what only the smallest could reach is not worth the time.
-        s.probe = std::max(options.sizes.min(), kProbe * options.sizes.mean());
+        s.probe = std::max(s.minRadius, kProbe * s.meanRadius);
         const bool fast = options.effort == Effort::fast;
-        s.reach = std::max(2.001 * s.probe, (fast ? kFastReach : kReach) * options.sizes.max());
-        s.least = fast ? options.sizes.quantile(kFastShare<Dim>) : 0;
-        s.lead = fast ? 0 : kLead * options.sizes.max();
+        s.reach = std::max(2.001 * s.probe, (fast ? kFastReach : kReach) * s.commonRadius);
+        s.least = fast ? sizes.quantile(kFastShare<Dim>) + shell : 0;
+        s.lead = fast || options.order == Order::fifo ? 0 : kLead * s.commonRadius;
         // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
-        s.quantum = std::exp2(std::floor(std::log2(options.sizes.mean())) - 22);
-        s.minRadius = options.sizes.min();
-        s.meanRadius = options.sizes.mean();
-        s.meanBall = options.sizes.meanBall(Dim);
-        s.maxRadius = options.sizes.max();
+        s.quantum = std::exp2(std::floor(std::log2(sizes.mean())) - 22);
         s.fieldError = domain.facts().voxelSize;
         s.fieldDepth = domain.fieldDepth();
         return s;
@@ -154,10 +196,11 @@ private:
                 block.pool->absorb(*blocks_[donor].pool);
         }
         if (!block.pool)
-            block.pool = std::make_unique<RadiusPool>(options_.sizes, options_.seed, b,
-                                                      poolCapacity(options_.effort));
-        block.pool->setCapacity(lattice_.endsPool(b) ? lastCapacity(options_.effort)
-                                                     : poolCapacity(options_.effort));
+            block.pool = std::make_unique<RadiusPool>(
+                options_.sizes, options_.seed, b, poolCapacity(options_.effort), shellOf(options_));
+        block.pool->setCapacity(
+            lattice_.endsPool(b) ? lastCapacity(options_.effort) : poolCapacity(options_.effort),
+            settings_.wideRadius);
         const Box<Dim> own = lattice_.own(b);
         const Box<Dim> search = lattice_.search(b);
         Box<Dim> reach = own;
@@ -171,6 +214,11 @@ private:
                     thread.around.spheres.push_back(blocks_[n].placed.spheres[i]);
                     thread.around.open.push_back(blocks_[n].placed.open[i] & here);
                 }
+        }
+        for (const Sphere<Dim>& s : block.existing) {
+            thread.around.spheres.push_back(s);
+            // Places on those that are far larger than what rests there are found from the others.
+            thread.around.open.push_back(s.radius > 2 * settings_.maxRadius ? 0u : ~0u);
         }
         thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
                            block.placed);
@@ -205,6 +253,10 @@ private:
                                blocks_[b].placed.spheres.end());
             blocks_[b].placed = {};
         }
+        if (const double shell = shellOf(options_); shell > 0)
+            // To the float that was drawn.
+            for (Sphere<Dim>& s : spheres)
+                s.radius = static_cast<double>(static_cast<float>(s.radius - shell));
         if (options_.maxCount > 0 && spheres.size() > static_cast<std::size_t>(options_.maxCount))
             spheres.resize(static_cast<std::size_t>(options_.maxCount));
         result.pack.order.resize(spheres.size());
@@ -233,25 +285,32 @@ private:
 }  // namespace
 
 template <int Dim>
-PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& options,
-                            const Callbacks& callbacks) {
+PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options,
+                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
+    if (!(options.gap >= 0 && std::isfinite(options.gap)))
+        throw ParameterError(
+            fmt::format("gap {} mm: must be finite and not negative", options.gap));
+    std::unique_ptr<Domain<Dim>> inset;
+    if (options.gap > 0) inset = insetDomain(outer, 0.5 * options.gap);
+    const Domain<Dim>& domain = inset ? *inset : outer;
     const double expected = domain.measure() / options.sizes.meanBall(Dim);
     if (!(expected < 2e9))
         throw ResourceError(fmt::format(
             "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: ask for larger "
             "radii or check the unit of the domain",
             options.sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres));
-    Wavefront<Dim> wavefront(domain, options, callbacks);
+    Wavefront<Dim> wavefront(domain, options, callbacks, existing);
     PackResult<Dim> result = wavefront.run();
-    if (result.pack.spheres.empty() && !result.interrupted) {
-        const Sphere<Dim> place = largestPlace(domain);
+    if (result.pack.spheres.empty() && !result.interrupted && existing.empty()) {
+        Sphere<Dim> place = largestPlace(domain);
+        place.radius -= 0.5 * options.gap;
         // A place hardly larger than the smallest sphere is easily missed by a search in cells.
         Sphere<Dim> only{place.center, options.sizes.quantile(0)};
         for (int d = 0; d < Dim; ++d)
             only.center[d] = std::nearbyint(place.center[d] / result.quantum) * result.quantum;
         WallPoint<Dim> wall;
         if (place.radius > only.radius &&
-            !domain.sampler()->nearestWall(only.center, only.radius, wall)) {
+            !domain.sampler()->nearestWall(only.center, only.radius + 0.5 * options.gap, wall)) {
             result.pack.spheres.push_back(only);
             result.pack.order.push_back(0);
             return result;
@@ -318,7 +377,7 @@ Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
 
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
-                     const Callbacks& callbacks) {
+                     const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
     if (!(count >= 1))
         throw ParameterError(fmt::format("target count {} is not a positive number", count));
     const double unit = domain.measure() / options.sizes.meanBall(Dim);
@@ -333,7 +392,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     quiet.progress = nullptr;
     const auto fractionAt = [&](double scale) {
         trial.sizes = options.sizes.scaled(scale);
-        const auto result = packSpheres(domain, trial, quiet);
+        const auto result = packSpheres(domain, trial, quiet, existing);
         double sum = 0;
         for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius);
         return sum / domain.measure();
@@ -353,10 +412,14 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     return scale;
 }
 
-template PackResult<2> packSpheres(const Domain<2>&, const PackOptions&, const Callbacks&);
-template PackResult<3> packSpheres(const Domain<3>&, const PackOptions&, const Callbacks&);
-template double scaleForCount(const Domain<2>&, const PackOptions&, double, const Callbacks&);
-template double scaleForCount(const Domain<3>&, const PackOptions&, double, const Callbacks&);
+template PackResult<2> packSpheres(const Domain<2>&, const PackOptions&, const Callbacks&,
+                                   const std::vector<Sphere<2>>&);
+template PackResult<3> packSpheres(const Domain<3>&, const PackOptions&, const Callbacks&,
+                                   const std::vector<Sphere<3>>&);
+template double scaleForCount(const Domain<2>&, const PackOptions&, double, const Callbacks&,
+                              const std::vector<Sphere<2>>&);
+template double scaleForCount(const Domain<3>&, const PackOptions&, double, const Callbacks&,
+                              const std::vector<Sphere<3>>&);
 template Sphere<2> largestPlace(const Domain<2>&);
 template Sphere<3> largestPlace(const Domain<3>&);
 

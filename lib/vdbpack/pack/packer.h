@@ -4,9 +4,11 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/order.h"
 #include "vdbpack/pack/size_distribution.h"
 
 #include <cstdint>
+#include <vector>
 
 namespace vdbpack {
 
@@ -21,13 +23,15 @@ struct PackOptions {
     std::uint64_t seed = 1;  ///< another seed, another pack of the same kind
     int threads = 0;         ///< 0: all cores; the pack is the same for any number
     Effort effort = Effort::normal;
+    Order order = Order::sweep;
+    double gap = 0;             ///< least distance between spheres, and of spheres to the wall, mm
     std::int64_t maxCount = 0;  ///< stop at this many spheres; 0: when full
-    double blockSide = 0;       ///< edge of a block, mm; 0: from radii and domain
+    double blockSide = 0;       ///< edge of a block, mm; 0: from radii, domain and order
 };
 
 template <int Dim>
 struct PackResult {
-    Pack<Dim> pack;  ///< with `order` set
+    Pack<Dim> pack;  ///< what was placed, with `order` set
     std::size_t blocks = 0;
     std::size_t longestChain = 0;  ///< blocks that have to wait for one another
     std::size_t fronts = 0;        ///< fresh fronts started
@@ -40,34 +44,41 @@ struct PackResult {
 ///
 /// The radii follow `options.sizes` (all that is drawn gets placed, but for some tens pending at
 /// the end); centers are whole multiples of `quantum`; no two spheres overlap and none crosses the
-/// wall, decided in double on the values as returned. The result depends on the domain, the sizes,
-/// the seed, the effort and the block side alone.
+/// wall, decided in double on the values as returned. The result depends on the domain, the options
+/// (but not on the threads) and the spheres that stand alone.
 ///
-/// @throws InputError if the smallest radius fits nowhere (with the largest place), or the
-/// domain is empty. ResourceError if the count would be absurd.
-/// Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583; sites, pools and
-/// wavefront as described in the README.
+/// @param existing  spheres that stand already, anywhere and of any radius, mm; they may overlap
+/// one
+///                  another and the wall. What is placed keeps off them.
+/// @throws ParameterError for a gap that is negative or not finite. InputError if the smallest
+/// radius fits nowhere (with the largest place), or the domain is empty. ResourceError if the count
+/// would be absurd. Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583;
+/// sites, pools and wavefront as described in the README.
 template <int Dim>
 PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& options,
-                            const Callbacks& callbacks = {});
+                            const Callbacks& callbacks = {},
+                            const std::vector<Sphere<Dim>>& existing = {});
 
 /// The factor on `options.sizes` for which about `count` spheres fill the domain: found from
 /// trial packs with larger radii, since the share that walls cost grows with the radius.
 /// @throws ParameterError if `count` < 1.
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
-                     const Callbacks& callbacks = {});
+                     const Callbacks& callbacks = {},
+                     const std::vector<Sphere<Dim>>& existing = {});
 
 /// The largest place of a domain: the center and radius (mm) of about the largest ball inside.
 template <int Dim>
 Sphere<Dim> largestPlace(const Domain<Dim>& domain);
 
-extern template PackResult<2> packSpheres(const Domain<2>&, const PackOptions&, const Callbacks&);
-extern template PackResult<3> packSpheres(const Domain<3>&, const PackOptions&, const Callbacks&);
-extern template double scaleForCount(const Domain<2>&, const PackOptions&, double,
-                                     const Callbacks&);
-extern template double scaleForCount(const Domain<3>&, const PackOptions&, double,
-                                     const Callbacks&);
+extern template PackResult<2> packSpheres(const Domain<2>&, const PackOptions&, const Callbacks&,
+                                          const std::vector<Sphere<2>>&);
+extern template PackResult<3> packSpheres(const Domain<3>&, const PackOptions&, const Callbacks&,
+                                          const std::vector<Sphere<3>>&);
+extern template double scaleForCount(const Domain<2>&, const PackOptions&, double, const Callbacks&,
+                                     const std::vector<Sphere<2>>&);
+extern template double scaleForCount(const Domain<3>&, const PackOptions&, double, const Callbacks&,
+                                     const std::vector<Sphere<3>>&);
 extern template Sphere<2> largestPlace(const Domain<2>&);
 extern template Sphere<3> largestPlace(const Domain<3>&);
 

@@ -147,7 +147,7 @@ bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
             if (-state_->sampler->signedDistance(c + state_->origin) < least) continue;
             nearby_.clear();
-            state_->cells.near(c, wanted_, state_->settings.maxRadius, [&](std::uint32_t i) {
+            state_->cells.near(c, wanted_, [&](std::uint32_t i) {
                 nearby_.push_back(i);
                 return true;
             });

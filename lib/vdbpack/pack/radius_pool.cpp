@@ -10,8 +10,11 @@ constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
 }  // namespace
 
 RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
-                       std::size_t capacity)
-    : sizes_(sizes), share_(RandomStream(seed, stream).bits()), capacity_(capacity) {}
+                       std::size_t capacity, double shell)
+    : sizes_(sizes),
+      shell_(shell),
+      share_(RandomStream(seed, stream).bits()),
+      capacity_(capacity) {}
 
 std::size_t RadiusPool::countUpTo(double r) const {
     return static_cast<std::size_t>(std::upper_bound(radii_.begin(), radii_.end(), r) -
@@ -20,19 +23,23 @@ std::size_t RadiusPool::countUpTo(double r) const {
 
 void RadiusPool::draw() {
     share_ += kGoldenStep;
-    const double r = sizes_.quantile(static_cast<double>(share_ >> 11) * 0x1p-53);
+    const double r = sizes_.quantile(static_cast<double>(share_ >> 11) * 0x1p-53) + shell_;
     radii_.insert(std::upper_bound(radii_.begin(), radii_.end(), r), r);
+}
+
+void RadiusPool::fill() {
+    while (radii_.size() < capacity_ || countUpTo(common_) < capacity_) draw();
 }
 
 void RadiusPool::take(std::size_t k) {
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
-    while (radii_.size() < capacity_) draw();
+    fill();
 }
 
 void RadiusPool::refill() {
-    while (radii_.size() < capacity_) draw();
+    fill();
     // The slack covers atoms that were rounded up to a float.
-    while (radii_.front() > sizes_.mean() * (1 + 1e-6)) draw();
+    while (radii_.front() > sizes_.mean() * (1 + 1e-6) + shell_) draw();
 }
 
 void RadiusPool::absorb(RadiusPool& other) {

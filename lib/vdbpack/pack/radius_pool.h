@@ -5,6 +5,7 @@
 #include "vdbpack/pack/size_distribution.h"
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace vdbpack {
@@ -17,12 +18,18 @@ namespace vdbpack {
 /// is spread over the distribution far more evenly than independent ones.
 class RadiusPool {
 public:
+    /// @param shell  added to every radius drawn, mm.
     RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
-               std::size_t capacity);
+               std::size_t capacity, double shell = 0);
 
     std::size_t size() const { return radii_.size(); }
     /// How many radii may be pending; what is pending beyond that stays until it is placed.
-    void setCapacity(std::size_t capacity) { capacity_ = capacity; }
+    /// @param common  larger radii do not count, mm: where they fit nowhere the others go on.
+    void setCapacity(std::size_t capacity,
+                     double common = std::numeric_limits<double>::infinity()) {
+        capacity_ = capacity;
+        common_ = common;
+    }
     /// The `k`-th smallest pending radius, mm.
     double operator[](std::size_t k) const { return radii_[k]; }
     double smallest() const { return radii_.front(); }
@@ -40,11 +47,14 @@ public:
     void absorb(RadiusPool& other);
 
 private:
+    void fill();
     void draw();
 
     SizeDistribution sizes_;
+    double shell_;
     std::uint64_t share_;
     std::size_t capacity_;
+    double common_ = std::numeric_limits<double>::infinity();
     std::vector<double> radii_;
 };
 

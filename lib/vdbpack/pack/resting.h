@@ -152,10 +152,10 @@ public:
 
     /// Starts anew with the spheres that `cells` hold around a pivot at `x` that is sphere
     /// `except`: all with a gap smaller than `reach` to the point `x`.
-    void collect(const CellList<Dim>& cells, const Vec<Dim>& x, double reach, double maxRadius,
+    void collect(const CellList<Dim>& cells, const Vec<Dim>& x, double reach,
                  std::uint32_t except) {
         planes_.clear();
-        cells.collect(x, reach, maxRadius, except, spheres);
+        cells.collect(x, reach, except, spheres);
     }
     /// As collected, then the walls that were added.
     typename CellList<Dim>::Around spheres;

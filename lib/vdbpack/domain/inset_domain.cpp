@@ -1,0 +1,79 @@
+#include "vdbpack/domain/inset_domain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+template <int Dim>
+class InsetSampler : public DomainSampler<Dim> {
+public:
+    InsetSampler(std::unique_ptr<DomainSampler<Dim>> outer, double inset)
+        : outer_(std::move(outer)), inset_(inset) {}
+
+    double signedDistance(const Vec<Dim>& x) override { return outer_->signedDistance(x) + inset_; }
+
+    bool contains(const Vec<Dim>& x) override {
+        WallPoint<Dim> wall;
+        return !outer_->nearestWall(x, inset_, wall) && outer_->contains(x);
+    }
+
+    bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) override {
+        WallPoint<Dim> outer;
+        if (!outer_->nearestWall(x, reach + inset_, outer)) return false;
+        wall.distance = std::fabs(outer.distance - inset_);
+        wall.point = outer.point;
+        // On the way from the wall to x, or past x where that is nearer to the wall.
+        if (outer.distance > 0) wall.point += (x - outer.point) * (inset_ / outer.distance);
+        return true;
+    }
+
+private:
+    std::unique_ptr<DomainSampler<Dim>> outer_;
+    double inset_;
+};
+
+template <int Dim>
+class InsetDomain : public Domain<Dim> {
+public:
+    InsetDomain(const Domain<Dim>& outer, double inset) : outer_(outer), inset_(inset) {}
+
+    Box<Dim> bounds() const override {
+        Box<Dim> box = outer_.bounds();
+        for (int d = 0; d < Dim; ++d) {
+            const double by = std::min(inset_, 0.5 * (box.hi[d] - box.lo[d]));
+            box.lo[d] += by;
+            box.hi[d] -= by;
+        }
+        return box;
+    }
+    double measure() const override { return outer_.measure(); }
+    double wallMeasure() const override { return outer_.wallMeasure(); }
+    double measureDeeperThan(double depth) const override {
+        return outer_.measureDeeperThan(depth + inset_);
+    }
+    double fieldDepth() const override { return outer_.fieldDepth() - inset_; }
+    std::unique_ptr<DomainSampler<Dim>> sampler() const override {
+        return std::make_unique<InsetSampler<Dim>>(outer_.sampler(), inset_);
+    }
+    DomainFacts facts() const override { return outer_.facts(); }
+
+private:
+    const Domain<Dim>& outer_;
+    double inset_;
+};
+
+}  // namespace
+
+template <int Dim>
+std::unique_ptr<Domain<Dim>> insetDomain(const Domain<Dim>& domain, double inset) {
+    return std::make_unique<InsetDomain<Dim>>(domain, inset);
+}
+
+template std::unique_ptr<Domain<2>> insetDomain(const Domain<2>&, double);
+template std::unique_ptr<Domain<3>> insetDomain(const Domain<3>&, double);
+
+}  // namespace vdbpack
