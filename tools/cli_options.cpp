@@ -19,6 +19,11 @@ const std::map<std::string, Unit> kUnits{{"m", Unit::meter},
                                          {"um", Unit::micrometer}};
 const std::map<std::string, Effort> kEfforts{
     {"fast", Effort::fast}, {"normal", Effort::normal}, {"dense", Effort::dense}};
+const std::map<std::string, Order> kOrders{{"sweep", Order::sweep},
+                                           {"wall", Order::wall},
+                                           {"centre", Order::center},
+                                           {"center", Order::center},
+                                           {"fifo", Order::fifo}};
 const std::map<std::string, WeightBy> kWeights{{"count", WeightBy::count},
                                                {"volume", WeightBy::volume}};
 
@@ -158,6 +163,25 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(CLI::Transformer(kEfforts))
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
+    pack->add_option("--order", options.pack.order,
+                     "which place is taken next; all but sweep run on one thread, for comparison")
+        ->transform(CLI::Transformer(kOrders))
+        ->option_text("sweep|wall|centre|fifo [sweep]")
+        ->group("Spheres");
+    pack->add_option("--gap", options.pack.gap,
+                     "least distance between spheres, and of spheres to the wall, mm")
+        ->option_text("G [0]")
+        ->check(CLI::NonNegativeNumber)
+        ->group("Spheres");
+    pack->add_option("--existing", options.pack.existing,
+                     "pack around the spheres of a pack file; they are written again")
+        ->option_text("FILE")
+        ->check(notEmpty())
+        ->group("Spheres");
+    pack->add_option("--pack-unit", options.pack.packUnit, "unit of --existing, if it says none")
+        ->transform(CLI::Transformer(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
     pack->add_option("--seed", options.pack.seed, "another seed, another pack")
         ->option_text("S [1]")
         ->group("Run");

@@ -13,15 +13,11 @@
 
 #include <chrono>
 #include <cmath>
-#include <filesystem>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr double kDefaultCount = 100000;
-/// Beyond this the field for the smallest radius would outgrow any pack of the largest.
-constexpr double kLargestSizeRatio = 200;
 /// How far the final count may be from --target-count before the pack is made again.
 constexpr double kCountTolerance = 0.02;
 
@@ -49,43 +45,11 @@ std::uint64_t peakMemory() {
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
-/// The file behind "prefix:name".
-std::string filePart(const std::string& output) {
-    const auto colon = output.find(':');
-    return colon == std::string::npos ? output : output.substr(colon + 1);
-}
-
-/// Refuses before the work what would fail after it.
-void checkOutputs(const PackRecipe& recipe) {
-    namespace fs = std::filesystem;
-    std::vector<std::string> files;
-    for (const auto& output : recipe.outputs) {
-        checkPackFormat(output);
-        files.push_back(filePart(output));
-    }
-    if (!recipe.reportFile.empty()) {
-        const std::string& f = recipe.reportFile;
-        if (f.size() < 6 || f.compare(f.size() - 5, 5, ".json") != 0)
-            throw ParameterError("--report " + f + ": reports are JSON; name it .json");
-        files.push_back(f);
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        const fs::path parent = fs::path(files[i]).parent_path();
-        std::error_code ignored;
-        if (!parent.empty() && !fs::is_directory(parent, ignored))
-            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
-                                      parent.string()));
-        if (fs::equivalent(files[i], recipe.domain.source, ignored))
-            throw ParameterError(files[i] + ": is the input itself; name another output");
-        for (std::size_t j = 0; j < i; ++j)
-            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
-    }
-}
-
 template <int Dim>
-double ksOf(const std::vector<Sphere<Dim>>& spheres, const SizeDistribution& sizes) {
-    std::vector<double> radii(spheres.size());
-    for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = spheres[i].radius;
+double ksOf(const std::vector<Sphere<Dim>>& spheres, std::size_t from,
+            const SizeDistribution& sizes) {
+    std::vector<double> radii(spheres.size() - from);
+    for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = spheres[from + i].radius;
     return ksDistance(
         std::move(radii), [&](double r) { return sizes.cdf(r); },
         [&](double r) { return sizes.cdfBelow(r); });
@@ -99,7 +63,8 @@ const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built
         return built.plane;
 }
 
-/// What can be said of any pack, whoever made it.
+/// What can be said of any pack, whoever made it; the first `report.existing` spheres stood
+/// already.
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report) {
@@ -108,10 +73,11 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     report.hash = packHash(pack);
     report.radius = radiusStatistics(pack.spheres);
     report.overlap = checkOverlap(pack.spheres);
+    report.smallestGap = smallestGap(pack.spheres, report.existing);
     report.contactTolerance = contactTolerance;
     if (sizes) {
         report.requested = sizes->spec();
-        report.ks = ksOf(pack.spheres, *sizes);
+        report.ks = ksOf(pack.spheres, report.existing, *sizes);
     }
     if (domain) {
         report.domain = domain->facts();
@@ -130,34 +96,19 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
 }
 
 bool passed(const Report& report) {
-    return (!report.overlap || report.overlap->pairs == 0) &&
-           (!report.protrusion || report.protrusion->spheres == 0);
-}
-
-/// The sizes asked for, or the default; `count` spheres at which to aim, or 0.
-SizeDistribution requestedSizes(const PackRecipe& recipe, int dim, double& count, Report& report) {
-    count = recipe.targetCount;
-    if (!recipe.radius.empty()) return SizeDistribution::parse(recipe.radius, dim, recipe.weightBy);
-    if (!(count > 0)) {
-        count = kDefaultCount;
-        report.chosen.push_back(
-            fmt::format("about {:.0f} spheres, since neither --radius nor --target-count is given",
-                        kDefaultCount));
-    }
-    report.chosen.push_back("radii uniform with ratio 1:2, since --radius is not given");
-    return SizeDistribution::parse("uniform:1,2", dim);
+    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
+           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
+           (!(report.gapAsked > 0) || !report.smallestGap ||
+            *report.smallestGap >= report.gapAsked - kVerifyTolerance * report.radius.min);
 }
 
 template <int Dim>
 RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Report report,
                      Clock& clock, const Callbacks& callbacks) {
-    double target = 0;
-    SizeDistribution sizes = requestedSizes(recipe, Dim, target, report);
-    if (sizes.max() > kLargestSizeRatio * sizes.min())
-        throw ParameterError(fmt::format(
-            "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "
-            "smallest radius",
-            sizes.spec(), sizes.max() / sizes.min(), kLargestSizeRatio));
+    RequestedSizes requested = requestedSizes(recipe, Dim);
+    const SizeDistribution& sizes = requested.sizes;
+    const double target = requested.targetCount;
+    report.chosen = std::move(requested.chosen);
     double scale = 1;
     if (target > 0) {
         // Half full is the lowest that is to be expected: the field is deep and fine enough.
@@ -165,42 +116,57 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
         scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
     }
     clock.lap();
-    const auto built = source.build(sizes.min() * scale, sizes.max() * scale * 1.05, callbacks);
+    const auto built =
+        source.build(sizes.min() * scale, sizes.max() * scale * 1.05 + recipe.gap, callbacks);
     const std::shared_ptr<const Domain<Dim>>& domain = ofDim<Dim>(built);
     report.seconds.domain = clock.lap();
 
+    Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
+    const std::size_t standing = existing.spheres.size();
     PackOptions options(sizes);
+    options.order = recipe.order;
+    options.gap = recipe.gap;
     options.seed = recipe.seed;
     options.threads = recipe.threads;
     options.effort = recipe.effort;
     options.maxCount = recipe.maxCount;
-    const auto scaled = [&](double factor) {
-        const SizeDistribution s = sizes.scaled(factor);
-        // The formula as the report shows it is what is packed, digit for digit.
-        return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), Dim)
-                                                         : s;
-    };
     if (target > 0) {
-        scale = scaleForCount(*domain, options, target, callbacks);
-        options.sizes = scaled(scale);
+        scale = scaleForCount(*domain, options, target, callbacks, existing.spheres);
+        options.sizes = scaledSizes(sizes, scale, Dim);
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
     }
-    PackResult<Dim> result = packSpheres(*domain, options, callbacks);
+    PackResult<Dim> result = packSpheres(*domain, options, callbacks, existing.spheres);
     for (int again = 0; target > 0 && !result.interrupted && again < 2; ++again) {
         const double off = static_cast<double>(result.pack.spheres.size()) / target;
         if (std::fabs(off - 1) < kCountTolerance * 0.9 || recipe.maxCount > 0) break;
         // Few spheres can't be met to 2 %.
         if (std::fabs(off - 1) * target < 2) break;
         scale *= std::pow(off, 1.0 / Dim);
-        options.sizes = scaled(scale);
+        options.sizes = scaledSizes(sizes, scale, Dim);
         report.chosen.back() = fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                            options.sizes.spec(), target, Measure<Dim>::kSpheres);
-        result = packSpheres(*domain, options, callbacks);
+        result = packSpheres(*domain, options, callbacks, existing.spheres);
     }
     result.pack.sliceHeight = built.sliceHeight;
     result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
     report.interrupted = result.interrupted;
+    if (!recipe.existing.empty()) {
+        if (result.pack.spheres.empty() && !result.interrupted)
+            callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
+        report.existing = standing;
+        // What they do among themselves is not this run's doing.
+        report.givenOverlaps = checkOverlap(existing.spheres).pairs;
+        report.givenProtrusions = source.protrusion(existing.spheres).spheres;
+        if (report.givenOverlaps > 0 || report.givenProtrusions > 0)
+            callbacks.warn(fmt::format(
+                "{}: of its {} {}, {} are not wholly inside the domain and {} pairs overlap; they "
+                "stay as they are",
+                recipe.existing, standing, Measure<Dim>::kSpheres, report.givenProtrusions,
+                report.givenOverlaps));
+        result.pack = joined(std::move(existing), result.pack);
+    }
+    report.gapAsked = recipe.gap;
     report.seconds.pack = clock.lap();
 
     callbacks.report("measure", 0, 0);

@@ -3,11 +3,9 @@
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/core/units.h"
-#include "vdbpack/domain_source.h"
 #include "vdbpack/measure/report.h"
 #include "vdbpack/measure/verify.h"
-#include "vdbpack/pack/packer.h"
+#include "vdbpack/recipe.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -18,23 +16,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// Everything that decides a pack: what the command line, the tests and library users fill in.
-struct PackRecipe {
-    DomainRecipe domain;
-    /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
-    std::string radius;
-    WeightBy weightBy = WeightBy::count;  ///< for table:FILE
-    double targetCount = 0;               ///< scale the radii to about this many; 0: as given
-    std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
-    Effort effort = Effort::normal;
-    std::uint64_t seed = 1;
-    int threads = 0;  ///< 0: all cores
-    Unit outUnit = Unit::millimeter;
-    double contactTolerance = 1e-3;    ///< of the smaller radius
-    std::vector<std::string> outputs;  ///< -o
-    std::string reportFile;            ///< .json; empty: none
-};
 
 /// What a search for empty places found.
 struct PlacesLeft {

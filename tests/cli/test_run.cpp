@@ -271,3 +271,70 @@ TEST_CASE("a target count on a mesh is met within 2 percent", "[run]") {
     CHECK(run.passed);
     CHECK(static_cast<double>(run.report.count) == Approx(8000).epsilon(0.02));
 }
+
+TEST_CASE("a pack is added to, and what stood there is written again as it was", "[run]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("implant.csv");
+    {
+        std::ofstream out(file);
+        out << "x,y,z,radius,material,id,label\n"
+               "0,0,0,4,7,30,screw\n0,0,5,3.5,7,31,screw\n0,0,24,3,8,40,head\n";
+    }
+    PackRecipe recipe = recipeFor("ball:25", "uniform:0.8,1.6");
+    recipe.existing = file;
+    recipe.gap = 0.05;
+    recipe.outputs = {folder.file("out.csv"), folder.file("out.vdb")};
+    std::vector<std::string> warnings;
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+    const auto run = runPack(recipe, callbacks);
+    CHECK(run.passed);
+    CHECK(run.report.existing == 3);
+    CHECK(run.report.givenOverlaps == 1);     // the screw's two spheres
+    CHECK(run.report.givenProtrusions == 1);  // the head
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Catch::Contains("implant.csv"));
+    CHECK(run.report.overlap->pairs == 1);
+    CHECK(*run.report.smallestGap >= 0.05);
+    CHECK(*run.report.smallestGap < 0.0501);
+    CHECK(*run.report.ks < 0.02);
+
+    const auto pack = readPack(folder.file("out.csv"));
+    REQUIRE(pack.spheres.size() == run.report.count);
+    REQUIRE(pack.spheres.size() > 1000);
+    CHECK(pack.spheres[1].center[2] == 5);
+    CHECK(pack.spheres[1].radius == 3.5);
+    REQUIRE(pack.id.size() == pack.spheres.size());
+    CHECK(std::vector<std::int64_t>(pack.id.begin(), pack.id.begin() + 5) ==
+          std::vector<std::int64_t>{30, 31, 40, 41, 42});
+    const auto column = [&](const std::string& name) {
+        for (const auto& c : pack.columns)
+            if (c.name == name) return c;
+        FAIL("no column " << name);
+        return Column{};
+    };
+    CHECK(column("material").numbers[1] == 7);
+    CHECK(column("material").numbers[3] == 0);
+    CHECK(column("label").texts[2] == "head");
+    CHECK(column("existing").numbers[2] == 1);
+    CHECK(column("existing").numbers[3] == 0);
+    VerifyRecipe verify;
+    verify.pack = folder.file("out.vdb");
+    CHECK(runVerify(verify).report.hash == run.report.hash);
+
+    // In stages: what was added stands in the next one.
+    recipe.existing = folder.file("out.csv");
+    recipe.radius = "uniform:0.2,0.4";
+    recipe.outputs = {folder.file("more.csv")};
+    const auto more = runPack(recipe);
+    CHECK(more.passed);
+    CHECK(more.report.existing == run.report.count);
+    CHECK(more.report.count > 2 * run.report.count);
+    recipe.outputs = {recipe.existing};
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    recipe.outputs = {};
+    recipe.domain.source = "rect:9,9";
+    CHECK_THROWS_WITH(runPack(recipe), Catch::Contains("out.csv") && Catch::Contains("circles"));
+    recipe.existing = folder.file("none.csv");
+    CHECK_THROWS_AS(runPack(recipe), IoError);
+}

@@ -1,11 +1,14 @@
 #include "measure/packs.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/measure/contacts.h"
 
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <tuple>
 
 using namespace vdbpack;
@@ -58,4 +61,32 @@ TEST_CASE("walls count as contacts where the depth is known", "[measure]") {
     REQUIRE_THROWS_AS(countContacts(spheres, 1e-3, {1.0f}), ParameterError);
     REQUIRE_THROWS_AS(countContacts(spheres, -1), ParameterError);
     REQUIRE(countContacts(std::vector<Sphere<2>>{}, 1e-3).mean == 0);
+}
+
+TEMPLATE_TEST_CASE_SIG("the smallest gap is that of all pairs", "[measure]", ((int Dim), Dim), 2,
+                       3) {
+    RandomStream random(21, Dim);
+    for (int round = 0; round < 60; ++round) {
+        // From crowded and overlapping to a few that are far apart, of very different sizes.
+        const double spread = std::pow(10.0, 4 * random.uniform());
+        std::vector<Sphere<Dim>> spheres;
+        for (int i = 0; i < 2 + round; ++i) {
+            Sphere<Dim> s;
+            for (int d = 0; d < Dim; ++d) s.center[d] = spread * random.uniform();
+            s.radius = 0.01 * std::pow(1000.0, random.uniform());
+            spheres.push_back(s);
+        }
+        for (const std::size_t standing : {std::size_t{0}, spheres.size() / 2}) {
+            double least = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < spheres.size(); ++i)
+                for (std::size_t j = std::max(i + 1, standing); j < spheres.size(); ++j)
+                    least = std::min(least, gap(spheres[i], spheres[j]));
+            const auto found = smallestGap(spheres, standing);
+            REQUIRE(found);
+            CHECK(*found == Approx(least).margin(1e-9));
+        }
+    }
+    const std::vector<Sphere<Dim>> one(1, Sphere<Dim>{{}, 1});
+    CHECK_FALSE(smallestGap(one));
+    CHECK_FALSE(smallestGap(std::vector<Sphere<Dim>>{}));
 }

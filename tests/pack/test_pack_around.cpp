@@ -144,6 +144,9 @@ TEMPLATE_TEST_CASE_SIG("spheres that stand already are kept off, whatever their 
     existing.push_back({at(16, -8), 5});
     existing.push_back({at(0, side / 2 + 300), 305});
     existing.push_back({at(0, -900), 10});
+    // Nothing may rest on one outside, or reach the outside over one in the wall.
+    existing.push_back({at(side / 2 + 4, 9), 1.5});
+    existing.push_back({at(side / 2 + 0.5, -9), 1.5});
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
     options.gap = gap;
     options.blockSide = 16;

@@ -4,9 +4,12 @@
 #include "vdbpack/measure/cell_levels.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace vdbpack {
 
@@ -48,6 +51,34 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
     return result;
 }
 
+template <int Dim>
+std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing) {
+    requireUsable(spheres);
+    if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    double smallest = kInfinity;
+    for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
+    // Pairs are sought up to a gap in proportion to their radii: wide enough once no pair of the
+    // smallest spheres could be closer than what was found.
+    for (double slack = 0.01;;) {
+        tbb::enumerable_thread_specific<double> found(kInfinity);
+        const CellLevels<Dim> cells(spheres, slack);
+        cells.forEachPair(
+            [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+                double d2) {
+                if (i < standing && j < standing) return;
+                double& mine = found.local();
+                mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
+            },
+            [] { return false; });
+        const double gap = found.combine([](double a, double b) { return std::min(a, b); });
+        if (gap <= slack * smallest) return gap;
+        slack = gap < kInfinity ? gap / smallest * (1 + 1e-9) : 8 * slack;
+    }
+}
+
+template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t);
+template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t);
 template ContactCheck countContacts<2>(const std::vector<Sphere<2>>&, double,
                                        const std::vector<float>&);
 template ContactCheck countContacts<3>(const std::vector<Sphere<3>>&, double,

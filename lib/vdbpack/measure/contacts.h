@@ -4,6 +4,7 @@
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace vdbpack {
@@ -25,5 +26,14 @@ struct ContactCheck {
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
                            const std::vector<float>& depth = {});
+
+/// The smallest distance between the surfaces of two spheres, mm; negative if they overlap.
+/// Exact, however far apart they are.
+///
+/// @param standing  pairs among the first `standing` spheres do not count.
+/// @return nothing if there is no pair. @throws InputError as `checkOverlap`.
+template <int Dim>
+std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres,
+                                  std::size_t standing = 0);
 
 }  // namespace vdbpack

@@ -85,18 +85,26 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
     if (r.overlap) {
         const auto& o = *r.overlap;
         out.line("overlap",
-                 o.pairs == 0
-                     ? fmt::format("none (largest {:.2g} of a radius)", o.max)
+                 o.pairs == r.givenOverlaps
+                     ? o.pairs > 0
+                           ? fmt::format("none but the {} pairs that were given", grouped(o.pairs))
+                           : fmt::format("none (largest {:.2g} of a radius)", o.max)
                      : fmt::format("CHECK FAILED: {}{} pairs, largest {:.3g} of the "
                                    "smaller radius",
                                    o.complete ? "" : "more than ", grouped(o.pairs), o.max));
     }
+    if (r.gapAsked > 0 && r.smallestGap)
+        out.line("gap", fmt::format("{:.6g} mm asked for, smallest {:.6g} mm", r.gapAsked,
+                                    *r.smallestGap));
     if (r.protrusion) {
         const auto& p = *r.protrusion;
         out.line("protrusion",
-                 p.spheres == 0 ? fmt::format("none (largest {:.2g} of a radius)", p.max)
-                                : fmt::format("CHECK FAILED: {} {}, largest {:.3g} of the radius",
-                                              grouped(p.spheres), spheres, p.max));
+                 p.spheres == r.givenProtrusions
+                     ? p.spheres > 0 ? fmt::format("none but the {} {} that were given",
+                                                   grouped(p.spheres), spheres)
+                                     : fmt::format("none (largest {:.2g} of a radius)", p.max)
+                     : fmt::format("CHECK FAILED: {} {}, largest {:.3g} of the radius",
+                                   grouped(p.spheres), spheres, p.max));
     }
 }
 
@@ -121,6 +129,7 @@ nlohmann::ordered_json toJson(const Report& r) {
                       {"nonManifoldEdges", r.domain.nonManifoldEdges}};
     const bool any = r.count > 0;
     json["spheres"] = {{"count", r.count},
+                       {"existing", r.existing},
                        {"requested", r.requested.empty() ? Json() : Json(r.requested)},
                        {"radius",
                         {{"min", any ? Json(r.radius.min) : Json()},
@@ -133,6 +142,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["contacts"] = {{"mean", orNull(r.contactsMean)}, {"tolerance", r.contactTolerance}};
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
+    json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
     json["protrusion"] = {{"max", r.protrusion ? Json(r.protrusion->max) : Json()},
                           {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()}};
     json["voids"] = {{"count", r.voidCount}, {"bvtv", orNull(r.bvtv)}, {"culled", r.culled}};
@@ -155,6 +165,7 @@ std::string summary(const Report& r) {
     if (!r.requested.empty()) count += ", asked for " + r.requested;
     if (r.ks) count += fmt::format(" (Kolmogorov-Smirnov distance {:.2g})", *r.ks);
     if (r.interrupted) count += "; INTERRUPTED, this is what was complete";
+    if (r.existing > 0) count += fmt::format("; {} of them stood already", grouped(r.existing));
     out.line(spheres, count);
     if (r.count > 0)
         out.line("", fmt::format("radius {:.5g} to {:.5g} mm, mean {:.5g}, deviation {:.4g}",

@@ -38,7 +38,13 @@ struct Report {
     std::optional<double> contactsMean;
     double contactTolerance = 1e-3;
 
+    std::uint64_t existing = 0;          ///< spheres among them that stood already, the first ones
+    std::uint64_t givenOverlaps = 0;     ///< overlapping pairs among those
+    std::uint64_t givenProtrusions = 0;  ///< and those that stick out
+
     std::optional<OverlapCheck> overlap;
+    double gapAsked = 0;                ///< mm
+    std::optional<double> smallestGap;  ///< between spheres, two that stood already apart; mm
     std::optional<ProtrusionCheck> protrusion;
 
     std::uint64_t voidCount = 0;

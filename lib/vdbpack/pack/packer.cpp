@@ -68,11 +68,21 @@ public:
           lattice_(domain.bounds(), side(domain, options, settings_), 2 * settings_.maxRadius,
                    settings_.quantum),
           blocks_(lattice_.size()) {
+        const auto sampler = domain.sampler();
         for (const Sphere<Dim>& s : existing) {
             const Sphere<Dim> grown{s.center, s.radius + shellOf(options)};
+            // What rests on a sphere inside is inside. Places on those that are far larger than
+            // what rests there are found from the others.
+            WallPoint<Dim> wall;
+            const bool open = s.radius <= 2 * settings_.maxRadius &&
+                              !sampler->nearestWall(s.center, s.radius, wall) &&
+                              sampler->contains(s.center);
             const double far = grown.radius + 2 * settings_.maxRadius;
-            for (const std::uint32_t b : lattice_.blocksIn(Box<Dim>{s.center, s.center}.grown(far)))
-                blocks_[b].existing.push_back(grown);
+            for (const std::uint32_t b :
+                 lattice_.blocksIn(Box<Dim>{s.center, s.center}.grown(far))) {
+                blocks_[b].existing.spheres.push_back(grown);
+                blocks_[b].existing.open.push_back(open ? ~0u : 0u);
+            }
         }
         cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
         expected_ = 0.6 * domain.measure() / settings_.meanBall;
@@ -103,7 +113,7 @@ private:
     struct Block {
         std::atomic<int> waiting{0};
         bool complete = false;
-        std::vector<Sphere<Dim>> existing;
+        BlockSpheres<Dim> existing;
         BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
     };
@@ -215,11 +225,11 @@ private:
                     thread.around.open.push_back(blocks_[n].placed.open[i] & here);
                 }
         }
-        for (const Sphere<Dim>& s : block.existing) {
-            thread.around.spheres.push_back(s);
-            // Places on those that are far larger than what rests there are found from the others.
-            thread.around.open.push_back(s.radius > 2 * settings_.maxRadius ? 0u : ~0u);
-        }
+        const auto append = [](auto& to, const auto& from) {
+            to.insert(to.end(), from.begin(), from.end());
+        };
+        append(thread.around.spheres, block.existing.spheres);
+        append(thread.around.open, block.existing.open);
         thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
                            block.placed);
         if (stopped_) return;

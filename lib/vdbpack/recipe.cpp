@@ -1,0 +1,156 @@
+#include "vdbpack/recipe.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr double kDefaultCount = 100000;
+/// Beyond this the field for the smallest radius would outgrow any pack of the largest.
+constexpr double kLargestSizeRatio = 200;
+/// Name of the column that marks spheres that stood already.
+const char* const kExisting = "existing";
+
+}  // namespace
+
+std::string filePart(const std::string& name) {
+    const auto colon = name.find(':');
+    return colon == std::string::npos ? name : name.substr(colon + 1);
+}
+
+void checkOutputs(const PackRecipe& recipe) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files;
+    for (const auto& output : recipe.outputs) {
+        checkPackFormat(output);
+        files.push_back(filePart(output));
+    }
+    if (!recipe.reportFile.empty()) {
+        const std::string& f = recipe.reportFile;
+        if (f.size() < 6 || f.compare(f.size() - 5, 5, ".json") != 0)
+            throw ParameterError("--report " + f + ": reports are JSON; name it .json");
+        files.push_back(f);
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const fs::path parent = fs::path(files[i]).parent_path();
+        std::error_code ignored;
+        if (!parent.empty() && !fs::is_directory(parent, ignored))
+            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
+                                      parent.string()));
+        for (const std::string& input : {recipe.domain.source, filePart(recipe.existing)})
+            if (!input.empty() && fs::equivalent(files[i], input, ignored))
+                throw ParameterError(files[i] + ": is the input itself; name another output");
+        for (std::size_t j = 0; j < i; ++j)
+            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
+    }
+}
+
+RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
+    const bool given = !recipe.radius.empty();
+    RequestedSizes r{
+        SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
+        recipe.targetCount,
+        {}};
+    if (r.sizes.max() > kLargestSizeRatio * r.sizes.min())
+        throw ParameterError(fmt::format(
+            "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "
+            "smallest radius",
+            r.sizes.spec(), r.sizes.max() / r.sizes.min(), kLargestSizeRatio));
+    if (given) return r;
+    if (!(r.targetCount > 0)) {
+        r.targetCount = kDefaultCount;
+        r.chosen.push_back(
+            fmt::format("about {:.0f} spheres, since neither --radius nor --target-count is given",
+                        kDefaultCount));
+    }
+    r.chosen.push_back("radii uniform with ratio 1:2, since --radius is not given");
+    return r;
+}
+
+SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim) {
+    const SizeDistribution s = sizes.scaled(factor);
+    return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
+}
+
+template <int Dim>
+Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
+    if (recipe.existing.empty()) return {};
+    PackReadOptions read;
+    read.unit = recipe.packUnit;
+    Pack<3> pack = readPack(recipe.existing, read);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const Sphere<3>& s = pack.spheres[i];
+        const bool finite = std::all_of(s.center.c.begin(), s.center.c.end(),
+                                        [](double c) { return std::isfinite(c); });
+        if (!finite || !(s.radius > 0 && std::isfinite(s.radius)))
+            throw InputError(fmt::format(
+                "{}: sphere {} has center ({}, {}, {}) and radius {}; positions must be finite and "
+                "radii positive",
+                recipe.existing, i, s.center[0], s.center[1], s.center[2], s.radius));
+    }
+    if constexpr (Dim == 3) {
+        return pack;
+    } else {
+        Pack<2> circles;
+        try {
+            circles = asCircles(pack);
+        } catch (const InputError& e) {
+            throw InputError(recipe.existing + ": " + e.what());
+        }
+        if (!circles.spheres.empty() &&
+            std::fabs(circles.sliceHeight - sliceHeight) > 1e-6 * (1 + std::fabs(sliceHeight)))
+            throw InputError(fmt::format("{}: its circles lie at z = {}, the domain at z = {}",
+                                         recipe.existing, circles.sliceHeight, sliceHeight));
+        return circles;
+    }
+}
+
+template <int Dim>
+Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
+    const std::size_t before = base.spheres.size(), more = added.spheres.size();
+    const std::size_t all = before + more;
+    if (!base.id.empty()) {
+        std::int64_t next = *std::max_element(base.id.begin(), base.id.end());
+        for (std::size_t i = 0; i < more; ++i) base.id.push_back(++next);
+    }
+    if (base.order.empty())
+        for (std::size_t i = 0; i < before; ++i) base.order.push_back(static_cast<std::int64_t>(i));
+    const std::int64_t first =
+        before == 0 ? 0 : *std::max_element(base.order.begin(), base.order.end()) + 1;
+    for (std::size_t i = 0; i < more; ++i)
+        base.order.push_back(first + static_cast<std::int64_t>(i));
+    base.region.resize(all, 0);
+    base.depth.clear();
+    base.contacts.clear();
+    auto& columns = base.columns;
+    columns.erase(std::remove_if(columns.begin(), columns.end(),
+                                 [](const Column& c) { return c.name == kExisting; }),
+                  columns.end());
+    for (Column& column : columns) {
+        if (!column.numbers.empty()) column.numbers.resize(all, 0.0);
+        if (!column.texts.empty()) column.texts.resize(all);
+    }
+    Column mark;
+    mark.name = kExisting;
+    mark.numbers.assign(before, 1.0);
+    mark.numbers.resize(all, 0.0);
+    columns.push_back(std::move(mark));
+    base.spheres.insert(base.spheres.end(), added.spheres.begin(), added.spheres.end());
+    base.sliceHeight = added.sliceHeight;
+    return base;
+}
+
+template Pack<2> readExisting(const PackRecipe&, double);
+template Pack<3> readExisting(const PackRecipe&, double);
+template Pack<2> joined(Pack<2>, const Pack<2>&);
+template Pack<3> joined(Pack<3>, const Pack<3>&);
+
+}  // namespace vdbpack
