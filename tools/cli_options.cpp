@@ -189,6 +189,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("T [all cores]")
         ->check(CLI::Range(1, 4096))
         ->group("Run");
+    pack->add_flag("--dry-run", options.dryRun,
+                   "tell count, solid fraction, time and memory to expect; writes nothing")
+        ->group("Run");
     pack->add_option("--contact-tol", options.pack.contactTolerance,
                      "gap up to which spheres count as touching, in smaller radii")
         ->option_text("T [0.001]")

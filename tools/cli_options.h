@@ -15,6 +15,7 @@ struct CliOptions {
     vdbpack::DomainRecipe mesh;
     bool json = false;
     bool quiet = false;
+    bool dryRun = false;
 };
 
 /// Parses the command line.

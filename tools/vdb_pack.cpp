@@ -2,6 +2,7 @@
 #include "cli_options.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/forecast.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/run.h"
@@ -59,6 +60,15 @@ int runCommand(const CliOptions& options) {
     const Callbacks callbacks = makeCallbacks(options.quiet);
     switch (options.command) {
         case CliOptions::Command::pack: {
+            if (options.dryRun) {
+                const Forecast forecast = forecastPack(options.pack, callbacks);
+                if (interrupted) return kInterrupted;
+                if (options.json)
+                    fmt::print("{}\n", toJson(forecast).dump(2));
+                else
+                    fmt::print("{}", summary(forecast));
+                return kDone;
+            }
             const RunResult run = runPack(options.pack, callbacks);
             clearProgress();
             if (options.json)

@@ -4,14 +4,13 @@
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
-#include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/run_stages.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <sys/resource.h>
 
-#include <chrono>
 #include <cmath>
 
 namespace vdbpack {
@@ -21,78 +20,10 @@ namespace {
 /// How far the final count may be from --target-count before the pack is made again.
 constexpr double kCountTolerance = 0.02;
 
-class Clock {
-public:
-    /// Seconds since the last call.
-    double lap() {
-        const auto now = std::chrono::steady_clock::now();
-        const double s = std::chrono::duration<double>(now - last_).count();
-        last_ = now;
-        return s;
-    }
-    double total() const {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
-
-private:
-    std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-    std::chrono::steady_clock::time_point last_ = start_;
-};
-
 std::uint64_t peakMemory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-template <int Dim>
-double ksOf(const std::vector<Sphere<Dim>>& spheres, std::size_t from,
-            const SizeDistribution& sizes) {
-    std::vector<double> radii(spheres.size() - from);
-    for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = spheres[from + i].radius;
-    return ksDistance(
-        std::move(radii), [&](double r) { return sizes.cdf(r); },
-        [&](double r) { return sizes.cdfBelow(r); });
-}
-
-template <int Dim>
-const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built) {
-    if constexpr (Dim == 3)
-        return built.space;
-    else
-        return built.plane;
-}
-
-/// What can be said of any pack, whoever made it; the first `report.existing` spheres stood
-/// already.
-template <int Dim>
-void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
-                 const SizeDistribution* sizes, double contactTolerance, Report& report) {
-    report.dim = Dim;
-    report.count = pack.spheres.size();
-    report.hash = packHash(pack);
-    report.radius = radiusStatistics(pack.spheres);
-    report.overlap = checkOverlap(pack.spheres);
-    report.smallestGap = smallestGap(pack.spheres, report.existing);
-    report.contactTolerance = contactTolerance;
-    if (sizes) {
-        report.requested = sizes->spec();
-        report.ks = ksOf(pack.spheres, report.existing, *sizes);
-    }
-    if (domain) {
-        report.domain = domain->facts();
-        report.volume = domain->measure();
-        report.area = domain->wallMeasure();
-        report.protrusion = source->protrusion(pack.spheres);
-        report.solidFractionTotal = solidFraction(pack.spheres, *domain);
-        const double interior = 3 * report.radius.max;
-        if (interior <= domain->fieldDepth())
-            report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
-        pack.depth = source->depths(pack.spheres, *domain);
-    }
-    auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
-    report.contactsMean = contacts.mean;
-    pack.contacts = std::move(contacts.counts);
 }
 
 bool passed(const Report& report) {

@@ -38,6 +38,12 @@ public:
     /// mesh, by its triangles). Says nothing of the side `x` is on.
     /// @return false, `wall` untouched, if no wall is closer than `reach`.
     virtual bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) = 0;
+
+    /// Whether any wall is closer than `reach`: as `nearestWall`, at less cost.
+    virtual bool isWallCloser(const Vec<Dim>& x, double reach) {
+        WallPoint<Dim> wall;
+        return nearestWall(x, reach, wall);
+    }
 };
 
 /// What a report says about a domain; zero where it does not apply.

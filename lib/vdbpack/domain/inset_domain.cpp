@@ -17,8 +17,11 @@ public:
     double signedDistance(const Vec<Dim>& x) override { return outer_->signedDistance(x) + inset_; }
 
     bool contains(const Vec<Dim>& x) override {
-        WallPoint<Dim> wall;
-        return !outer_->nearestWall(x, inset_, wall) && outer_->contains(x);
+        return !outer_->isWallCloser(x, inset_) && outer_->contains(x);
+    }
+
+    bool isWallCloser(const Vec<Dim>& x, double reach) override {
+        return outer_->isWallCloser(x, reach + inset_);
     }
 
     bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) override {

@@ -85,6 +85,8 @@ public:
         return bins_.nearest(x, reach, wall);
     }
 
+    bool isWallCloser(const Vec<3>& x, double reach) override { return bins_.anyCloser(x, reach); }
+
 private:
     VdbField::Sampler field_;
     const FacetBins<3>& bins_;

@@ -73,9 +73,8 @@ public:
             const Sphere<Dim> grown{s.center, s.radius + shellOf(options)};
             // What rests on a sphere inside is inside. Places on those that are far larger than
             // what rests there are found from the others.
-            WallPoint<Dim> wall;
             const bool open = s.radius <= 2 * settings_.maxRadius &&
-                              !sampler->nearestWall(s.center, s.radius, wall) &&
+                              !sampler->isWallCloser(s.center, s.radius) &&
                               sampler->contains(s.center);
             const double far = grown.radius + 2 * settings_.maxRadius;
             for (const std::uint32_t b :

@@ -172,9 +172,8 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
         room = std::min(room, std::sqrt(square) - s.radius);
     }
     // The field is too coarse a guess here: every cell along the wall would be halved to the end.
-    WallPoint<Dim> wall;
     const Vec<Dim> global = center + state_->origin;
-    if (wanted_ > corner && sampler.nearestWall(global, wanted_ - corner, wall)) return false;
+    if (wanted_ > corner && sampler.isWallCloser(global, wanted_ - corner)) return false;
     // From a center outside, a place is at least the wanted radius away, more than the corner of
     // the cell: nothing is in it.
     const double outside = sampler.signedDistance(global);
@@ -182,7 +181,7 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
     if (outside > settings.fieldError ||
         (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
         return false;
-    if (room >= wanted_ && !sampler.nearestWall(global, wanted_, wall)) {
+    if (room >= wanted_ && !sampler.isWallCloser(global, wanted_)) {
         place = center;
         // All of a ball that no wall crosses is on one side.
         return sampler.contains(global);

@@ -1,0 +1,206 @@
+#include "vdbpack/forecast.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/run_stages.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// Spheres of the larger trial at most, and its share of the pack at least where that is less.
+constexpr double kTrialCount = 150000;
+constexpr double kTrialShare = 0.125;
+/// The smaller trial has as many times fewer.
+constexpr double kTrialRatio = 4;
+/// A pack of no more spheres is its own trial.
+constexpr double kSmallCount = 20000;
+/// Share of a full run's packing time that --target-count adds with its own trials.
+constexpr double kTargetTrials = 0.25;
+
+/// Peak memory of whole runs (box:1082, 51,855,183 spheres; skull_seg3d.ply, 23 million active
+/// voxels): bytes a sphere, bytes an active voxel, and what any run takes.
+constexpr double kBytesPerSphere = 122;
+constexpr double kBytesPerVoxel = 40;
+constexpr double kBytesAlways = 4e7;
+
+/// What one trial gave.
+struct Trial {
+    double scale = 1;  ///< of the radii, against the pack to come
+    double count = 0, fraction = 0, voxels = 0, voxelSize = 0;
+    double domain = 0, pack = 0, measure = 0;  ///< seconds
+};
+
+/// The line through two points, at `x`; through the second alone where they are too close.
+double line(double x1, double y1, double x2, double y2, double x) {
+    if (std::fabs(x2 - x1) < 1e-9 * (std::fabs(x1) + std::fabs(x2))) return y2;
+    return y2 + (y2 - y1) / (x2 - x1) * (x - x2);
+}
+
+template <int Dim>
+Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDistribution& sizes,
+             double scale, const Callbacks& callbacks) {
+    Callbacks quiet;
+    quiet.cancelled = callbacks.cancelled;
+    Trial trial;
+    trial.scale = scale;
+    Clock clock;
+    PackOptions options(sizes.scaled(scale));
+    options.seed = recipe.seed;
+    options.threads = recipe.threads;
+    options.effort = recipe.effort;
+    options.order = recipe.order;
+    options.gap = recipe.gap * scale;
+    const auto built =
+        source.build(options.sizes.min(), options.sizes.max() * 1.05 + options.gap, quiet);
+    const auto& domain = ofDim<Dim>(built);
+    trial.domain = clock.lap();
+    const DomainFacts facts = domain->facts();
+    trial.voxels = static_cast<double>(facts.activeVoxels);
+    trial.voxelSize = facts.voxelSize;
+    const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
+    clock.lap();
+    auto result = packSpheres(*domain, options, quiet, existing.spheres);
+    trial.pack = clock.lap();
+    trial.count = static_cast<double>(result.pack.spheres.size());
+    for (const auto& s : result.pack.spheres) trial.fraction += Measure<Dim>::ball(s.radius);
+    trial.fraction /= domain->measure();
+    Report report;
+    measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
+                report);
+    trial.measure = clock.lap();
+    return trial;
+}
+
+template <int Dim>
+Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks) {
+    const RequestedSizes requested = requestedSizes(recipe, Dim);
+    Forecast f;
+    f.dim = Dim;
+    f.volume = source.measure();
+    // Radii times `unit` fill the domain with about `expected` spheres.
+    const double guess = Dim == 3 ? 0.6 : 0.82;
+    double expected = guess * f.volume / requested.sizes.meanBall(Dim), unit = 1;
+    if (requested.targetCount > 0) {
+        unit = std::pow(expected / requested.targetCount, 1.0 / Dim);
+        expected = requested.targetCount;
+    }
+    SizeDistribution sizes = scaledSizes(requested.sizes, unit, Dim);
+    Trial small, large;
+    if (expected <= kSmallCount) {
+        small = large = tryOut<Dim>(recipe, source, sizes, 1, callbacks);
+    } else {
+        const double most = std::min(kTrialCount, std::max(kSmallCount, kTrialShare * expected));
+        const double scale = std::pow(expected / most, 1.0 / Dim);
+        small =
+            tryOut<Dim>(recipe, source, sizes, scale * std::pow(kTrialRatio, 1.0 / Dim), callbacks);
+        large = tryOut<Dim>(recipe, source, sizes, scale, callbacks);
+    }
+    const auto fractionAt = [&](double scale) {
+        return std::clamp(line(small.scale, small.fraction, large.scale, large.fraction, scale),
+                          0.0, 0.95);
+    };
+    double scale = 1;
+    if (requested.targetCount > 0) {
+        // Where the fraction that the walls leave gives the count asked for.
+        for (int i = 0; i < 30; ++i)
+            scale = std::pow(
+                fractionAt(scale) * f.volume / (sizes.meanBall(Dim) * requested.targetCount),
+                1.0 / Dim);
+        if (large.scale == 1) {  // the pack itself was the trial
+            scale = std::pow(large.count / requested.targetCount, 1.0 / Dim);
+        }
+        f.count = requested.targetCount;
+    } else {
+        f.count = large.scale == 1 ? large.count : fractionAt(1) * f.volume / sizes.meanBall(Dim);
+    }
+    f.solidFraction = fractionAt(scale);
+    f.sizes = scaledSizes(sizes, scale, Dim).spec();
+    if (recipe.maxCount > 0) f.count = std::min(f.count, static_cast<double>(recipe.maxCount));
+
+    // The field: voxels in a band of three radii along the wall, as many times more as the square
+    // of the scale; (scale ratio)^-2.
+    const auto voxelsOf = [](const Trial& t) { return 1 / (t.scale * t.scale); };
+    const double finest = 1 / (scale * scale);
+    const double voxels = recipe.domain.voxelSize > 0
+                              ? large.voxels
+                              : std::max(large.voxels, line(voxelsOf(small), small.voxels,
+                                                            voxelsOf(large), large.voxels, finest));
+    f.seconds.domain = recipe.domain.voxelSize > 0
+                           ? large.domain
+                           : std::max(large.domain, line(voxelsOf(small), small.domain,
+                                                         voxelsOf(large), large.domain, finest));
+    f.voxelSize = recipe.domain.voxelSize > 0 ? recipe.domain.voxelSize
+                                              : large.voxelSize * scale / large.scale;
+    f.seconds.pack = large.pack / std::max(large.count, 1.0) * f.count;
+    if (requested.targetCount > 0) f.seconds.pack *= 1 + kTargetTrials;
+    f.seconds.measure = std::max(
+        large.measure, line(small.count, small.measure, large.count, large.measure, f.count));
+    f.trialCount = static_cast<std::uint64_t>(large.count);
+    f.memoryBytes = kBytesAlways + kBytesPerSphere * f.count + kBytesPerVoxel * voxels;
+    return f;
+}
+
+}  // namespace
+
+Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+    checkOutputs(recipe);
+    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    return withThreads(recipe.threads, [&] {
+        Clock clock;
+        const DomainSource source(recipe.domain, callbacks);
+        const double mesh = clock.lap();
+        Forecast f = source.dim() == 3 ? forecast<3>(recipe, source, callbacks)
+                                       : forecast<2>(recipe, source, callbacks);
+        f.threads = recipe.threads > 0 ? recipe.threads : tbb::info::default_concurrency();
+        f.seconds.mesh = mesh;
+        f.seconds.total = mesh + f.seconds.domain + f.seconds.pack + f.seconds.measure;
+        f.trialSeconds = clock.total();
+        return f;
+    });
+}
+
+nlohmann::ordered_json toJson(const Forecast& f) {
+    using Json = nlohmann::ordered_json;
+    Json json;
+    json["dryRun"] = true;
+    json["threads"] = f.threads;
+    json["domain"] = {{"volume", f.volume},
+                      {"voxelSize", f.voxelSize > 0 ? Json(f.voxelSize) : Json()}};
+    json["spheres"] = {{"count", std::llround(f.count)}, {"requested", f.sizes}};
+    json["solidFraction"] = {{"total", f.solidFraction}};
+    json["seconds"] = {{"mesh", f.seconds.mesh},
+                       {"domain", f.seconds.domain},
+                       {"pack", f.seconds.pack},
+                       {"measure", f.seconds.measure},
+                       {"total", f.seconds.total}};
+    json["peakMemoryBytes"] = std::llround(f.memoryBytes);
+    json["trial"] = {{"count", f.trialCount}, {"seconds", f.trialSeconds}};
+    return json;
+}
+
+std::string summary(const Forecast& f) {
+    const char* spheres = f.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    std::string text = fmt::format("dry run    nothing is written; expect about\n");
+    text += fmt::format("{:<11}{:.0f}, radii {} mm\n", spheres, f.count, f.sizes);
+    text += fmt::format("{:<11}{:.3f} of the domain\n", "solid", f.solidFraction);
+    if (f.voxelSize > 0) text += fmt::format("{:<11}voxels of {:.4g} mm\n", "field", f.voxelSize);
+    text += fmt::format(
+        "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, measure {:.2f}, total {:.2f} on {} "
+        "thread{}\n",
+        "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack, f.seconds.measure,
+        f.seconds.total, f.threads, f.threads == 1 ? "" : "s");
+    text += fmt::format("{:<11}{:.0f} MiB at most\n", "memory", f.memoryBytes / (1 << 20));
+    text += fmt::format("{:<11}trials of up to {} {}, {:.2f} s\n", "from", f.trialCount, spheres,
+                        f.trialSeconds);
+    return text;
+}
+
+}  // namespace vdbpack
