@@ -15,8 +15,8 @@ namespace vdbpack {
 namespace {
 
 /// Spheres of the larger trial at most, and its share of the pack at least where that is less.
-constexpr double kTrialCount = 150000;
-constexpr double kTrialShare = 0.125;
+constexpr double kTrialCount = 100000;
+constexpr double kTrialShare = 0.08;
 /// The smaller trial has as many times fewer.
 constexpr double kTrialRatio = 4;
 /// A pack of no more spheres is its own trial.
@@ -139,10 +139,12 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
                                                          voxelsOf(large), large.domain, finest));
     f.voxelSize = recipe.domain.voxelSize > 0 ? recipe.domain.voxelSize
                                               : large.voxelSize * scale / large.scale;
-    f.seconds.pack = large.pack / std::max(large.count, 1.0) * f.count;
+    const auto atCount = [&](double smaller, double larger) {
+        return std::max(larger, line(small.count, smaller, large.count, larger, f.count));
+    };
+    f.seconds.pack = large.scale == 1 ? large.pack : atCount(small.pack, large.pack);
     if (requested.targetCount > 0) f.seconds.pack *= 1 + kTargetTrials;
-    f.seconds.measure = std::max(
-        large.measure, line(small.count, small.measure, large.count, large.measure, f.count));
+    f.seconds.measure = atCount(small.measure, large.measure);
     f.trialCount = static_cast<std::uint64_t>(large.count);
     f.memoryBytes = kBytesAlways + kBytesPerSphere * f.count + kBytesPerVoxel * voxels;
     return f;

@@ -31,8 +31,8 @@ struct Forecast {
 
 /// Packs the domain twice with larger radii and goes on along the lines through both: the solid
 /// fraction falls in proportion to the radii (walls), the field costs a share for its triangles
-/// and one for its voxels, checks one for the wall and one for each sphere. A pack small enough is
-/// made as it is. Outputs are checked as `runPack` does, and not written.
+/// and one for its voxels, packing and checks one for the wall and one for each sphere. A pack
+/// small enough is made as it is. Outputs are checked as `runPack` does, and not written.
 /// @throws as `runPack`.
 Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 

@@ -4,11 +4,14 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/forecast.h"
 #include "vdbpack/run.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 
@@ -337,4 +340,47 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     CHECK_THROWS_WITH(runPack(recipe), Catch::Contains("out.csv") && Catch::Contains("circles"));
     recipe.existing = folder.file("none.csv");
     CHECK_THROWS_AS(runPack(recipe), IoError);
+}
+
+TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(20, 5), folder.file("ball.obj"));
+    struct Case {
+        const char* name;
+        PackRecipe recipe;
+    };
+    std::vector<Case> cases;
+    cases.push_back({"one that is made at once", recipeFor("box:40,40,40", "uniform:1,2")});
+    cases.push_back({"box", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
+    cases.push_back({"with a gap", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
+    cases.back().recipe.gap = 0.1;
+    cases.push_back({"plane", recipeFor("rect:200,200", "uniform:0.3,0.6")});
+    cases.push_back({"wide", recipeFor("box:80,80,80", "lognormal:0.8,0.4,0.4,2")});
+    cases.push_back({"mesh", recipeFor(folder.file("ball.obj"), "uniform:0.4,0.8")});
+    cases.push_back({"so many", recipeFor(folder.file("ball.obj"), "")});
+    cases.back().recipe.targetCount = 30000;
+    cases.push_back({"at most", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
+    cases.back().recipe.maxCount = 1000;
+    for (auto& [name, recipe] : cases) {
+        CAPTURE(name);
+        recipe.outputs = {folder.file("pack.csv")};
+        const Forecast forecast = forecastPack(recipe);
+        CHECK_FALSE(std::filesystem::exists(folder.file("pack.csv")));
+        recipe.outputs = {};
+        const auto run = runPack(recipe);
+        CHECK(forecast.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
+        if (recipe.maxCount == 0) CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
+        CHECK(forecast.seconds.pack > 0);
+        CHECK(forecast.memoryBytes > 4e7);
+        const auto json = toJson(forecast);
+        CHECK(json["dryRun"] == true);
+        CHECK(json["spheres"]["count"] == std::llround(forecast.count));
+        CHECK_THAT(summary(forecast), Catch::Contains("nothing is written"));
+    }
+    PackRecipe bad = recipeFor("box:40,40,40", "uniform:1,2");
+    bad.outputs = {folder.file("none/pack.csv")};
+    CHECK_THROWS_AS(forecastPack(bad), IoError);
+    bad.outputs = {};
+    bad.radius = "uniform:30,40";
+    CHECK_THROWS_AS(forecastPack(bad), InputError);
 }

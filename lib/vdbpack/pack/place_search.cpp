@@ -6,8 +6,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Places are searched down to cells this small, in wanted radii.
-constexpr double kSmallestCell = 0.01;
+/// Room that no place is left with, in wanted radii: more than 1, so that a search ends where the
+/// room falls short of the wanted radius by a hair, as along the middle of a thin bone.
+constexpr double kMostRoom = 1.018;
 
 /// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
 /// leave more cells to halve.
@@ -21,6 +22,7 @@ void PlaceSearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
     state_ = &state;
     centersOnly_ = centersOnly;
     wanted_ = state.settings.meanRadius;
+    mostRoom_ = kMostRoom * wanted_;
     step_ = kStep<Dim> * wanted_;
     steps_ = {1, 1, 1};
     for (int d = 0; d < Dim; ++d)
@@ -35,14 +37,14 @@ void PlaceSearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
     openWord();
 }
 
-/// Marks the cells in which some sphere leaves no place: a center with room for `wanted_` is
+/// Marks the cells in which some sphere leaves no place: a center with the most room allowed is
 /// nowhere farther from its cell's center than half the diagonal.
 template <int Dim>
 void PlaceSearch<Dim>::stampSpheres() {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
     const double inverse = 1 / step_;
     for (const auto& s : state_->spheres) {
-        const double reach = (s.radius + wanted_ - corner) * inverse;
+        const double reach = (s.radius + mostRoom_ - corner) * inverse;
         if (reach <= 0) continue;
         // In steps, with cell i's center at i.
         Vec<3> c;
@@ -103,7 +105,7 @@ void PlaceSearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
     const double depth = -state_->sampler->signedDistance(center);
-    const double least = wanted_ - state_->settings.fieldError;
+    const double least = mostRoom_ - state_->settings.fieldError;
     if (depth < least - corner) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
@@ -139,7 +141,7 @@ bool PlaceSearch<Dim>::nextWord() {
 template <int Dim>
 bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const double least = wanted_ - corner - state_->settings.fieldError;
+    const double least = mostRoom_ - corner - state_->settings.fieldError;
     do {
         for (; left_ != 0; skip()) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
@@ -147,7 +149,7 @@ bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
             if (-state_->sampler->signedDistance(c + state_->origin) < least) continue;
             nearby_.clear();
-            state_->cells.near(c, wanted_, [&](std::uint32_t i) {
+            state_->cells.near(c, mostRoom_, [&](std::uint32_t i) {
                 nearby_.push_back(i);
                 return true;
             });
@@ -166,14 +168,14 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
     double room = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : nearby_) {
         const Sphere<Dim>& s = state_->spheres[i];
-        const double least = s.radius + wanted_ - corner;
+        const double least = s.radius + mostRoom_ - corner;
         const double square = squaredLength(s.center - center);
         if (least > 0 && square < least * least) return false;
         room = std::min(room, std::sqrt(square) - s.radius);
     }
     // The field is too coarse a guess here: every cell along the wall would be halved to the end.
     const Vec<Dim> global = center + state_->origin;
-    if (wanted_ > corner && sampler.isWallCloser(global, wanted_ - corner)) return false;
+    if (mostRoom_ > corner && sampler.isWallCloser(global, mostRoom_ - corner)) return false;
     // From a center outside, a place is at least the wanted radius away, more than the corner of
     // the cell: nothing is in it.
     const double outside = sampler.signedDistance(global);
@@ -186,7 +188,8 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
         // All of a ball that no wall crosses is on one side.
         return sampler.contains(global);
     }
-    if (edge < kSmallestCell * wanted_) return false;
+    // Otherwise a center this close to a place has the room itself, but for a wrong sign.
+    if (corner < 0.5 * (mostRoom_ - wanted_)) return false;
     for (int child = 0; child < (1 << Dim); ++child) {
         Vec<Dim> c = center;
         for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;

@@ -13,8 +13,7 @@ namespace vdbpack {
 /// of the mean radius.
 ///
 /// Every sphere is stamped on a bitmap of cells in which it leaves no place; the few cells left
-/// are halved until a place is found or excluded. What may be missed is smaller than the mean
-/// radius and half the diagonal of a cell of 1 % of it.
+/// are halved until a place is found or excluded. None is left with room for 1.018 mean radii.
 template <int Dim>
 class PlaceSearch {
 public:
@@ -46,6 +45,7 @@ private:
     const BlockState<Dim>* state_ = nullptr;
     bool centersOnly_ = false;
     double wanted_ = 0;                   ///< radius that a place must have, mm
+    double mostRoom_ = 0;                 ///< room that none may be left with, mm
     double step_ = 0;                     ///< edge of a cell, mm
     std::array<int, 3> steps_;            ///< cells along each axis
     std::size_t rowWords_ = 0;            ///< 64-bit words of a row of cells
