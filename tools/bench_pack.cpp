@@ -1,6 +1,8 @@
 // bench_pack: how fast and how dense packs are, beside the time it takes to check them; and what
 // the distance field of a mesh costs beside the one call that it cannot do without, OpenVDB's
-// meshToVolume at the same voxel size and band. Each in one run.
+// meshToVolume at the same voxel size and band; and how fast it answers. Each in one run.
+#include "bench_lookups.h"
+
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
@@ -63,38 +65,74 @@ void bareField(const TriangleMesh& mesh, double voxelSize, double depth) {
     if (grid->activeVoxelCount() == 0) throw std::runtime_error("meshToVolume made no voxels");
 }
 
+/// MESH[:UNIT[:SMALLEST_RADIUS_MM]]
+struct MeshArgument {
+    std::string file;
+    TriangleMesh mesh;
+    double smallestRadius = FieldOptions{}.detail;  ///< mm
+};
+
+MeshArgument readMeshArgument(const std::string& argument) {
+    std::vector<std::string> words(1);
+    for (const char c : argument) {
+        if (c == ':')
+            words.emplace_back();
+        else
+            words.back() += c;
+    }
+    MeshArgument result;
+    result.file = words[0];
+    MeshReadOptions read;
+    if (words.size() > 1) read.unit = parseUnit(words[1]);
+    result.mesh = readMesh(words[0], read);
+    if (words.size() > 2) result.smallestRadius = std::atof(words[2].c_str());
+    return result;
+}
+
 int benchFields(const std::vector<std::string>& meshes) {
     openvdb::initialize();
     fmt::print("{} threads\n{:<28} {:>10} {:>8} {:>9} {:>12} {:>7}\n",
                std::thread::hardware_concurrency(), "mesh", "triangles", "voxel", "field s",
                "bare call s", "ratio");
     for (const std::string& argument : meshes) {
-        std::vector<std::string> words(1);
-        for (const char c : argument) {
-            if (c == ':')
-                words.emplace_back();
-            else
-                words.back() += c;
-        }
-        MeshReadOptions read;
-        if (words.size() > 1) read.unit = parseUnit(words[1]);
-        const TriangleMesh mesh = readMesh(words[0], read);
+        const auto [file, mesh, smallestRadius] = readMeshArgument(argument);
         FieldOptions options;
-        options.name = words[0];
-        if (words.size() > 2) options.detail = std::atof(words[2].c_str());
+        options.name = file;
+        options.detail = smallestRadius;
         options.depth = 6 * options.detail;  // three largest radii at a ratio of 1:2
         double field = std::numeric_limits<double>::infinity(), bare = field, voxel = 0;
         for (int run = 0; run < 3; ++run) {
-            field = std::min(
-                field, secondsOf([&] { voxel = meshDomain(mesh, options)->facts().voxelSize; }));
-            bare = std::min(bare, secondsOf([&] { bareField(mesh, voxel, options.depth); }));
+            const auto timeField = [&, &m = mesh] {
+                return secondsOf([&] { voxel = meshDomain(m, options)->facts().voxelSize; });
+            };
+            field = std::min(field, timeField());
+            bare =
+                std::min(bare, secondsOf([&, &m = mesh] { bareField(m, voxel, options.depth); }));
         }
         fmt::print("{:<28} {:>10} {:>8.4g} {:>9.2f} {:>12.2f} {:>7.2f}\n",
-                   words[0].substr(words[0].find_last_of('/') + 1), mesh.triangles.size(), voxel,
-                   field, bare, field / bare);
+                   file.substr(file.find_last_of('/') + 1), mesh.triangles.size(), voxel, field,
+                   bare, field / bare);
         std::fflush(stdout);
     }
     return 0;
+}
+
+int benchAllLookups([[maybe_unused]] const std::vector<std::string>& meshes) {
+#ifdef VDBPACK_BENCH_CGAL
+    fmt::print(
+        "one thread; the same random points in the bounding box\n{:<24} {:<42} {:>12} {:>10}\n",
+        "mesh", "lookup", "a second", "times");
+    for (const std::string& argument : meshes) {
+        const MeshArgument a = readMeshArgument(argument);
+        withThreads(1, [&] { ::benchLookups(a.mesh, a.file, a.smallestRadius); });
+    }
+    return 0;
+#else
+    fmt::print(stderr,
+               "bench_pack: lookups are held against CGAL: install libcgal-dev and configure "
+               "with -DVDBPACK_BENCH_CGAL=ON\n");
+    return 2;
+#endif
 }
 
 struct Job {
@@ -222,6 +260,8 @@ int main(int argc, char** argv) {
     try {
         if (words.size() > 1 && words[0] == "fields")
             return benchFields({words.begin() + 1, words.end()});
+        if (words.size() > 1 && words[0] == "lookups")
+            return benchAllLookups({words.begin() + 1, words.end()});
         bool quick = false, usable = !words.empty() && words[0] == "packs";
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
@@ -243,6 +283,8 @@ int main(int argc, char** argv) {
                "    packs of boxes and squares: density, speed, the time to check them\n"
                "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    seconds to make the field of each mesh, against one bare meshToVolume at the "
-               "same\n    voxel size and band; the least of three runs each, in turn\n");
+               "same\n    voxel size and band; the least of three runs each, in turn\n"
+               "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
+               "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
     return 2;
 }
