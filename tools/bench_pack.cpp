@@ -7,6 +7,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/measure/cell_levels.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/verify.h"
 #include "vdbpack/mesh/mesh_io.h"
@@ -17,9 +18,12 @@
 #include <openvdb/tools/MeshToVolume.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
+#include <tbb/parallel_for.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -148,6 +152,62 @@ const char* nameOf(Effort effort) {
     return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
 }
 
+/// Solid fraction within one largest diameter of the faces between blocks less that elsewhere, both
+/// deeper than three largest radii; nothing where there is one block.
+template <int Dim>
+std::optional<double> seams(const PackResult<Dim>& result, const Domain<Dim>& domain,
+                            double largestRadius) {
+    if (result.blocks < 2) return std::nullopt;
+    const Box<Dim> bounds = domain.bounds().grown(-3 * largestRadius);
+    const Vec<Dim> edge = result.firstBlock.size();
+    const CellLevels<Dim> cells(result.pack.spheres);
+    constexpr std::size_t kPoints = 4000000, kBatch = 4096;
+    std::array<std::atomic<std::size_t>, 2> asked{}, solid{};  // elsewhere, near a face
+    tbb::parallel_for(std::size_t{0}, kPoints / kBatch, [&](std::size_t batch) {
+        RandomStream random(7, batch);
+        for (std::size_t k = 0; k < kBatch; ++k) {
+            Vec<Dim> x;
+            bool near = false;
+            for (int d = 0; d < Dim; ++d) {
+                x[d] = bounds.lo[d] + random.uniform() * (bounds.hi[d] - bounds.lo[d]);
+                const double from = std::remainder(x[d] - result.firstBlock.lo[d], edge[d]);
+                // The faces of the domain itself are farther away.
+                near = near || std::fabs(from) < 2 * largestRadius;
+            }
+            ++asked[near];
+            solid[near] += !cells.forEachNear(x, 0, [&](std::uint32_t, const Sphere<Dim>& s) {
+                return squaredLength(x - s.center) > s.radius * s.radius;
+            });
+        }
+    });
+    const auto fraction = [&](std::size_t n) {
+        return static_cast<double>(solid[n]) / static_cast<double>(asked[n]);
+    };
+    return fraction(1) - fraction(0);
+}
+
+/// Kolmogorov-Smirnov distance between the radii of the outer and the inner half of the spheres.
+template <int Dim>
+double ksOfHalves(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
+    const auto sampler = domain.sampler();
+    std::vector<std::pair<double, double>> byDepth;
+    for (const auto& s : spheres)
+        byDepth.emplace_back(-sampler->signedDistance(s.center), s.radius);
+    const auto middle = byDepth.begin() + static_cast<std::ptrdiff_t>(byDepth.size() / 2);
+    std::nth_element(byDepth.begin(), middle, byDepth.end());
+    std::vector<double> outer, inner;
+    for (auto it = byDepth.begin(); it != byDepth.end(); ++it)
+        (it < middle ? outer : inner).push_back(it->second);
+    std::sort(inner.begin(), inner.end());
+    const auto share = [&](auto end) {
+        return static_cast<double>(end - inner.begin()) / static_cast<double>(inner.size());
+    };
+    return ksDistance(
+        std::move(outer),
+        [&](double r) { return share(std::upper_bound(inner.begin(), inner.end(), r)); },
+        [&](double r) { return share(std::lower_bound(inner.begin(), inner.end(), r)); });
+}
+
 /// Packs, checks and prints a row.
 template <int Dim>
 void runJob(const Job& job, int threads) {
@@ -163,7 +223,8 @@ void runJob(const Job& job, int threads) {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     double total = 0, check = std::numeric_limits<double>::infinity(), shuffled = check, ks = 0;
-    std::optional<double> interior;
+    std::optional<double> interior, seam;
+    double halves = 0;
     std::size_t overlaps = 0;
     withThreads(threads, [&] {
         total = solidFraction(spheres, *domain);
@@ -173,6 +234,8 @@ void runJob(const Job& job, int threads) {
         ks = ksDistance(std::move(radii), [&](double r) { return options.sizes.cdf(r); });
         for (int run = 0; run < 3; ++run)
             check = std::min(check, secondsOf([&] { overlaps += checkOverlap(spheres).pairs; }));
+        seam = seams(result, *domain, options.sizes.max());
+        halves = ksOfHalves(spheres, *domain);
         RandomStream random(1, 0);
         for (std::size_t i = spheres.size(); i > 1; --i)
             std::swap(spheres[i - 1],
@@ -183,13 +246,14 @@ void runJob(const Job& job, int threads) {
     });
     const auto count = static_cast<double>(spheres.size());
     fmt::print(
-        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6.4f} {:>8} {:>7.5f} {:>7.2f} {:>9.0f} {:>6.3f} "
-        "{:>6.1f} {:>6.3f} {:>6.1f} {:>6} {:>5} {:>6}{}\n",
+        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6.4f} {:>8} {:>7.5f} {:>7.5f} {:>7} {:>7.2f} {:>9.0f} "
+        "{:>6.3f} {:>6.1f} {:>6.3f} {:>6.1f} {:>6} {:>5} {:>6}{}\n",
         fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side), job.radii,
         nameOf(job.effort), options.threads, spheres.size(), total,
-        interior ? fmt::format("{:.4f}", *interior) : "-", ks, pack, count / pack, check,
-        pack / check, shuffled, pack / shuffled, result.blocks, result.longestChain,
-        usage.ru_maxrss / 1024, overlaps > 0 ? "  OVERLAPS" : "");
+        interior ? fmt::format("{:.4f}", *interior) : "-", ks, halves,
+        seam ? fmt::format("{:+.4f}", *seam) : "-", pack, count / pack, check, pack / check,
+        shuffled, pack / shuffled, result.blocks, result.longestChain, usage.ru_maxrss / 1024,
+        overlaps > 0 ? "  OVERLAPS" : "");
     std::fflush(stdout);
     if (overlaps > 0) throw std::runtime_error("a pack has overlaps");
 }
@@ -222,13 +286,16 @@ int benchPacks(bool quick, int threads) {
         "{}, {} hardware threads; seed 1, blocks of the default size but where there is one.\n"
         "check: seconds of verify's overlap pass over the pack, least of three; shuffled: the same "
         "with the\nspheres in random order; ratio: pack / check. chain: blocks that wait for one "
-        "another. MB: peak.\n",
+        "another. MB: peak of\npacking. halves: ks between the radii of the outer and the inner "
+        "half "
+        "of the spheres. seams: solid\nfraction within a largest diameter of block faces less that "
+        "elsewhere, both deeper than three\nlargest radii.\n",
         hardware, std::thread::hardware_concurrency());
     fmt::print(
-        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6} {:>8} {:>7} {:>7} {:>9} {:>6} {:>6} {:>6} {:>6} "
-        "{:>6} {:>5} {:>6}\n",
-        "domain", "radii", "effort", "t", "spheres", "total", "interior", "ks", "pack s",
-        "spheres/s", "check", "ratio", "shuff.", "ratio", "blocks", "chain", "MB");
+        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>9} {:>6} {:>6} "
+        "{:>6} {:>6} {:>6} {:>5} {:>6}\n",
+        "domain", "radii", "effort", "t", "spheres", "total", "interior", "ks", "halves", "seams",
+        "pack s", "spheres/s", "check", "ratio", "shuff.", "ratio", "blocks", "chain", "MB");
     std::fflush(stdout);
     for (const Job& job : jobs) {
         // A process each: the peak of memory is its own.

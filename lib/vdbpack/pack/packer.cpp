@@ -247,6 +247,7 @@ private:
     PackResult<Dim> collect() {
         PackResult<Dim> result;
         result.blocks = lattice_.size();
+        result.firstBlock = lattice_.own(0);
         result.longestChain = lattice_.longestChain();
         result.quantum = settings_.quantum;
         result.interrupted = interrupted_;

@@ -1,6 +1,7 @@
 // Fills a domain with spheres.
 #pragma once
 
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
@@ -33,6 +34,7 @@ template <int Dim>
 struct PackResult {
     Pack<Dim> pack;  ///< what was placed, with `order` set
     std::size_t blocks = 0;
+    Box<Dim> firstBlock;           ///< all are as large and lie edge to edge, mm
     std::size_t longestChain = 0;  ///< blocks that have to wait for one another
     std::size_t fronts = 0;        ///< fresh fronts started
     double quantum = 0;            ///< positions are whole multiples of this power of two, mm
