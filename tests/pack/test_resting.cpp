@@ -153,7 +153,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
     const double probe = 1.0;
     std::vector<typename Surroundings<Dim>::Site> sites;
     around.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
-                     sites);
+                     nullptr, sites);
     for (const auto& site : sites) {
         const Vec<Dim> x = toDouble<Dim>(site.start);
         CHECK(length(x) == Approx(scene.pivotRadius + probe).epsilon(1e-5));
@@ -182,12 +182,30 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
         std::vector<typename Surroundings<Dim>::Site> some;
         Surroundings<Dim> fresh;
         fillWith(fresh, scene);
-        fresh.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, body, some);
+        fresh.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, body, nullptr, some);
         const auto expected = std::count_if(sites.begin(), sites.end(), [&](const auto& site) {
             return std::find(site.bodies.begin(), site.bodies.end(), body) != site.bodies.end();
         });
         CHECK(static_cast<std::ptrdiff_t>(some.size()) == expected);
     }
+    // Those that start in a region are the same as found among all.
+    typename Surroundings<Dim>::Region region;
+    region.lo.fill(-0.3f);
+    region.hi.fill(9.0f);
+    std::vector<typename Surroundings<Dim>::Site> some;
+    Surroundings<Dim> fresh;
+    fillWith(fresh, scene);
+    fresh.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
+                    &region, some);
+    std::size_t next = 0;
+    for (const auto& site : sites) {
+        if (std::any_of(site.start.begin(), site.start.end(), [](float x) { return x < -0.3f; }))
+            continue;
+        REQUIRE(next < some.size());
+        CHECK(some[next].bodies == site.bodies);
+        CHECK(some[next++].start == site.start);
+    }
+    CHECK(next == some.size());
 }
 
 TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further body", "[pack]",
@@ -201,7 +219,7 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     fillWith(around, scene);
     std::vector<typename Surroundings<Dim>::Site> sites;
     around.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
-                     sites);
+                     nullptr, sites);
     for (const auto& site : sites) {
         const double limit = static_cast<double>(site.limit);
         REQUIRE(limit >= 1);
@@ -226,6 +244,6 @@ TEST_CASE("a body that covers a pivot leaves no site", "[pack]") {
     scene.planes = {{{{0, 0, 1}}, 1.0}, {{{0, 0, -1}}, 0.5}};
     fillWith(around, scene);
     std::vector<Surroundings<3>::Site> sites;
-    around.findSites(1.0f, 3.0f, 4.0f, Surroundings<3>::kAll, sites);
+    around.findSites(1.0f, 3.0f, 4.0f, Surroundings<3>::kAll, nullptr, sites);
     CHECK(sites.empty());
 }

@@ -162,6 +162,7 @@ private:
     bool stop_ = false;
     int wideWait_ = 0, widePause_ = 1;  ///< sites to pass before the next of the largest
     std::uint64_t arrived_ = 0;         ///< sites so far
+    std::size_t standing_ = 0;          ///< spheres that stood before the block
     std::vector<Lists> lists_;          ///< beside state_.spheres
     std::vector<Plane> planes_;
     std::vector<FrontSite> sites_;
@@ -213,9 +214,9 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
         add(local);
         lists_.back().open = around.open[i];
     }
-    const std::size_t standing = state_.spheres.size();
+    standing_ = state_.spheres.size();
     pool.refill();
-    for (std::uint32_t i = 0; i < standing; ++i) {
+    for (std::uint32_t i = 0; i < standing_; ++i) {
         if (lists_[i].open == 0) continue;
         around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius), i);
         Plane plane;
@@ -246,9 +247,9 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     for (std::size_t i = 0; i < sites_.size(); ++i)
         if (!ends_[i].dead) lists_[sites_[i].pivot].open |= sites_[i].foreign;
     placed.clear();
-    placed.spheres.reserve(state_.spheres.size() - standing);
-    placed.open.reserve(state_.spheres.size() - standing);
-    for (std::size_t i = standing; i < state_.spheres.size(); ++i) {
+    placed.spheres.reserve(state_.spheres.size() - standing_);
+    placed.open.reserve(state_.spheres.size() - standing_);
+    for (std::size_t i = standing_; i < state_.spheres.size(); ++i) {
         placed.spheres.push_back(
             {state_.spheres[i].center + state_.origin, state_.spheres[i].radius});
         placed.open.push_back(lists_[i].open);
@@ -285,15 +286,27 @@ void BlockFront<Dim>::Work::settle(std::uint32_t index) {
     findSites(index, Surroundings<Dim>::kAll);
 }
 
-/// Adds the sites of a pivot: all, or those that rest on body `only`. `around_` holds its spheres.
+/// Adds the sites of a pivot: all, or those that rest on body `only`; of one that stood before the
+/// block those in the block, since the others are known where they belong. `around_` holds its
+/// spheres.
 template <int Dim>
 void BlockFront<Dim>::Work::findSites(std::uint32_t pivot, std::uint32_t only) {
+    typename Surroundings<Dim>::Region inBlock;
+    const typename Surroundings<Dim>::Region* region = nullptr;
+    if (pivot < standing_) {
+        for (std::size_t d = 0; d < Dim; ++d) {
+            inBlock.lo[d] = static_cast<float>(state_.own.lo.c[d] - sphere(pivot).center.c[d]);
+            inBlock.hi[d] = static_cast<float>(state_.own.hi.c[d] - sphere(pivot).center.c[d]);
+        }
+        region = &inBlock;
+    }
     const Vec<Dim>& center = sphere(pivot).center;
     for (std::uint32_t p = lists_[pivot].plane; p != kNone; p = planes_[p].next) {
         const double above = dot(center - planes_[p].point, planes_[p].normal);
         around_.addPlane(toFloat(planes_[p].normal), static_cast<float>(above), kWallBody + p);
     }
-    around_.findSites(static_cast<float>(sphere(pivot).radius), probe_, largest_, only, found_);
+    around_.findSites(static_cast<float>(sphere(pivot).radius), probe_, largest_, only, region,
+                      found_);
     for (const Site& site : found_) addSite(pivot, site);
     if (found_.empty() && only == Surroundings<Dim>::kAll && around_.reached() <= Dim)
         addLooseSites(pivot);
@@ -303,7 +316,6 @@ template <int Dim>
 void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     if (site.limit < least_) return;
     const Vec<Dim>& center = sphere(pivot).center;
-    FrontSite s;
     SiteEnd end;
     Vec<Dim> start;
     for (int d = 0; d < Dim; ++d) {
@@ -314,14 +326,6 @@ void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     const bool own = state_.owns(start);
     const std::uint32_t foreign = own ? 0 : towards(start);
     if (!own && foreign == kDone) return;
-    s.track = site.track;
-    end.limit = site.limit;
-    s.base = baseOf(start);
-    s.side = site.side;
-    s.bodies = site.bodies;
-    s.pivot = pivot;
-    end.dead = false;
-    s.foreign = foreign;
     std::uint32_t index = unused_;
     if (index == kNone) {
         index = static_cast<std::uint32_t>(sites_.size());
@@ -330,9 +334,17 @@ void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     } else {
         unused_ = ends_[index].next;
     }
+    FrontSite& s = sites_[index];
+    s.track = site.track;
+    s.base = baseOf(start);
+    s.side = site.side;
+    s.bodies = site.bodies;
+    s.pivot = pivot;
+    s.foreign = foreign;
+    end.limit = site.limit;
+    end.dead = false;
     end.next = lists_[pivot].site;
     lists_[pivot].site = index;
-    sites_[index] = s;
     ends_[index] = end;
     enqueue(index);
 }

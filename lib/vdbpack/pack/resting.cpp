@@ -75,6 +75,22 @@ template <class N, int Dim>
     return larger(choose(found, t, most), N(0.0f));
 }
 
+/// One of eight tracks.
+template <int Dim>
+Track<float, Dim> laneOf(const Track<Lanes, Dim>& tracks, std::size_t l) {
+    Track<float, Dim> t;
+    for (std::size_t d = 0; d < Dim; ++d) {
+        t.a[d] = tracks.a[d][l];
+        t.b[d] = tracks.b[d][l];
+        t.w[d] = tracks.w[d][l];
+    }
+    t.alpha0 = tracks.alpha0[l], t.alpha1 = tracks.alpha1[l];
+    t.beta0 = tracks.beta0[l], t.beta1 = tracks.beta1[l];
+    t.extent0 = tracks.extent0[l], t.extent1 = tracks.extent1[l], t.extent2 = tracks.extent2[l];
+    t.side = tracks.side[l];
+    return t;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -208,7 +224,7 @@ void Surroundings<Dim>::findPairs(float rolling, std::uint32_t only) {
 
 template <int Dim>
 void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest, std::uint32_t only,
-                                  std::vector<Site>& sites) {
+                                  const Region* region, std::vector<Site>& sites) {
     sites.clear();
     const bool open = reach(pivotRadius, probe);
     if (!open) return;
@@ -218,44 +234,42 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
     const std::size_t count = near_.count;
     for (std::size_t p = 0; p < pairCount_; p += kLanes) {
         const std::size_t used = std::min(kLanes, pairCount_ - p);
-        // The two places of a pair are middle + side and middle - side.
-        float a[Dim + 2][kLanes], b[Dim + 2][kLanes];
+        float gathered[Dim - 1][Dim + 2][kLanes];
         for (std::size_t l = 0; l < kLanes; ++l) {
             const auto& pair = pairs_[p + std::min(l, used - 1)];
-            const std::size_t i = pair[0], j = pair[1];
-            for (std::size_t d = 0; d < Dim; ++d) {
-                a[d][l] = near_.to[d][i];
-                b[d][l] = near_.to[d][j];
+            for (std::size_t n = 0; n < Dim - 1; ++n) {
+                const std::size_t i = pair[n];
+                for (std::size_t d = 0; d < Dim; ++d) gathered[n][d][l] = near_.to[d][i];
+                gathered[n][Dim][l] = near_.level[i];
+                gathered[n][Dim + 1][l] = near_.slope[i];
             }
-            a[Dim][l] = near_.level[i], a[Dim + 1][l] = near_.square[i];
-            b[Dim][l] = near_.level[j], b[Dim + 1][l] = near_.square[j];
         }
+        std::array<Body<Lanes, Dim>, Dim - 1> bodies;
+        for (std::size_t n = 0; n < Dim - 1; ++n) {
+            for (std::size_t d = 0; d < Dim; ++d) bodies[n].to[d] = load(gathered[n][d]);
+            bodies[n].level = load(gathered[n][Dim]);
+            bodies[n].slope = load(gathered[n][Dim + 1]);
+        }
+        // Levels are those at the start already.
+        Track<Lanes, Dim> tracks;
+        tracks.set(rolling, 0.0f, bodies, 1.0f);
+        // The two places of a pair are middle + side and middle - side.
         std::array<Lanes, Dim> middle, side;
-        const Lanes ca = load(a[Dim]), aa = load(a[Dim + 1]);
-        if constexpr (Dim == 3) {
-            const Lanes ax = load(a[0]), ay = load(a[1]), az = load(a[2]);
-            const Lanes bx = load(b[0]), by = load(b[1]), bz = load(b[2]);
-            const Lanes cb = load(b[3]), bb = load(b[4]);
-            const Lanes ab = ax * bx + ay * by + az * bz;
-            const Lanes area = aa * bb - ab * ab;
-            const Lanes inverse = 1.0f / area;
-            const Lanes alpha = (ca * bb - cb * ab) * inverse;
-            const Lanes beta = (cb * aa - ca * ab) * inverse;
-            const Lanes extent =
-                rolling * rolling * area - (ca * ca * bb - 2.0f * ca * cb * ab + cb * cb * aa);
-            const Lanes out = sqrt(stdx::max(extent, Lanes(0.0f))) * inverse;
-            middle = {alpha * ax + beta * bx, alpha * ay + beta * by, alpha * az + beta * bz};
-            side = {out * (ay * bz - az * by), out * (az * bx - ax * bz),
-                    out * (ax * by - ay * bx)};
-        } else {
-            const Lanes ax = load(a[0]), ay = load(a[1]);
-            const Lanes inverse = 1.0f / aa;
-            const Lanes out =
-                sqrt(stdx::max(rolling * rolling * aa - ca * ca, Lanes(0.0f))) * inverse;
-            middle = {ca * inverse * ax, ca * inverse * ay};
-            side = {-out * ay, out * ax};
+        const Lanes out = sqrt(stdx::max(tracks.extent0, Lanes(0.0f))) * tracks.side;
+        for (std::size_t d = 0; d < Dim; ++d) {
+            middle[d] = tracks.alpha0 * tracks.a[d] + tracks.beta0 * tracks.b[d];
+            side[d] = out * tracks.w[d];
         }
         Lanes up = slack, down = slack;  // least room to any body, so far
+        if (region) {
+            for (std::size_t d = 0; d < Dim; ++d) {
+                const Lanes lo = region->lo[d], hi = region->hi[d];
+                const Lanes above = middle[d] + side[d], below = middle[d] - side[d];
+                where(above < lo || above > hi, up) = -1.0f;
+                where(below < lo || below > hi, down) = -1.0f;
+            }
+            if (none_of(stdx::max(up, down) >= 0.0f)) continue;
+        }
         for (std::size_t k = 0; k < count; ++k) {
             Lanes room = near_.level[k] + slack;
             Lanes tilt = 0.0f;
@@ -269,19 +283,15 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
         }
         const auto emit = [&](std::size_t l, float sign) {
             const auto& pair = pairs_[p + l];
-            Site site;
-            std::array<Body<float, Dim>, Dim - 1> bodies;
-            for (std::size_t n = 0; n < Dim - 1; ++n) {
-                const std::size_t i = pair[n];
-                site.bodies[n] = spheres.index[near_.index[i]];
-                for (std::size_t d = 0; d < Dim; ++d) bodies[n].to[d] = near_.to[d][i];
-                bodies[n].level = near_.level[i];
-                bodies[n].slope = near_.slope[i];
-            }
-            // Levels are those at the start already.
-            if (!site.track.make(rolling, 0.0f, bodies, sign)) return;
+            sites.emplace_back();
+            Site& site = sites.back();
+            for (std::size_t n = 0; n < Dim - 1; ++n)
+                site.bodies[n] = spheres.index[near_.index[pair[n]]];
+            site.track = laneOf(tracks, l);
+            site.track.extent0 = std::max(site.track.extent0, 0.0f);
+            site.track.side *= sign;
             site.side = sign;
-            site.track.at(0, site.start);
+            for (std::size_t d = 0; d < Dim; ++d) site.start[d] = middle[d][l] + sign * side[d][l];
             const float most = largest - probe;
             // The path leaves its own bodies out: their bounds are kept.
             const float level[2] = {near_.level[pair[0]], near_.level[pair[Dim - 2]]};
@@ -291,7 +301,6 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
             near_.level[pair[Dim - 2]] = level[1];
             site.limit = t >= most ? largest : probe + t;
             if (!site.track.at(t, site.end)) site.end = site.start;
-            sites.push_back(site);
         };
         const auto live = stdx::max(up, down) >= 0.0f;
         if (none_of(live)) continue;

@@ -53,15 +53,18 @@ struct Track {
     T extent0, extent1, extent2;
     T side;
 
+    /// For bodies whose directions are not parallel; where `extent0` is negative the sphere cannot
+    /// touch them all at the start.
     /// @param rolling  pivot radius + start.
     /// @param bodies   Dim - 1 of them.
     /// @param sign     +1 or -1: the side of the bodies on which the sphere rests.
-    /// @return false if it cannot touch them all at the start.
-    bool make(T rolling, T start, const std::array<Body<T, Dim>, Dim - 1>& bodies, T sign) {
+    void set(const T& rolling, const T& start, const std::array<Body<T, Dim>, Dim - 1>& bodies,
+             const T& sign) {
+        const T two(2);
         const Body<T, Dim>& first = bodies[0];
         a = first.to;
         const T ca = first.level + start * first.slope, ma = first.slope;
-        T aa = 0;
+        T aa(0);
         for (std::size_t d = 0; d < Dim; ++d) aa += a[d] * a[d];
         T area;
         if constexpr (Dim == 3) {
@@ -71,29 +74,40 @@ struct Track {
             const T bb = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
             const T ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             area = aa * bb - ab * ab;
-            if (!(area > T(1e-6) * aa * bb)) return false;
             w = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-            const T inverse = 1 / area;
+            const T inverse = T(1) / area;
             alpha0 = (ca * bb - cb * ab) * inverse;
             beta0 = (cb * aa - ca * ab) * inverse;
             alpha1 = (ma * bb - mb * ab) * inverse;
             beta1 = (mb * aa - ma * ab) * inverse;
-            extent0 = rolling * rolling * area - (ca * ca * bb - 2 * ca * cb * ab + cb * cb * aa);
+            extent0 = rolling * rolling * area - (ca * ca * bb - two * ca * cb * ab + cb * cb * aa);
             extent1 =
-                2 * (rolling * area - (ca * ma * bb - (ca * mb + cb * ma) * ab + cb * mb * aa));
-            extent2 = area - (ma * ma * bb - 2 * ma * mb * ab + mb * mb * aa);
+                two * (rolling * area - (ca * ma * bb - (ca * mb + cb * ma) * ab + cb * mb * aa));
+            extent2 = area - (ma * ma * bb - two * ma * mb * ab + mb * mb * aa);
             side = sign * inverse;
         } else {
-            b = {};
+            b.fill(T(0));
             area = aa;
             w = {-a[1], a[0]};
             alpha0 = ca / aa, alpha1 = ma / aa;
-            beta0 = beta1 = 0;
+            beta0 = beta1 = T(0);
             extent0 = rolling * rolling * area - ca * ca;
-            extent1 = 2 * (rolling * area - ca * ma);
+            extent1 = two * (rolling * area - ca * ma);
             extent2 = area - ma * ma;
             side = sign / area;
         }
+    }
+
+    /// As `set`, with any bodies. @return false if there is no such path.
+    bool make(T rolling, T start, const std::array<Body<T, Dim>, Dim - 1>& bodies, T sign) {
+        if constexpr (Dim == 3) {
+            const auto &p = bodies[0].to, &q = bodies[1].to;
+            const T pp = p[0] * p[0] + p[1] * p[1] + p[2] * p[2];
+            const T qq = q[0] * q[0] + q[1] * q[1] + q[2] * q[2];
+            const T pq = p[0] * q[0] + p[1] * q[1] + p[2] * q[2];
+            if (!(pp * qq - pq * pq > T(1e-6) * pp * qq)) return false;
+        }
+        set(rolling, start, bodies, sign);
         return extent0 >= 0;
     }
 
@@ -163,11 +177,16 @@ public:
     /// Adds a wall that the pivot's center is `above`, with unit normal into the domain.
     void addPlane(const std::array<float, Dim>& normal, float above, std::uint32_t name);
 
+    /// Where sites are wanted, from the pivot.
+    struct Region {
+        std::array<float, Dim> lo, hi;
+    };
     /// All sites for a sphere of radius `probe` that may grow to `largest`, in a fixed order.
-    /// @param only   keeps sites that rest on this body; kAll for all.
-    /// @param sites  is overwritten.
+    /// @param only    keeps sites that rest on this body; kAll for all.
+    /// @param region  keeps those that start within; null for all.
+    /// @param sites   is overwritten.
     void findSites(float pivotRadius, float probe, float largest, std::uint32_t only,
-                   std::vector<Site>& sites);
+                   const Region* region, std::vector<Site>& sites);
     static constexpr std::uint32_t kAll = 0xffffffffu;
 
     /// Bodies that a sphere of the probe's radius on the pivot can reach; after `findSites`.
