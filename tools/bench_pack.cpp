@@ -141,11 +141,12 @@ int benchAllLookups([[maybe_unused]] const std::vector<std::string>& meshes) {
 
 struct Job {
     int dim;
-    double side;  ///< of the box or square, mm
-    const char* radii;
+    double side;        ///< of the box or square, mm
+    std::string radii;  ///< SPEC; empty: from the mesh's smallest radius on, ratio 1:2
     Effort effort;
     int threads;  ///< 0: as asked for
     bool oneBlock;
+    std::string mesh;  ///< MESH[:UNIT[:SMALLEST_RADIUS_MM]]; empty: a box or square
 };
 
 const char* nameOf(Effort effort) {
@@ -212,8 +213,28 @@ double ksOfHalves(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& do
 template <int Dim>
 void runJob(const Job& job, int threads) {
     const double half = job.side / 2;
-    const auto domain = boxDomain<Dim>({Box<Dim>::filled(-half), Box<Dim>::filled(half)});
-    PackOptions options(SizeDistribution::parse(job.radii, Dim));
+    std::shared_ptr<const Domain<Dim>> domain =
+        boxDomain<Dim>({Box<Dim>::filled(-half), Box<Dim>::filled(half)});
+    std::string name = fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side);
+    std::string radii = job.radii;
+    double field = 0;
+    if constexpr (Dim == 3) {
+        if (!job.mesh.empty()) {
+            const MeshArgument argument = readMeshArgument(job.mesh);
+            FieldOptions make;
+            make.name = argument.file;
+            make.detail = argument.smallestRadius;
+            make.depth = 6 * argument.smallestRadius;
+            withThreads(threads, [&] {
+                field = secondsOf([&] { domain = meshDomain(argument.mesh, make); });
+            });
+            name = argument.file.substr(argument.file.find_last_of('/') + 1);
+            name = name.substr(0, name.find_first_of("._"));
+            radii =
+                fmt::format("uniform:{},{}", argument.smallestRadius, 2 * argument.smallestRadius);
+        }
+    }
+    PackOptions options(SizeDistribution::parse(radii, Dim));
     options.effort = job.effort;
     options.threads = job.threads > 0 ? job.threads : threads;
     if (job.oneBlock) options.blockSide = 2 * job.side;
@@ -229,12 +250,12 @@ void runJob(const Job& job, int threads) {
     withThreads(threads, [&] {
         total = solidFraction(spheres, *domain);
         interior = interiorFraction(spheres, *domain, 3 * options.sizes.max());
-        std::vector<double> radii;
-        for (const auto& s : spheres) radii.push_back(s.radius);
-        ks = ksDistance(std::move(radii), [&](double r) { return options.sizes.cdf(r); });
+        std::vector<double> placed;
+        for (const auto& s : spheres) placed.push_back(s.radius);
+        ks = ksDistance(std::move(placed), [&](double r) { return options.sizes.cdf(r); });
         for (int run = 0; run < 3; ++run)
             check = std::min(check, secondsOf([&] { overlaps += checkOverlap(spheres).pairs; }));
-        seam = seams(result, *domain, options.sizes.max());
+        if (job.mesh.empty()) seam = seams(result, *domain, options.sizes.max());
         halves = ksOfHalves(spheres, *domain);
         RandomStream random(1, 0);
         for (std::size_t i = spheres.size(); i > 1; --i)
@@ -246,23 +267,23 @@ void runJob(const Job& job, int threads) {
     });
     const auto count = static_cast<double>(spheres.size());
     fmt::print(
-        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6.4f} {:>8} {:>7.5f} {:>7.5f} {:>7} {:>7.2f} {:>9.0f} "
+        "{:<10} {:<21} {:<6} {:>2} {:>9} {:>6.4f} {:>8} {:>7.5f} {:>7.5f} {:>7} {:>7.2f} {:>7.2f} "
+        "{:>9.0f} "
         "{:>6.3f} {:>6.1f} {:>6.3f} {:>6.1f} {:>6} {:>5} {:>6}{}\n",
-        fmt::format("{}:{:.0f}", Dim == 3 ? "box" : "rect", job.side), job.radii,
-        nameOf(job.effort), options.threads, spheres.size(), total,
+        name, radii, nameOf(job.effort), options.threads, spheres.size(), total,
         interior ? fmt::format("{:.4f}", *interior) : "-", ks, halves,
-        seam ? fmt::format("{:+.4f}", *seam) : "-", pack, count / pack, check, pack / check,
+        seam ? fmt::format("{:+.4f}", *seam) : "-", field, pack, count / pack, check, pack / check,
         shuffled, pack / shuffled, result.blocks, result.longestChain, usage.ru_maxrss / 1024,
         overlaps > 0 ? "  OVERLAPS" : "");
     std::fflush(stdout);
     if (overlaps > 0) throw std::runtime_error("a pack has overlaps");
 }
 
-int benchPacks(bool quick, int threads) {
+int benchPacks(bool quick, int threads, const std::vector<std::string>& meshes) {
     std::vector<Job> jobs;
     const auto add = [&](int dim, double side, const char* radii, Effort effort, int t = 0,
                          bool one = false) {
-        jobs.push_back({dim, side, radii, effort, t, one});
+        jobs.push_back({dim, side, radii, effort, t, one, {}});
     };
     const char* const narrow = "uniform:1,2";
     for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense})
@@ -274,6 +295,8 @@ int benchPacks(bool quick, int threads) {
     if (!quick) add(3, 200, "lognormal:1,0.5,0.3,3", Effort::normal);
     for (const Effort effort : {Effort::fast, Effort::normal})
         add(2, quick ? 1000 : 3000, narrow, effort);
+    for (const std::string& mesh : meshes)
+        jobs.push_back({3, 1, {}, Effort::normal, 0, false, mesh});
 
     std::string hardware = "unknown processor";
     std::ifstream info("/proc/cpuinfo");
@@ -292,10 +315,12 @@ int benchPacks(bool quick, int threads) {
         "elsewhere, both deeper than three\nlargest radii.\n",
         hardware, std::thread::hardware_concurrency());
     fmt::print(
-        "{:<10} {:<13} {:<6} {:>2} {:>9} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>9} {:>6} {:>6} "
+        "{:<10} {:<21} {:<6} {:>2} {:>9} {:>6} {:>8} {:>7} {:>7} {:>7} {:>7} {:>7} {:>9} {:>6} "
+        "{:>6} "
         "{:>6} {:>6} {:>6} {:>5} {:>6}\n",
         "domain", "radii", "effort", "t", "spheres", "total", "interior", "ks", "halves", "seams",
-        "pack s", "spheres/s", "check", "ratio", "shuff.", "ratio", "blocks", "chain", "MB");
+        "field s", "pack s", "spheres/s", "check", "ratio", "shuff.", "ratio", "blocks", "chain",
+        "MB");
     std::fflush(stdout);
     for (const Job& job : jobs) {
         // A process each: the peak of memory is its own.
@@ -329,6 +354,7 @@ int main(int argc, char** argv) {
             return benchFields({words.begin() + 1, words.end()});
         if (words.size() > 1 && words[0] == "lookups")
             return benchAllLookups({words.begin() + 1, words.end()});
+        std::vector<std::string> meshes;
         bool quick = false, usable = !words.empty() && words[0] == "packs";
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
@@ -337,17 +363,19 @@ int main(int argc, char** argv) {
             else if (words[i] == "--threads" && i + 1 < words.size() &&
                      (threads = std::atoi(words[i + 1].c_str())) > 0)
                 ++i;
+            else if (words[i].rfind("--", 0) != 0)
+                meshes.push_back(words[i]);
             else
                 usable = false;
         }
-        if (usable) return benchPacks(quick, threads);
+        if (usable) return benchPacks(quick, threads, meshes);
     } catch (const std::exception& e) {
         fmt::print(stderr, "bench_pack: {}\n", e.what());
         return 1;
     }
     fmt::print(stderr,
-               "bench_pack packs [--quick] [--threads T]\n"
-               "    packs of boxes and squares: density, speed, the time to check them\n"
+               "bench_pack packs [--quick] [--threads T] [MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...]\n"
+               "    packs of boxes, squares and meshes: density, speed, the time to check them\n"
                "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    seconds to make the field of each mesh, against one bare meshToVolume at the "
                "same\n    voxel size and band; the least of three runs each, in turn\n"
