@@ -194,11 +194,13 @@ double ksOfHalves(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& do
     std::vector<std::pair<double, double>> byDepth;
     for (const auto& s : spheres)
         byDepth.emplace_back(-sampler->signedDistance(s.center), s.radius);
-    const auto middle = byDepth.begin() + static_cast<std::ptrdiff_t>(byDepth.size() / 2);
-    std::nth_element(byDepth.begin(), middle, byDepth.end());
+    // By depth alone: fields are clamped where they are deep, and those that are equal keep the
+    // order in which they were placed.
+    std::stable_sort(byDepth.begin(), byDepth.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<double> outer, inner;
-    for (auto it = byDepth.begin(); it != byDepth.end(); ++it)
-        (it < middle ? outer : inner).push_back(it->second);
+    for (std::size_t i = 0; i < byDepth.size(); ++i)
+        (i < byDepth.size() / 2 ? outer : inner).push_back(byDepth[i].second);
     std::sort(inner.begin(), inner.end());
     const auto share = [&](auto end) {
         return static_cast<double>(end - inner.begin()) / static_cast<double>(inner.size());

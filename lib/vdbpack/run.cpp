@@ -89,12 +89,16 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
         // What they do among themselves is not this run's doing.
         report.givenOverlaps = checkOverlap(existing.spheres).pairs;
         report.givenProtrusions = source.protrusion(existing.spheres).spheres;
-        if (report.givenOverlaps > 0 || report.givenProtrusions > 0)
-            callbacks.warn(fmt::format(
-                "{}: of its {} {}, {} are not wholly inside the domain and {} pairs overlap; they "
-                "stay as they are",
-                recipe.existing, standing, Measure<Dim>::kSpheres, report.givenProtrusions,
-                report.givenOverlaps));
+        if (report.givenOverlaps > 0)
+            callbacks.warn(
+                fmt::format("{}: pairs of its {} that overlap one another: {}; they stay "
+                            "as they are",
+                            recipe.existing, Measure<Dim>::kSpheres, report.givenOverlaps));
+        if (report.givenProtrusions > 0)
+            callbacks.warn(
+                fmt::format("{}: {} that are not wholly inside the domain: {}; they stay "
+                            "as they are",
+                            recipe.existing, Measure<Dim>::kSpheres, report.givenProtrusions));
         result.pack = joined(std::move(existing), result.pack);
     }
     report.gapAsked = recipe.gap;
