@@ -4,6 +4,7 @@
 #include "vdbpack/pack/lanes.h"
 #include "vdbpack/pack/place_search.h"
 #include "vdbpack/pack/resting.h"
+#include "vdbpack/pack/touching.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,34 +40,6 @@ constexpr int kLongestPause = 256;
 
 /// A fresh front that places more makes it worthwhile to start the search anew.
 constexpr std::size_t kManySpheres = 200;
-
-/// Solves the Dim x Dim system a x = b in place by elimination with pivoting.
-template <int Dim>
-bool solve(std::array<Vec<Dim>, Dim>& a, Vec<Dim>& b) {
-    for (int k = 0; k < Dim; ++k) {
-        int best = k;
-        for (int i = k + 1; i < Dim; ++i)
-            if (std::fabs(a[static_cast<std::size_t>(i)][k]) >
-                std::fabs(a[static_cast<std::size_t>(best)][k]))
-                best = i;
-        std::swap(a[static_cast<std::size_t>(k)], a[static_cast<std::size_t>(best)]);
-        std::swap(b[k], b[best]);
-        const auto& top = a[static_cast<std::size_t>(k)];
-        if (std::fabs(top[k]) < 1e-9) return false;
-        for (int i = k + 1; i < Dim; ++i) {
-            auto& row = a[static_cast<std::size_t>(i)];
-            const double f = row[k] / top[k];
-            for (int j = k; j < Dim; ++j) row[j] -= f * top[j];
-            b[i] -= f * b[k];
-        }
-    }
-    for (int k = Dim - 1; k >= 0; --k) {
-        const auto& row = a[static_cast<std::size_t>(k)];
-        for (int j = k + 1; j < Dim; ++j) b[k] -= row[j] * b[j];
-        b[k] /= row[k];
-    }
-    return true;
-}
 
 template <int Dim>
 std::array<float, Dim> toFloat(const Vec<Dim>& v) {
@@ -785,35 +758,20 @@ bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim
             const double above = dot(center - tangent.point, tangent.normal);
             if (round == 0 && std::fabs(above - radius - slack) < 0.01 * slack) return true;
         }
-        for (int step = 0; step < 3; ++step) {
-            std::array<Vec<Dim>, Dim> gradient;
-            Vec<Dim> residual;
-            const Vec<Dim> from = center - pivot.center;
-            const double d0 = length(from);
-            gradient[0] = from * (1 / d0);
-            residual[0] = rolling - d0;
-            for (std::size_t b = 0; b < Dim - 1; ++b) {
-                const std::uint32_t body = site.bodies[b];
-                if (body >= kWallBody) {
-                    const Plane& plane =
-                        wallBodies == 1 && b == wallAt ? tangent : planes_[body - kWallBody];
-                    gradient[b + 1] = plane.normal;
-                    residual[static_cast<int>(b) + 1] =
-                        radius + slack - dot(center - plane.point, plane.normal);
-                } else {
-                    const Sphere<Dim>& other = sphere(body);
-                    const Vec<Dim> away = center - other.center;
-                    const double d = length(away);
-                    gradient[b + 1] = away * (1 / d);
-                    residual[static_cast<int>(b) + 1] = other.radius + radius + slack - d;
-                }
+        std::array<Contact<Dim>, Dim> contacts;
+        contacts[0] = {pivot.center, {}, rolling, false};
+        for (std::size_t b = 0; b < Dim - 1; ++b) {
+            const std::uint32_t body = site.bodies[b];
+            if (body >= kWallBody) {
+                const Plane& plane =
+                    wallBodies == 1 && b == wallAt ? tangent : planes_[body - kWallBody];
+                contacts[b + 1] = {plane.point, plane.normal, radius + slack, true};
+            } else {
+                const Sphere<Dim>& other = sphere(body);
+                contacts[b + 1] = {other.center, {}, other.radius + radius + slack, false};
             }
-            if (!solve<Dim>(gradient, residual)) return false;
-            center += residual;
-            const double moved = squaredLength(residual);
-            if (!(moved < radius * radius)) return false;
-            if (moved < 0.01 * slack * slack) break;
         }
+        if (!moveToTouch<Dim>(contacts, slack, radius, center)) return false;
         if (squaredLength(center - before) < 0.01 * slack * slack) break;
     }
     return true;
@@ -846,25 +804,8 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
         far = 1.5 * settings.maxRadius;
         room = state_.clearance(x, far);
     }
-    // Uphill to where there is most room, so that the largest pending radius that fits is taken.
-    for (double step = 0.25 * settings.minRadius; step > 0.005 * settings.minRadius;) {
-        Vec<Dim> best = x;
-        double bestRoom = room;
-        for (int d = 0; d < Dim; ++d)
-            for (const double sign : {-1.0, 1.0}) {
-                Vec<Dim> y = x;
-                y[d] += sign * step;
-                if (!state_.owns(y)) continue;
-                const double c = state_.clearance(y, far);
-                if (c > bestRoom) bestRoom = c, best = y;
-            }
-        if (bestRoom > room) {
-            x = best;
-            room = bestRoom;
-        } else {
-            step *= 0.5;
-        }
-    }
+    // To where there is most room, so that the largest pending radius that fits is taken.
+    state_.climb(x, room, far);
     pool_->refill();
     const std::size_t fitting = pool_->countUpTo(room - 2 * settings.quantum);
     if (fitting == 0) return;

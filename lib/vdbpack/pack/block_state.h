@@ -81,18 +81,13 @@ struct BlockState {
 
     /// Distance from `x` to the nearest sphere or wall, at most `reach`, mm; negative outside the
     /// domain and inside a sphere.
-    double clearance(const Vec<Dim>& x, double reach) const {
-        double least = reach;
-        cells.near(x, reach, [&](std::uint32_t i) {
-            least = std::min(least, length(spheres[i].center - x) - spheres[i].radius);
-            return true;
-        });
-        if (least <= 0) return least;
-        WallPoint<Dim> wall;
-        const Vec<Dim> global = x + origin;
-        if (sampler->nearestWall(global, least, wall)) least = wall.distance;
-        return sampler->contains(global) ? least : -least;
-    }
+    double clearance(const Vec<Dim>& x, double reach) const;
+
+    /// Moves `x` uphill to where its clearance `room` is largest, at most `reach`, mm.
+    void climb(Vec<Dim>& x, double& room, double reach) const;
 };
+
+extern template struct BlockState<2>;
+extern template struct BlockState<3>;
 
 }  // namespace vdbpack
