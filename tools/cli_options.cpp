@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <cmath>
 #include <cstdlib>
 #include <map>
 #include <memory>
@@ -46,6 +47,35 @@ CLI::Validator positive() {
         "");
 }
 
+CLI::Validator notNegative() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && *end == 0 && value >= 0 && std::isfinite(value)
+                       ? std::string()
+                       : "'" + text + "' must be a number of 0 or more";
+        },
+        "");
+}
+
+/// Turns a name into its value, or says which names there are.
+template <class Value>
+CLI::Validator oneOf(const std::map<std::string, Value>& names) {
+    return CLI::Validator(
+        [names](std::string& text) {
+            const auto found = names.find(text);
+            if (found != names.end()) {
+                text = std::to_string(static_cast<int>(found->second));
+                return std::string();
+            }
+            std::string all;
+            for (const auto& [name, value] : names) all += (all.empty() ? "" : ", ") + name;
+            return "'" + text + "' is none of " + all;
+        },
+        "");
+}
+
 CLI::Validator notEmpty() {
     return CLI::Validator(
         [](const std::string& text) {
@@ -74,7 +104,7 @@ private:
 
 void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
     command.add_option("--unit", domain.unit, "unit of the domain's file: m, cm, mm or um")
-        ->transform(CLI::Transformer(kUnits))
+        ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
     command.add_option("--scale", domain.scale, "further factor on the file's lengths")
@@ -106,7 +136,7 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) 
         ->check(notEmpty())
         ->group("Spheres");
     command.add_option("--weight-by", weightBy, "what the weights of table:FILE count")
-        ->transform(CLI::Transformer(kWeights))
+        ->transform(oneOf(kWeights))
         ->option_text("count|volume [count]")
         ->group("Spheres");
 }
@@ -144,42 +174,48 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);
     pack->add_option("--out-unit", options.pack.outUnit, "unit of what is written")
-        ->transform(CLI::Transformer(kUnits))
+        ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
     addSizeOptions(*pack, options.pack.radius, options.pack.weightBy);
     pack->add_option("--target-count", options.pack.targetCount,
-                     "scale the radii so that about N spheres fill the domain")
+                     "scale the radii so that about N spheres fill the domain (beside those of "
+                     "--existing)")
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
-    pack->add_option("--max-count", options.pack.maxCount, "stop at N spheres")
+    pack->add_option("--max-count", options.pack.maxCount, "stop when N spheres are placed")
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
     pack->add_option(
             "--effort", options.pack.effort,
             "fast: places as they come; normal: the tightest first; dense: more pending radii")
-        ->transform(CLI::Transformer(kEfforts))
+        ->transform(oneOf(kEfforts))
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
-    pack->add_option("--order", options.pack.order,
-                     "which place is taken next; all but sweep run on one thread, for comparison")
-        ->transform(CLI::Transformer(kOrders))
+    pack->add_option(
+            "--order", options.pack.order,
+            "which place is taken next: the lowest along a diagonal, the nearest to the wall or "
+            "to the middle, the one found first; all but sweep run on one thread, for "
+            "comparison")
+        ->transform(oneOf(kOrders))
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
     pack->add_option("--gap", options.pack.gap,
                      "least distance between spheres, and of spheres to the wall, mm")
         ->option_text("G [0]")
-        ->check(CLI::NonNegativeNumber)
+        ->check(notNegative())
         ->group("Spheres");
-    pack->add_option("--existing", options.pack.existing,
-                     "pack around the spheres of a pack file; they are written again")
+    pack->add_option(
+            "--existing", options.pack.existing,
+            "pack around the spheres of a pack file (as verify reads it); they are written "
+            "again, before the others")
         ->option_text("FILE")
         ->check(notEmpty())
         ->group("Spheres");
     pack->add_option("--pack-unit", options.pack.packUnit, "unit of --existing, if it says none")
-        ->transform(CLI::Transformer(kUnits))
+        ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
     pack->add_option("--seed", options.pack.seed, "another seed, another pack")
@@ -195,7 +231,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_option("--contact-tol", options.pack.contactTolerance,
                      "gap up to which spheres count as touching, in smaller radii")
         ->option_text("T [0.001]")
-        ->check(CLI::NonNegativeNumber)
+        ->check(notNegative())
         ->group("Run");
     pack->add_option("--report", options.pack.reportFile, "write the report as JSON")
         ->option_text("FILE.json")
@@ -215,15 +251,19 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->group("Domain");
     addDomainOptions(*verify, options.verify.domain);
     verify->add_option("--pack-unit", options.verify.packUnit, "unit of PACK, if it says none")
-        ->transform(CLI::Transformer(kUnits))
+        ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
     addSizeOptions(*verify, options.verify.radius, options.verify.weightBy);
+    verify->add_option("--gap", options.verify.gap, "least distance that spheres must keep, mm")
+        ->option_text("G [0]")
+        ->check(notNegative())
+        ->group("Spheres");
     verify
         ->add_option("--contact-tol", options.verify.contactTolerance,
                      "gap up to which spheres count as touching, in smaller radii")
         ->option_text("T [0.001]")
-        ->check(CLI::NonNegativeNumber)
+        ->check(notNegative())
         ->group("Run");
     verify
         ->add_option("--places", options.verify.placeSamples,
@@ -239,7 +279,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CLI::App* mesh = app.add_subcommand("mesh", "health report of a mesh");
     mesh->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
     mesh->add_option("--unit", options.mesh.unit, "unit of the file")
-        ->transform(CLI::Transformer(kUnits))
+        ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]");
     mesh->add_option("--scale", options.mesh.scale, "further factor on its lengths")
         ->option_text("F [1]");

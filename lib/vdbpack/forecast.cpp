@@ -21,6 +21,7 @@ constexpr double kTrialShare = 0.08;
 constexpr double kTrialRatio = 4;
 /// A pack of no more spheres is its own trial.
 constexpr double kSmallCount = 20000;
+constexpr double kSmallBesides = 400000;
 /// Share of a full run's packing time that --target-count adds with its own trials.
 constexpr double kTargetTrials = 0.25;
 
@@ -32,8 +33,10 @@ constexpr double kBytesAlways = 4e7;
 
 /// What one trial gave.
 struct Trial {
-    double scale = 1;  ///< of the radii, against the pack to come
-    double count = 0, fraction = 0, voxels = 0, voxelSize = 0;
+    double scale = 1;                ///< of the radii, against the pack to come
+    double count = 0, fraction = 0;  ///< of what is placed
+    double standing = 0, standingFraction = 0;
+    double voxels = 0, voxelSize = 0;
     double domain = 0, pack = 0, measure = 0;  ///< seconds
 };
 
@@ -57,8 +60,8 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     options.effort = recipe.effort;
     options.order = recipe.order;
     options.gap = recipe.gap * scale;
-    const auto built =
-        source.build(options.sizes.min(), options.sizes.max() * 1.05 + options.gap, quiet);
+    const auto built = source.build(fieldDetail(options.sizes.min(), options.sizes.mean()),
+                                    options.sizes.max() * 1.05 + options.gap, quiet);
     const auto& domain = ofDim<Dim>(built);
     trial.domain = clock.lap();
     const DomainFacts facts = domain->facts();
@@ -71,6 +74,12 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     trial.count = static_cast<double>(result.pack.spheres.size());
     for (const auto& s : result.pack.spheres) trial.fraction += Measure<Dim>::ball(s.radius);
     trial.fraction /= domain->measure();
+    trial.standing = static_cast<double>(existing.spheres.size());
+    const auto sampler = domain->sampler();
+    for (const auto& s : existing.spheres)
+        if (sampler->contains(s.center))
+            trial.standingFraction += Measure<Dim>::ball(s.radius) / domain->measure();
+    clock.lap();
     Report report;
     measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
                 report);
@@ -78,10 +87,32 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     return trial;
 }
 
+/// The scale at which `sizes` give `count` spheres beside those that stand already or with a gap.
+template <int Dim>
+double scaleBesides(const PackRecipe& recipe, const DomainSource& source,
+                    const SizeDistribution& sizes, double count, const Callbacks& callbacks) {
+    Callbacks quiet;
+    quiet.cancelled = callbacks.cancelled;
+    PackOptions options(sizes);
+    options.seed = recipe.seed;
+    options.threads = recipe.threads;
+    options.effort = recipe.effort;
+    options.order = recipe.order;
+    options.gap = recipe.gap;
+    const auto built =
+        source.build(fieldDetail(sizes.min(), sizes.mean()), sizes.max() * 3 + recipe.gap, quiet);
+    const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
+    const auto& domain = *ofDim<Dim>(built);
+    if (count > kSmallBesides)
+        return scaleForCount(domain, options, count, quiet, existing.spheres);
+    packToCount(domain, options, count, quiet, existing.spheres);
+    return options.sizes.mean() / sizes.mean();
+}
+
 template <int Dim>
 Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks) {
-    const RequestedSizes requested = requestedSizes(recipe, Dim);
+    RequestedSizes requested = requestedSizes(recipe, Dim);
     Forecast f;
     f.dim = Dim;
     f.volume = source.measure();
@@ -92,9 +123,19 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
         unit = std::pow(expected / requested.targetCount, 1.0 / Dim);
         expected = requested.targetCount;
     }
+    if (requested.targetCount > 0 && (recipe.gap > 0 || !recipe.existing.empty())) {
+        // Neither a gap nor what stands already is scaled with the radii.
+        unit *= scaleBesides<Dim>(recipe, source, scaledSizes(requested.sizes, unit, Dim),
+                                  requested.targetCount, callbacks);
+        requested.targetCount = 0;
+        expected = guess * f.volume / (requested.sizes.meanBall(Dim) * std::pow(unit, Dim));
+    }
+    // What stands already is no smaller beside larger radii: then the pack is its own trial up to
+    // more spheres.
+    const double smallCount = recipe.existing.empty() ? kSmallCount : kSmallBesides;
     SizeDistribution sizes = scaledSizes(requested.sizes, unit, Dim);
     Trial small, large;
-    if (expected <= kSmallCount) {
+    if (expected <= smallCount) {
         small = large = tryOut<Dim>(recipe, source, sizes, 1, callbacks);
     } else {
         const double most = std::min(kTrialCount, std::max(kSmallCount, kTrialShare * expected));
@@ -123,29 +164,34 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     }
     f.solidFraction = fractionAt(scale);
     f.sizes = scaledSizes(sizes, scale, Dim).spec();
-    if (recipe.maxCount > 0) f.count = std::min(f.count, static_cast<double>(recipe.maxCount));
+    // Stopped early: as much of the pack and of its time.
+    const double share =
+        recipe.maxCount > 0 ? std::min(1.0, static_cast<double>(recipe.maxCount) / f.count) : 1.0;
+    f.count *= share;
+    f.solidFraction = f.solidFraction * share + large.standingFraction;
 
-    // The field: voxels in a band of three radii along the wall, as many times more as the square
-    // of the scale; (scale ratio)^-2.
-    const auto voxelsOf = [](const Trial& t) { return 1 / (t.scale * t.scale); };
-    const double finest = 1 / (scale * scale);
-    const double voxels = recipe.domain.voxelSize > 0
-                              ? large.voxels
-                              : std::max(large.voxels, line(voxelsOf(small), small.voxels,
-                                                            voxelsOf(large), large.voxels, finest));
-    f.seconds.domain = recipe.domain.voxelSize > 0
-                           ? large.domain
-                           : std::max(large.domain, line(voxelsOf(small), small.domain,
-                                                         voxelsOf(large), large.domain, finest));
+    // The field: voxels by a power of the scale, the second where the band is thin against the
+    // bone; seconds by the voxels.
+    double voxels = large.voxels;
+    f.seconds.domain = large.domain;
+    if (!(recipe.domain.voxelSize > 0) && small.voxels > 0 && small.scale > large.scale) {
+        const double power =
+            std::log(large.voxels / small.voxels) / std::log(small.scale / large.scale);
+        voxels *= std::pow(large.scale / scale, std::clamp(power, 1.0, 3.0));
+        f.seconds.domain = std::max(
+            large.domain, line(small.voxels, small.domain, large.voxels, large.domain, voxels));
+    }
     f.voxelSize = recipe.domain.voxelSize > 0 ? recipe.domain.voxelSize
                                               : large.voxelSize * scale / large.scale;
     const auto atCount = [&](double smaller, double larger) {
         return std::max(larger, line(small.count, smaller, large.count, larger, f.count));
     };
-    f.seconds.pack = large.scale == 1 ? large.pack : atCount(small.pack, large.pack);
+    f.seconds.pack = large.scale == 1 ? large.pack * share : atCount(small.pack, large.pack);
     if (requested.targetCount > 0) f.seconds.pack *= 1 + kTargetTrials;
     f.seconds.measure = atCount(small.measure, large.measure);
     f.trialCount = static_cast<std::uint64_t>(large.count);
+    f.existing = static_cast<std::uint64_t>(large.standing);
+    f.count += large.standing;
     f.memoryBytes = kBytesAlways + kBytesPerSphere * f.count + kBytesPerVoxel * voxels;
     return f;
 }
@@ -176,7 +222,8 @@ nlohmann::ordered_json toJson(const Forecast& f) {
     json["threads"] = f.threads;
     json["domain"] = {{"volume", f.volume},
                       {"voxelSize", f.voxelSize > 0 ? Json(f.voxelSize) : Json()}};
-    json["spheres"] = {{"count", std::llround(f.count)}, {"requested", f.sizes}};
+    json["spheres"] = {
+        {"count", std::llround(f.count)}, {"existing", f.existing}, {"requested", f.sizes}};
     json["solidFraction"] = {{"total", f.solidFraction}};
     json["seconds"] = {{"mesh", f.seconds.mesh},
                        {"domain", f.seconds.domain},
@@ -191,7 +238,9 @@ nlohmann::ordered_json toJson(const Forecast& f) {
 std::string summary(const Forecast& f) {
     const char* spheres = f.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
     std::string text = fmt::format("dry run    nothing is written; expect about\n");
-    text += fmt::format("{:<11}{:.0f}, radii {} mm\n", spheres, f.count, f.sizes);
+    text += fmt::format(
+        "{:<11}{:.0f}, radii {} mm{}\n", spheres, f.count, f.sizes,
+        f.existing > 0 ? fmt::format("; {} of them stand already", f.existing) : std::string());
     text += fmt::format("{:<11}{:.3f} of the domain\n", "solid", f.solidFraction);
     if (f.voxelSize > 0) text += fmt::format("{:<11}voxels of {:.4g} mm\n", "field", f.voxelSize);
     text += fmt::format(

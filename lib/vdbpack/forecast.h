@@ -14,8 +14,8 @@ namespace vdbpack {
 /// What to expect of a pack before it is made.
 struct Forecast {
     int dim = 3;
-    double count = 0;          ///< spheres placed
-    double solidFraction = 0;  ///< of the domain
+    double count = 0;          ///< spheres, with those that stand already
+    double solidFraction = 0;  ///< of the domain, with those inside it
     std::string sizes;         ///< radii as they would be packed
     std::uint64_t existing = 0;
     double volume = 0;     ///< of the domain, mm^dim

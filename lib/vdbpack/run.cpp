@@ -17,9 +17,6 @@ namespace vdbpack {
 
 namespace {
 
-/// How far the final count may be from --target-count before the pack is made again.
-constexpr double kCountTolerance = 0.02;
-
 std::uint64_t peakMemory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
@@ -29,8 +26,7 @@ std::uint64_t peakMemory() {
 bool passed(const Report& report) {
     return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
            (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
-           (!(report.gapAsked > 0) || !report.smallestGap ||
-            *report.smallestGap >= report.gapAsked - kVerifyTolerance * report.radius.min);
+           keepsGap(report);
 }
 
 template <int Dim>
@@ -47,8 +43,8 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
         scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
     }
     clock.lap();
-    const auto built =
-        source.build(sizes.min() * scale, sizes.max() * scale * 1.05 + recipe.gap, callbacks);
+    const auto built = source.build(fieldDetail(sizes.min(), sizes.mean()) * scale,
+                                    sizes.max() * scale * 1.05 + recipe.gap, callbacks);
     const std::shared_ptr<const Domain<Dim>>& domain = ofDim<Dim>(built);
     report.seconds.domain = clock.lap();
 
@@ -61,22 +57,12 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
     options.threads = recipe.threads;
     options.effort = recipe.effort;
     options.maxCount = recipe.maxCount;
+    PackResult<Dim> result;
     if (target > 0) {
-        scale = scaleForCount(*domain, options, target, callbacks, existing.spheres);
-        options.sizes = scaledSizes(sizes, scale, Dim);
+        result = packToCount(*domain, options, target, callbacks, existing.spheres);
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
-    }
-    PackResult<Dim> result = packSpheres(*domain, options, callbacks, existing.spheres);
-    for (int again = 0; target > 0 && !result.interrupted && again < 2; ++again) {
-        const double off = static_cast<double>(result.pack.spheres.size()) / target;
-        if (std::fabs(off - 1) < kCountTolerance * 0.9 || recipe.maxCount > 0) break;
-        // Few spheres can't be met to 2 %.
-        if (std::fabs(off - 1) * target < 2) break;
-        scale *= std::pow(off, 1.0 / Dim);
-        options.sizes = scaledSizes(sizes, scale, Dim);
-        report.chosen.back() = fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
-                                           options.sizes.spec(), target, Measure<Dim>::kSpheres);
+    } else {
         result = packSpheres(*domain, options, callbacks, existing.spheres);
     }
     result.pack.sliceHeight = built.sliceHeight;
@@ -203,6 +189,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
     Report report;
     report.version = VDBPACK_VERSION;
     report.command = "verify " + recipe.pack;
+    report.gapAsked = recipe.gap;
     report.threads = effectiveThreads(recipe.threads);
     return withThreads(recipe.threads, [&] {
         PackReadOptions read;
@@ -222,7 +209,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
             DomainSource::Built built;
             if (source) {
                 const auto radius = radiusStatistics(shape.spheres);
-                built = source->build(radius.min, radius.max, callbacks);
+                built = source->build(fieldDetail(radius.min, radius.mean), radius.max, callbacks);
             }
             report.seconds.domain = clock.lap();
             measurePack(shape, source ? &*source : nullptr, ofDim<Dim>(built).get(),

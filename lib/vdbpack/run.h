@@ -51,6 +51,7 @@ struct VerifyRecipe {
     DomainRecipe domain;   ///< `source` empty: overlaps and sizes only
     std::string radius;    ///< SPEC to hold the radii against; empty: none
     WeightBy weightBy = WeightBy::count;
+    double gap = 0;  ///< least distance that the spheres must keep from one another, mm
     double contactTolerance = 1e-3;
     std::uint64_t placeSamples = 0;  ///< points at which to look for places left; 0: none
     int threads = 0;

@@ -3,8 +3,9 @@
 
 #include "vdbpack/domain_source.h"
 #include "vdbpack/measure/report.h"
-#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/pack/packer.h"
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 
@@ -36,12 +37,29 @@ const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built
         return built.plane;
 }
 
+/// Radius that the field is made for, mm: in wide distributions the smallest spheres follow the
+/// triangles anyway, and a field as fine as them would cost more than the pack.
+inline double fieldDetail(double smallest, double mean) {
+    return std::max(smallest, 0.5 * mean);
+}
+
+/// Scales the radii until about `target` spheres fill the domain: a guess from smaller packs, then
+/// along the line through the two last packs, count against scale, between what was too few and
+/// too many. `options.sizes` is left as packed.
+template <int Dim>
+PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
+                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing);
+
 /// What can be said of any pack, whoever made it; the first `report.existing` spheres stood
 /// already.
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report);
 
+extern template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
+                                          const std::vector<Sphere<2>>&);
+extern template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
+                                          const std::vector<Sphere<3>>&);
 extern template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
                                     const SizeDistribution*, double, Report&);
 extern template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,

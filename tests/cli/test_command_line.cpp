@@ -79,6 +79,14 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
     CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text, Catch::Contains("positive"));
+    CHECK_THAT(vdbPack("pack ball:8 --order bogus").text, Catch::Contains("fifo, sweep, wall"));
+    CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Catch::Contains("cm, m, mm, um"));
+    for (const char* gap : {"-1", "inf", "abc", "nan"}) {
+        const auto out = vdbPack(std::string("pack ball:8 --gap ") + gap);
+        CHECK(out.code == 2);
+        CHECK_THAT(out.text, Catch::Contains("0 or more"));
+        CHECK(out.text.size() < 200);
+    }
     CHECK(vdbPack("pack ball:1 --radius uniform:4,5").code == 3);
     CHECK(vdbPack("pack " + folder.file("none.stl")).code == 4);
     CHECK(vdbPack("pack ball:8 --radius uniform:1,2 -o " + folder.file("no/p.csv")).code == 4);
@@ -89,6 +97,20 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     const auto out = vdbPack("verify " + folder.file("p.csv"));
     CHECK(out.code == 1);
     CHECK_THAT(out.text, Catch::Contains("FAILED"));
+    std::ofstream(folder.file("g.csv")) << "x,y,z,radius\n0,0,0,1\n2.5,0,0,1\n";
+    CHECK(vdbPack("verify " + folder.file("g.csv") + " --gap 0.4").code == 0);
+    CHECK(vdbPack("verify " + folder.file("g.csv") + " --gap 0.6").code == 1);
+}
+
+TEST_CASE("a dry run tells what to expect and writes nothing", "[cli]") {
+    const TemporaryFolder folder;
+    const auto out =
+        vdbPack("pack ball:10 --radius uniform:1,2 --dry-run -o " + folder.file("p.csv"));
+    CHECK(out.code == 0);
+    CHECK_THAT(out.text, Catch::Contains("dry run") && Catch::Contains("memory"));
+    CHECK_FALSE(std::ifstream(folder.file("p.csv")).good());
+    const auto json = vdbPack("pack ball:10 --radius uniform:1,2 --dry-run --json");
+    CHECK(nlohmann::json::parse(json.text)["dryRun"] == true);
 }
 
 TEST_CASE("mesh reports the health of a file", "[cli]") {

@@ -359,6 +359,19 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
     cases.push_back({"mesh", recipeFor(folder.file("ball.obj"), "uniform:0.4,0.8")});
     cases.push_back({"so many", recipeFor(folder.file("ball.obj"), "")});
     cases.back().recipe.targetCount = 30000;
+    cases.push_back({"equal circles", recipeFor("rect:300,300", "constant:0.35")});
+    cases.push_back({"so many with a gap", recipeFor("box:40,40,40", "")});
+    cases.back().recipe.targetCount = 3000;
+    cases.back().recipe.gap = 0.5;
+    {
+        std::ofstream out(folder.file("stands.csv"));
+        out << "x,y,z,radius\n0,0,0,15\n0,0,300,50\n";
+    }
+    cases.push_back({"beside others", recipeFor("box:60,60,60", "uniform:0.9,1.8")});
+    cases.back().recipe.existing = folder.file("stands.csv");
+    cases.push_back({"so many beside others", recipeFor("box:60,60,60", "")});
+    cases.back().recipe.existing = folder.file("stands.csv");
+    cases.back().recipe.targetCount = 4000;
     cases.push_back({"at most", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
     cases.back().recipe.maxCount = 1000;
     for (auto& [name, recipe] : cases) {
@@ -369,7 +382,7 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
         recipe.outputs = {};
         const auto run = runPack(recipe);
         CHECK(forecast.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
-        if (recipe.maxCount == 0) CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
+        CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
         CHECK(forecast.seconds.pack > 0);
         CHECK(forecast.memoryBytes > 4e7);
         const auto json = toJson(forecast);
@@ -383,4 +396,27 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
     bad.outputs = {};
     bad.radius = "uniform:30,40";
     CHECK_THROWS_AS(forecastPack(bad), InputError);
+}
+
+TEST_CASE("a target count is met, or the run says that it is not", "[run]") {
+    const auto count = [](PackRecipe recipe, double target, bool& warned) {
+        recipe.targetCount = target;
+        Callbacks callbacks;
+        warned = false;
+        callbacks.warning = [&](const std::string&) { warned = true; };
+        return static_cast<double>(runPack(recipe, callbacks).report.count);
+    };
+    bool warned = false;
+    for (const char* radius : {"", "constant:1", "lognormal:1,0.5,0.3,3"})
+        for (const double target : {3.0, 20.0, 50.0, 400.0, 3000.0}) {
+            CAPTURE(radius, target);
+            const double n = count(recipeFor("ball:20", radius), target, warned);
+            CHECK((std::fabs(n - target) < std::max(1.5, 0.02 * target)) != warned);
+            CHECK(std::fabs(n - target) < std::max(6.0, 0.05 * target));
+        }
+    PackRecipe recipe = recipeFor("box:20,20,20", "");
+    recipe.gap = 1;
+    CHECK(count(recipe, 3000, warned) == Approx(3000).epsilon(0.02));
+    recipe.gap = 5;
+    CHECK_THROWS_WITH(count(recipe, 1000, warned), Catch::Contains("cannot keep a gap of 5 mm"));
 }

@@ -310,3 +310,19 @@ TEST_CASE("a cancelled pack keeps what is complete and valid", "[pack]") {
     CHECK(result.pack.spheres.size() > 100);
     CHECK(solidFraction(result.pack, *domain) < 0.5);
 }
+
+TEMPLATE_TEST_CASE_SIG("equal spheres are packed whatever their radius is as a float", "[pack]",
+                       ((int Dim), Dim), 2, 3) {
+    // Some of these are rounded up, some down; once those above found no place at a front.
+    double exact = 0;
+    for (const double radius : {1.0, 1.1, 1.2, 1.3, 1.7, 3.6, 3.7, 3.8, 7.08869, 0.354434567}) {
+        CAPTURE(Dim, radius);
+        const auto domain = boxDomain<Dim>(cube<Dim>((Dim == 3 ? 30 : 100) * radius));
+        PackOptions options(SizeDistribution::parse("constant:" + std::to_string(radius), Dim));
+        const auto result = packSpheres(*domain, options);
+        const double fraction = solidFraction(result.pack, *domain);
+        if (exact == 0) exact = fraction;
+        CHECK(fraction == Approx(exact).margin(0.01));
+        CHECK(result.fronts < result.pack.spheres.size() / 50);
+    }
+}

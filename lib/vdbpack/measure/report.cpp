@@ -94,8 +94,9 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
                                    o.complete ? "" : "more than ", grouped(o.pairs), o.max));
     }
     if (r.gapAsked > 0 && r.smallestGap)
-        out.line("gap", fmt::format("{:.6g} mm asked for, smallest {:.6g} mm", r.gapAsked,
-                                    *r.smallestGap));
+        out.line("gap",
+                 fmt::format("{}{:.6g} mm asked for, smallest {:.6g} mm",
+                             keepsGap(r) ? "" : "CHECK FAILED: ", r.gapAsked, *r.smallestGap));
     if (r.protrusion) {
         const auto& p = *r.protrusion;
         out.line("protrusion",
@@ -109,6 +110,11 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
 }
 
 }  // namespace
+
+bool keepsGap(const Report& r) {
+    return !(r.gapAsked > 0) || !r.smallestGap ||
+           *r.smallestGap >= r.gapAsked - kVerifyTolerance * r.radius.min;
+}
 
 nlohmann::ordered_json toJson(const Report& r) {
     Json json;
@@ -158,7 +164,7 @@ std::string summary(const Report& r) {
     const char* spheres = r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
     const char* sphere = r.dim == 2 ? Measure<2>::kSphere : Measure<3>::kSphere;
     Summary out;
-    addDomain(out, r);
+    if (!r.domain.kind.empty()) addDomain(out, r);
     for (std::size_t i = 0; i < r.chosen.size(); ++i)
         out.line(i == 0 ? "by default" : "", r.chosen[i]);
     std::string count = grouped(r.count);
@@ -202,7 +208,10 @@ std::string summary(const Report& r) {
     if (r.peakMemoryBytes > 0)
         out.line("memory", fmt::format("{:.0f} MiB at most",
                                        static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
-    out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
+    if (r.command.rfind("verify", 0) == 0)
+        out.line("hash", hashText(r.hash));
+    else
+        out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
     for (std::size_t i = 0; i < r.files.size(); ++i) out.line(i == 0 ? "written" : "", r.files[i]);
     return out.text();
 }

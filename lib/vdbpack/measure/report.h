@@ -62,6 +62,9 @@ struct Report {
     std::vector<std::string> files;
 };
 
+/// Whether the spheres keep the gap asked for, to 10⁻⁶ of the smallest radius.
+bool keepsGap(const Report& report);
+
 /// The keys that scripts rely on; null where there is no value.
 nlohmann::ordered_json toJson(const Report& report);
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace vdbpack {
@@ -57,8 +58,10 @@ public:
         state_.settings = settings;
         probe_ = static_cast<float>(settings.probe);
         least_ = static_cast<float>(settings.least);
-        // Radii are floats; what rounds up here is decided in double.
+        // No smaller than the largest radius: what nothing stops must take that one as well.
         largest_ = static_cast<float>(settings.maxRadius);
+        if (static_cast<double>(largest_) < settings.maxRadius)
+            largest_ = std::nextafter(largest_, std::numeric_limits<float>::infinity());
         common_ = static_cast<float>(settings.commonRadius);
     }
 

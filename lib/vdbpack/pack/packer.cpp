@@ -54,6 +54,17 @@ constexpr double kWide = 1.5;
 template <int Dim>
 constexpr double kBlockSide = Dim == 3 ? 20 : 60;
 
+/// Mean volume (2D: area) of spheres with radii times `scale` and a shell.
+template <int Dim>
+double ballWithShell(const SizeDistribution& sizes, double scale, double shell) {
+    const double mean = scale * sizes.mean(), square = scale * scale * sizes.meanBall(2) / kPi;
+    if constexpr (Dim == 2)
+        return kPi * (square + shell * (2 * mean + shell));
+    else
+        return scale * scale * scale * sizes.meanBall(3) +
+               4.0 / 3.0 * kPi * shell * (3 * square + shell * (3 * mean + shell));
+}
+
 /// Packs radii grown by a shell of half the gap into a domain whose wall is moved inwards by as
 /// much: where those do not overlap, the spheres inside keep the gap.
 template <int Dim>
@@ -124,17 +135,6 @@ private:
 
     static double shellOf(const PackOptions& options) { return 0.5 * options.gap; }
 
-    /// Mean volume (2D: area) of the spheres with their shells.
-    static double ballWithShell(const PackOptions& options) {
-        const SizeDistribution& sizes = options.sizes;
-        const double h = shellOf(options), square = sizes.meanBall(2) / kPi;
-        if constexpr (Dim == 2)
-            return kPi * (square + 2 * h * sizes.mean() + h * h);
-        else
-            return sizes.meanBall(3) +
-                   4.0 / 3.0 * kPi * h * (3 * square + h * (3 * sizes.mean() + h));
-    }
-
     static double side(const Domain<Dim>& domain, const PackOptions& options,
                        const FrontSettings<Dim>& settings) {
         if (options.order != Order::sweep) {
@@ -156,8 +156,9 @@ private:
             s.middle = largestPlace(domain).center;
         s.minRadius = sizes.min() + shell;
         s.meanRadius = sizes.mean() + shell;
-        s.meanBall = ballWithShell(options);
-        s.maxRadius = sizes.max() + shell;
+        s.meanBall = ballWithShell<Dim>(sizes, 1, shell);
+        // Radii are rounded to floats, the largest perhaps upwards.
+        s.maxRadius = std::max(sizes.max(), sizes.quantile(1)) + shell;
         s.commonRadius = std::min(s.maxRadius, kCommon * s.meanRadius);
         s.wideRadius = kWide * s.commonRadius;
         // The probe finds all sites where it is the smallest radius; for wide distributions most
@@ -327,10 +328,17 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
         }
         std::string at;
         for (int d = 0; d < Dim; ++d) at += fmt::format("{}{:.6g}", d ? ", " : "", place.center[d]);
+        const std::string kept =
+            options.gap > 0 ? fmt::format(" with a gap of {:g} mm to the wall", options.gap) : "";
+        if (!(place.radius > 0))
+            throw InputError(
+                fmt::format("no {} fits{}: ask for a smaller gap or check the unit of "
+                            "the domain",
+                            Measure<Dim>::kSphere, kept));
         throw InputError(fmt::format(
-            "no {} of radius {:.6g} mm or more fits: the largest place has radius {:.6g} mm, at "
+            "no {} of radius {:.6g} mm or more fits{}: the largest place has radius {:.6g} mm, at "
             "({}); ask for smaller radii or check the unit of the domain",
-            Measure<Dim>::kSphere, options.sizes.min(), place.radius, at));
+            Measure<Dim>::kSphere, options.sizes.min(), kept, place.radius, at));
     }
     return result;
 }
@@ -390,11 +398,24 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
                      const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
     if (!(count >= 1))
         throw ParameterError(fmt::format("target count {} is not a positive number", count));
-    const double unit = domain.measure() / options.sizes.meanBall(Dim);
-    // Solid fraction against the scale: f = a - b s, since a layer as thick as the radii is
-    // packed worse along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
+    const double shell = 0.5 * options.gap;
+    const double guess = Dim == 3 ? 0.58 : 0.8;
+    const double most = guess * domain.measure() / ballWithShell<Dim>(options.sizes, 0, shell);
+    if (!(count < most))
+        throw ParameterError(
+            fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
+                        "are: at most "
+                        "about {:.0f} can; ask for fewer or for a smaller gap",
+                        count, Measure<Dim>::kSpheres, options.gap, most));
+    // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {
-        return std::pow(fraction * unit / n, 1.0 / Dim);
+        const double ball = fraction * domain.measure() / n;
+        double lo = 0, hi = std::pow(ball / options.sizes.meanBall(Dim), 1.0 / Dim);
+        for (int i = 0; shell > 0 && i < 100; ++i) {
+            const double middle = 0.5 * (lo + hi);
+            (ballWithShell<Dim>(options.sizes, middle, shell) < ball ? lo : hi) = middle;
+        }
+        return hi;
     };
     PackOptions trial = options;
     trial.maxCount = 0;
@@ -404,17 +425,24 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
         trial.sizes = options.sizes.scaled(scale);
         const auto result = packSpheres(domain, trial, quiet, existing);
         double sum = 0;
-        for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius);
+        for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius + shell);
         return sum / domain.measure();
     };
-    const double guess = Dim == 3 ? 0.58 : 0.8;
-    const double coarse = scaleFor(guess, std::max(count / 20, 50.0));
-    const double fine = scaleFor(guess, std::max(count / 5, 100.0));
+    // Room beside what stands already.
+    double taken = 0;
+    const auto sampler = domain.sampler();
+    for (const auto& s : existing)
+        if (sampler->signedDistance(s.center) < 0) taken += Measure<Dim>::ball(s.radius + shell);
+    const double room = guess * std::max(0.05, 1 - taken / domain.measure());
+    // Solid fraction against the scale: f = a - b s, since a layer as thick as the radii is
+    // packed worse along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
+    const double coarse = scaleFor(room, std::max(count / 20, 50.0));
+    const double fine = scaleFor(room, std::max(count / 5, 100.0));
     if (callbacks.isCancelled()) return fine;
     const double f1 = fractionAt(coarse);
     const double f2 = fractionAt(fine);
     const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
-    double scale = scaleFor(f2, count);
+    double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);
     for (int i = 0; i < 20; ++i) {
         const double fraction = std::clamp(f2 + slope * (fine - scale), 0.01, 0.9);
         scale = scaleFor(fraction, count);

@@ -63,7 +63,7 @@ PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& option
 
 /// The factor on `options.sizes` for which about `count` spheres fill the domain: found from
 /// trial packs with larger radii, since the share that walls cost grows with the radius.
-/// @throws ParameterError if `count` < 1.
+/// @throws ParameterError if `count` < 1, or if not nearly as many can keep the gap.
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
                      const Callbacks& callbacks = {},
