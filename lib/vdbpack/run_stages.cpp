@@ -89,7 +89,6 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     report.hash = packHash(pack);
     report.radius = radiusStatistics(pack.spheres);
     report.overlap = checkOverlap(pack.spheres);
-    report.smallestGap = smallestGap(pack.spheres, report.existing);
     report.contactTolerance = contactTolerance;
     if (sizes) {
         report.requested = sizes->spec();
@@ -114,6 +113,11 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     }
     auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     report.contactsMean = contacts.mean;
+    // No pair that was not counted is closer than the smallest spheres' tolerance.
+    if (report.existing == 0 && contacts.smallestGap <= contactTolerance * report.radius.min)
+        report.smallestGap = contacts.smallestGap;
+    else
+        report.smallestGap = smallestGap(pack.spheres, report.existing);
     pack.contacts = std::move(contacts.counts);
 }
 

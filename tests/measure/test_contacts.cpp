@@ -84,6 +84,13 @@ TEMPLATE_TEST_CASE_SIG("the smallest gap is that of all pairs", "[measure]", ((i
             const auto found = smallestGap(spheres, standing);
             REQUIRE(found);
             CHECK(*found == Approx(least).margin(1e-9));
+            if (standing > 0) continue;
+            // Of the pairs that touch, if any do.
+            const double touching = countContacts(spheres, 0.5).smallestGap;
+            CHECK(touching >= least - 1e-9);
+            double smallest = spheres[0].radius;
+            for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
+            if (least < 0.5 * smallest) CHECK(touching == Approx(least).margin(1e-9));
         }
     }
     const std::vector<Sphere<Dim>> one(1, Sphere<Dim>{{}, 1});

@@ -25,13 +25,18 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
     requireUsable(spheres);
     ContactCheck result;
     std::vector<std::atomic<std::int32_t>> counts(spheres.size());
+    tbb::enumerable_thread_specific<double> smallest(result.smallestGap);
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
-        [&](std::uint32_t i, const Sphere<Dim>&, std::uint32_t j, const Sphere<Dim>&, double) {
+        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+            double d2) {
             counts[i].fetch_add(1, std::memory_order_relaxed);
             counts[j].fetch_add(1, std::memory_order_relaxed);
+            double& mine = smallest.local();
+            mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
         },
         [] { return false; });
+    for (const double gap : smallest) result.smallestGap = std::min(result.smallestGap, gap);
     result.counts.resize(spheres.size());
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i) {

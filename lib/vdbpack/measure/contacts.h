@@ -4,6 +4,7 @@
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct ContactCheck {
     double mean = 0;                   ///< mean of `counts`, the coordination number; 0 if empty
     std::uint64_t pairs = 0;           ///< touching pairs of spheres
     std::uint64_t wallContacts = 0;    ///< spheres that touch the wall
+    /// Smallest gap of the touching pairs, mm; infinity if there are none.
+    double smallestGap = std::numeric_limits<double>::infinity();
 };
 
 /// Counts contacts.
