@@ -54,12 +54,9 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     Trial trial;
     trial.scale = scale;
     Clock clock;
-    PackOptions options(sizes.scaled(scale));
-    options.seed = recipe.seed;
-    options.threads = recipe.threads;
-    options.effort = recipe.effort;
-    options.order = recipe.order;
-    options.gap = recipe.gap * scale;
+    PackOptions options = packOptions(recipe, sizes.scaled(scale));
+    options.gap *= scale;
+    options.maxCount = 0;
     const auto built = source.build(fieldDetail(options.sizes.min(), options.sizes.mean()),
                                     options.sizes.max() * 1.05 + options.gap, quiet);
     const auto& domain = ofDim<Dim>(built);
@@ -93,12 +90,8 @@ double scaleBesides(const PackRecipe& recipe, const DomainSource& source,
                     const SizeDistribution& sizes, double count, const Callbacks& callbacks) {
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;
-    PackOptions options(sizes);
-    options.seed = recipe.seed;
-    options.threads = recipe.threads;
-    options.effort = recipe.effort;
-    options.order = recipe.order;
-    options.gap = recipe.gap;
+    PackOptions options = packOptions(recipe, sizes);
+    options.maxCount = 0;
     const auto built =
         source.build(fieldDetail(sizes.min(), sizes.mean()), sizes.max() * 3 + recipe.gap, quiet);
     const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);

@@ -80,6 +80,17 @@ SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int d
     return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
 }
 
+PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
+    PackOptions options(sizes);
+    options.seed = recipe.seed;
+    options.threads = recipe.threads;
+    options.effort = recipe.effort;
+    options.order = recipe.order;
+    options.gap = recipe.gap;
+    options.maxCount = recipe.maxCount;
+    return options;
+}
+
 template <int Dim>
 Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     if (recipe.existing.empty()) return {};

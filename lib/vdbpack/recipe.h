@@ -53,6 +53,9 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim);
 /// says when it is read again.
 SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
 
+/// What the recipe asks of the packer, for spheres of these sizes.
+PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes);
+
 /// The spheres of `recipe.existing`; an empty pack if there are none.
 /// @throws as readPack; InputError if they don't lie in the plane of a 2D domain at `sliceHeight`.
 template <int Dim>

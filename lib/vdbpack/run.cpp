@@ -50,13 +50,7 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
 
     Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
     const std::size_t standing = existing.spheres.size();
-    PackOptions options(sizes);
-    options.order = recipe.order;
-    options.gap = recipe.gap;
-    options.seed = recipe.seed;
-    options.threads = recipe.threads;
-    options.effort = recipe.effort;
-    options.maxCount = recipe.maxCount;
+    PackOptions options = packOptions(recipe, sizes);
     PackResult<Dim> result;
     if (target > 0) {
         result = packToCount(*domain, options, target, callbacks, existing.spheres);
