@@ -152,8 +152,8 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
     fillWith(around, scene);
     const double probe = 1.0;
     std::vector<typename Surroundings<Dim>::Site> sites;
-    around.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
-                     nullptr, sites);
+    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
+                     Surroundings<Dim>::kAll, nullptr, sites);
     for (const auto& site : sites) {
         const Vec<Dim> x = toDouble<Dim>(site.start);
         CHECK(length(x) == Approx(scene.pivotRadius + probe).epsilon(1e-5));
@@ -182,7 +182,8 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
         std::vector<typename Surroundings<Dim>::Site> some;
         Surroundings<Dim> fresh;
         fillWith(fresh, scene);
-        fresh.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, body, nullptr, some);
+        fresh.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f}, body, nullptr,
+                        some);
         const auto expected = std::count_if(sites.begin(), sites.end(), [&](const auto& site) {
             return std::find(site.bodies.begin(), site.bodies.end(), body) != site.bodies.end();
         });
@@ -195,8 +196,8 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
     std::vector<typename Surroundings<Dim>::Site> some;
     Surroundings<Dim> fresh;
     fillWith(fresh, scene);
-    fresh.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
-                    &region, some);
+    fresh.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
+                    Surroundings<Dim>::kAll, &region, some);
     std::size_t next = 0;
     for (const auto& site : sites) {
         if (std::any_of(site.start.begin(), site.start.end(), [](float x) { return x < -0.3f; }))
@@ -218,8 +219,8 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     Surroundings<Dim> around;
     fillWith(around, scene);
     std::vector<typename Surroundings<Dim>::Site> sites;
-    around.findSites(static_cast<float>(scene.pivotRadius), 1.0f, 2.0f, Surroundings<Dim>::kAll,
-                     nullptr, sites);
+    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
+                     Surroundings<Dim>::kAll, nullptr, sites);
     for (const auto& site : sites) {
         const double limit = static_cast<double>(site.limit);
         REQUIRE(limit >= 1);
@@ -236,6 +237,33 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     }
 }
 
+TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to it", "[pack]",
+                       ((int Dim), Dim), 2, 3) {
+    const auto seed = GENERATE(range(1u, 31u));
+    CAPTURE(Dim, seed);
+    RandomStream random(seed, 20 + Dim);
+    const auto scene = randomScene<Dim>(random, 3 + static_cast<int>(8 * random.uniform()),
+                                        static_cast<int>(3 * random.uniform()));
+    const float least = 1.3f;
+    Surroundings<Dim> around, again;
+    std::vector<typename Surroundings<Dim>::Site> all, some;
+    fillWith(around, scene);
+    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
+                     Surroundings<Dim>::kAll, nullptr, all);
+    fillWith(again, scene);
+    again.findSites(static_cast<float>(scene.pivotRadius), {1.0f, least, 2.0f},
+                    Surroundings<Dim>::kAll, nullptr, some);
+    const auto tooSmall = [&](const auto& site) { return site.limit < least; };
+    all.erase(std::remove_if(all.begin(), all.end(), tooSmall), all.end());
+    some.erase(std::remove_if(some.begin(), some.end(), tooSmall), some.end());
+    REQUIRE(some.size() == all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        CHECK(some[i].bodies == all[i].bodies);
+        CHECK(some[i].start == all[i].start);
+        CHECK(some[i].limit == all[i].limit);
+    }
+}
+
 TEST_CASE("a body that covers a pivot leaves no site", "[pack]") {
     Surroundings<3> around;
     Scene<3> scene;
@@ -244,6 +272,6 @@ TEST_CASE("a body that covers a pivot leaves no site", "[pack]") {
     scene.planes = {{{{0, 0, 1}}, 1.0}, {{{0, 0, -1}}, 0.5}};
     fillWith(around, scene);
     std::vector<Surroundings<3>::Site> sites;
-    around.findSites(1.0f, 3.0f, 4.0f, Surroundings<3>::kAll, nullptr, sites);
+    around.findSites(1.0f, {3.0f, 0.0f, 4.0f}, Surroundings<3>::kAll, nullptr, sites);
     CHECK(sites.empty());
 }

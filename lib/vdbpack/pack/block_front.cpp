@@ -281,8 +281,8 @@ void BlockFront<Dim>::Work::findSites(std::uint32_t pivot, std::uint32_t only) {
         const double above = dot(center - planes_[p].point, planes_[p].normal);
         around_.addPlane(toFloat(planes_[p].normal), static_cast<float>(above), kWallBody + p);
     }
-    around_.findSites(static_cast<float>(sphere(pivot).radius), probe_, largest_, only, region,
-                      found_);
+    around_.findSites(static_cast<float>(sphere(pivot).radius), {probe_, least_, largest_}, only,
+                      region, found_);
     for (const Site& site : found_) addSite(pivot, site);
     if (found_.empty() && only == Surroundings<Dim>::kAll && around_.reached() <= Dim)
         addLooseSites(pivot);

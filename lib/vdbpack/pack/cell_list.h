@@ -23,7 +23,7 @@ public:
     /// @param common  radius up to which spheres lie on the finest level, mm.
     void reset(const Box<Dim>& bounds, double cell, double common) {
         bounds_ = bounds;
-        chunks_.clear();
+        overflow_.clear();
         used_ = 0;
         addLevel(cell, common);
     }
@@ -40,17 +40,20 @@ public:
         for (int d = Dim - 1; d >= 0; --d)
             cell = cell * static_cast<std::size_t>(level.n[d]) +
                    static_cast<std::size_t>(coordinate(level, s.center[d], d));
-        std::uint32_t& head = level.head[cell];
-        if (head == kNone || chunks_[head].count == kChunk) {
-            chunks_.emplace_back();
-            chunks_.back().next = head;
-            head = static_cast<std::uint32_t>(chunks_.size() - 1);
+        const std::uint32_t count = level.count[cell]++;
+        const std::uint32_t at = count % kChunk;
+        if (at == 0 && count >= kOwnChunks * kChunk) {
+            overflow_.emplace_back();
+            overflow_.back().next = count == kOwnChunks * kChunk ? kNone : level.overflow[cell];
+            level.overflow[cell] = static_cast<std::uint32_t>(overflow_.size() - 1);
         }
-        Chunk& c = chunks_[head];
+        Chunk& c = count < kOwnChunks * kChunk ? level.chunks[cell * kOwnChunks + count / kChunk]
+                                               : overflow_[level.overflow[cell]];
+        if (at == 0) c.radius.fill(kUnused);
         for (int d = 0; d < Dim; ++d)
-            c.x[static_cast<std::size_t>(d)][c.count] = static_cast<float>(s.center[d]);
-        c.radius[c.count] = static_cast<float>(s.radius);
-        c.index[c.count++] = index;
+            c.x[static_cast<std::size_t>(d)][at] = static_cast<float>(s.center[d]);
+        c.radius[at] = static_cast<float>(s.radius);
+        c.index[at] = index;
     }
 
     /// Calls `visit(index)` for every sphere that may have a gap smaller than `reach` to `x`:
@@ -119,20 +122,18 @@ public:
     }
 
 private:
-    static constexpr std::uint32_t kNone = 0xffffffffu;
     static constexpr std::uint32_t kChunk = kLanes;
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    /// Chunks that lie in the order of the cells, so that neighbors are read in a row; cells that
+    /// hold more are few.
+    static constexpr std::uint32_t kOwnChunks = 2;
+    /// A radius that no reach makes up for.
+    static constexpr float kUnused = -1e18f;
     struct Chunk {
-        std::array<std::array<float, kChunk>, Dim> x{};
-        std::array<float, kChunk> radius = unused();
+        std::array<std::array<float, kChunk>, Dim> x;
+        std::array<float, kChunk> radius;
         std::array<std::uint32_t, kChunk> index;
-        std::uint32_t count = 0;
-        std::uint32_t next = kNone;
-
-        static std::array<float, kChunk> unused() {
-            std::array<float, kChunk> r;
-            r.fill(-1e18f);
-            return r;
-        }
+        std::uint32_t next;  ///< of the same cell, in `overflow_`
     };
 
     /// Each level holds spheres up to this many times as large as the one before.
@@ -140,7 +141,9 @@ private:
     struct Level {
         double maxRadius = 0, inverse = 1;
         int n[3] = {1, 1, 1};
-        std::vector<std::uint32_t> head;  ///< of each cell's list of chunks
+        std::vector<std::uint32_t> count;     ///< of spheres in each cell
+        std::vector<std::uint32_t> overflow;  ///< its last chunk there, if it has any
+        std::vector<Chunk> chunks;            ///< kOwnChunks of each cell
     };
 
     void addLevel(double cell, double maxRadius) {
@@ -154,7 +157,9 @@ private:
                 1, static_cast<int>(std::ceil((bounds_.hi[d] - bounds_.lo[d]) * level.inverse)));
             total *= static_cast<std::size_t>(level.n[d]);
         }
-        level.head.assign(total, kNone);
+        level.count.assign(total, 0);
+        level.overflow.resize(total);
+        if (level.chunks.size() < total * kOwnChunks) level.chunks.resize(total * kOwnChunks);
     }
 
     /// Calls `visit(chunk, centers from x, which are in reach)` until it returns false.
@@ -171,27 +176,35 @@ private:
                 to[d] = coordinate(level, x[d] + far, d);
             }
             const Lanes r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + level.maxRadius));
+            const auto look = [&](const Chunk& c) {
+                std::array<Lanes, Dim> away;
+                Lanes square = 0.0f;
+                for (std::size_t d = 0; d < Dim; ++d) {
+                    away[d] = load(c.x[d].data()) - at[d];
+                    square += away[d] * away[d];
+                }
+                const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
+                const auto inside = square < limit * limit;
+                return none_of(inside) || visit(c, away, inside);
+            };
             for (int k = from[2]; k <= to[2]; ++k)
                 for (int j = from[1]; j <= to[1]; ++j) {
                     const std::size_t row =
                         (static_cast<std::size_t>(k) * static_cast<std::size_t>(level.n[1]) +
                          static_cast<std::size_t>(j)) *
                         static_cast<std::size_t>(level.n[0]);
-                    for (int i = from[0]; i <= to[0]; ++i)
-                        for (std::uint32_t q = level.head[row + static_cast<std::size_t>(i)];
-                             q != kNone; q = chunks_[q].next) {
-                            const Chunk& c = chunks_[q];
-                            std::array<Lanes, Dim> away;
-                            Lanes square = 0.0f;
-                            for (std::size_t d = 0; d < Dim; ++d) {
-                                away[d] = load(c.x[d].data()) - at[d];
-                                square += away[d] * away[d];
-                            }
-                            // Lanes not in use have a radius that no reach makes up for.
-                            const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
-                            const auto inside = square < limit * limit;
-                            if (any_of(inside) && !visit(c, away, inside)) return false;
-                        }
+                    for (int i = from[0]; i <= to[0]; ++i) {
+                        const std::size_t cell = row + static_cast<std::size_t>(i);
+                        const std::uint32_t count = level.count[cell];
+                        if (count > kOwnChunks * kChunk)
+                            for (std::uint32_t q = level.overflow[cell]; q != kNone;
+                                 q = overflow_[q].next)
+                                if (!look(overflow_[q])) return false;
+                        const Chunk* own = &level.chunks[cell * kOwnChunks];
+                        for (std::uint32_t n = std::min((count + kChunk - 1) / kChunk, kOwnChunks);
+                             n-- > 0;)
+                            if (!look(own[n])) return false;
+                    }
                 }
         }
         return true;
@@ -205,7 +218,7 @@ private:
     Box<Dim> bounds_;
     std::vector<Level> levels_;
     std::size_t used_ = 0;  ///< levels in use; the others keep their memory
-    std::vector<Chunk> chunks_;
+    std::vector<Chunk> overflow_;
 };
 
 }  // namespace vdbpack

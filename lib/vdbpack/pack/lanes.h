@@ -25,7 +25,7 @@ inline constexpr std::size_t padded(std::size_t n) {
 
 /// Calls `visit(lane)` for the lanes that are set, by rising number.
 template <class Visit>
-void forEachSet(const Lanes::mask_type& mask, Visit visit) {
+[[gnu::always_inline]] inline void forEachSet(const Lanes::mask_type& mask, Visit visit) {
     bool set[kLanes];
     mask.copy_to(set, stdx::element_aligned);
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
@@ -40,7 +40,8 @@ void forEachSet(const Lanes::mask_type& mask, Visit visit) {
 }
 
 /// `yes` where the mask is set, else `no`.
-inline Lanes choose(const Lanes::mask_type& mask, Lanes yes, const Lanes& no) {
+[[gnu::always_inline]] inline Lanes choose(const Lanes::mask_type& mask, Lanes yes,
+                                           const Lanes& no) {
     where(!mask, yes) = no;
     return yes;
 }

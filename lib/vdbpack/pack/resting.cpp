@@ -18,19 +18,19 @@ constexpr float kFarAway = 1e30f;
 inline float copySign(float x, float sign) {
     return std::copysign(x, sign);
 }
-inline Lanes copySign(const Lanes& x, const Lanes& sign) {
+[[gnu::always_inline]] inline Lanes copySign(const Lanes& x, const Lanes& sign) {
     return stdx::copysign(x, sign);
 }
 inline float squareRoot(float x) {
     return std::sqrt(x);
 }
-inline Lanes squareRoot(const Lanes& x) {
+[[gnu::always_inline]] inline Lanes squareRoot(const Lanes& x) {
     return stdx::sqrt(x);
 }
 inline float larger(float a, float b) {
     return std::max(a, b);
 }
-inline Lanes larger(const Lanes& a, const Lanes& b) {
+[[gnu::always_inline]] inline Lanes larger(const Lanes& a, const Lanes& b) {
     return stdx::max(a, b);
 }
 
@@ -223,9 +223,10 @@ void Surroundings<Dim>::findPairs(float rolling, std::uint32_t only) {
 }
 
 template <int Dim>
-void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest, std::uint32_t only,
+void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::uint32_t only,
                                   const Region* region, std::vector<Site>& sites) {
     sites.clear();
+    const float probe = radii.probe;
     const bool open = reach(pivotRadius, probe);
     if (!open) return;
     const float rolling = pivotRadius + probe;
@@ -255,11 +256,8 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
         tracks.set(rolling, 0.0f, bodies, 1.0f);
         // The two places of a pair are middle + side and middle - side.
         std::array<Lanes, Dim> middle, side;
-        const Lanes out = sqrt(stdx::max(tracks.extent0, Lanes(0.0f))) * tracks.side;
-        for (std::size_t d = 0; d < Dim; ++d) {
-            middle[d] = tracks.alpha0 * tracks.a[d] + tracks.beta0 * tracks.b[d];
-            side[d] = out * tracks.w[d];
-        }
+        const Lanes out = sqrt(stdx::max(tracks.middle(0.0f, middle), Lanes(0.0f))) * tracks.side;
+        for (std::size_t d = 0; d < Dim; ++d) side[d] = out * tracks.w[d];
         Lanes up = slack, down = slack;  // least room to any body, so far
         if (region) {
             for (std::size_t d = 0; d < Dim; ++d) {
@@ -270,15 +268,18 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
             }
             if (none_of(stdx::max(up, down) >= 0.0f)) continue;
         }
-        for (std::size_t k = 0; k < count; ++k) {
-            Lanes room = near_.level[k] + slack;
+        const auto takeOff = [&](std::size_t k, float level, const auto& from, const auto& by) {
+            Lanes room = level + slack;
             Lanes tilt = 0.0f;
             for (std::size_t d = 0; d < Dim; ++d) {
-                room -= middle[d] * near_.to[d][k];
-                tilt += side[d] * near_.to[d][k];
+                room -= from[d] * near_.to[d][k];
+                tilt += by[d] * near_.to[d][k];
             }
             up = stdx::min(up, room - tilt);
             down = stdx::min(down, room + tilt);
+        };
+        for (std::size_t k = 0; k < count; ++k) {
+            takeOff(k, near_.level[k], middle, side);
             if ((k & 1) && none_of(stdx::max(up, down) >= 0.0f)) break;
         }
         const auto emit = [&](std::size_t l, float sign) {
@@ -292,18 +293,32 @@ void Surroundings<Dim>::findSites(float pivotRadius, float probe, float largest,
             site.track.side *= sign;
             site.side = sign;
             for (std::size_t d = 0; d < Dim; ++d) site.start[d] = middle[d][l] + sign * side[d][l];
-            const float most = largest - probe;
+            const float most = radii.largest - probe;
             // The path leaves its own bodies out: their bounds are kept.
             const float level[2] = {near_.level[pair[0]], near_.level[pair[Dim - 2]]};
             near_.level[pair[0]] = near_.level[pair[Dim - 2]] = kNoBound;
             const float t = most > 0 ? growth(site.track, site.track.end(most)) : 0.0f;
             near_.level[pair[0]] = level[0];
             near_.level[pair[Dim - 2]] = level[1];
-            site.limit = t >= most ? largest : probe + t;
+            site.limit = t >= most ? radii.largest : probe + t;
             if (!site.track.at(t, site.end)) site.end = site.start;
         };
-        const auto live = stdx::max(up, down) >= 0.0f;
+        auto live = stdx::max(up, down) >= 0.0f;
         if (none_of(live)) continue;
+        // Most that end before the least radius are blocked at it as well.
+        if (radii.least > probe) {
+            const float t = radii.least - probe;
+            std::array<Lanes, Dim> middleThen, sideThen;
+            const Lanes extent = tracks.middle(t, middleThen);
+            const Lanes outThen = sqrt(stdx::max(extent, Lanes(0.0f))) * tracks.side;
+            for (std::size_t d = 0; d < Dim; ++d) sideThen[d] = outThen * tracks.w[d];
+            where(extent < 0.0f, up) = -1.0f;
+            where(extent < 0.0f, down) = -1.0f;
+            for (std::size_t k = 0; k < count; ++k)
+                takeOff(k, near_.level[k] + t * near_.slope[k], middleThen, sideThen);
+            live = stdx::max(up, down) >= 0.0f;
+            if (none_of(live)) continue;
+        }
         forEachSet(live, [&](std::size_t l) {
             if (l >= used) return;
             if (up[l] >= 0.0f) emit(l, 1.0f);

@@ -122,13 +122,19 @@ struct Track {
         side = 1;
     }
 
+    /// The middle between the two places after growing by `t`. @return the extent there.
+    T middle(const T& t, std::array<T, Dim>& x) const {
+        const T alpha = alpha0 + t * alpha1, beta = beta0 + t * beta1;
+        for (std::size_t d = 0; d < Dim; ++d) x[d] = alpha * a[d] + beta * b[d];
+        return extent0 + t * (extent1 + t * extent2);
+    }
+
     /// The center after growing by `t`. @return false if there is none.
     bool at(T t, std::array<T, Dim>& x) const {
-        const T extent = extent0 + t * (extent1 + t * extent2);
+        const T extent = middle(t, x);
         if (!(extent >= 0)) return false;
-        const T alpha = alpha0 + t * alpha1, beta = beta0 + t * beta1,
-                out = side * std::sqrt(extent);
-        for (std::size_t d = 0; d < Dim; ++d) x[d] = alpha * a[d] + beta * b[d] + out * w[d];
+        const T out = side * std::sqrt(extent);
+        for (std::size_t d = 0; d < Dim; ++d) x[d] += out * w[d];
         return true;
     }
 
@@ -181,12 +187,18 @@ public:
     struct Region {
         std::array<float, Dim> lo, hi;
     };
-    /// All sites for a sphere of radius `probe` that may grow to `largest`, in a fixed order.
+    /// For what radii sites are wanted, mm.
+    struct Radii {
+        float probe;    ///< sites are sought for this one
+        float least;    ///< and where they cannot grow to this one may be left out
+        float largest;  ///< they need not grow beyond
+    };
+    /// All sites for a sphere of the probe's radius, in a fixed order.
     /// @param only    keeps sites that rest on this body; kAll for all.
     /// @param region  keeps those that start within; null for all.
     /// @param sites   is overwritten.
-    void findSites(float pivotRadius, float probe, float largest, std::uint32_t only,
-                   const Region* region, std::vector<Site>& sites);
+    void findSites(float pivotRadius, const Radii& radii, std::uint32_t only, const Region* region,
+                   std::vector<Site>& sites);
     static constexpr std::uint32_t kAll = 0xffffffffu;
 
     /// Bodies that a sphere of the probe's radius on the pivot can reach; after `findSites`.
