@@ -49,6 +49,13 @@ std::array<float, Dim> toFloat(const Vec<Dim>& v) {
     return f;
 }
 
+template <int Dim>
+Vec<Dim> fromFloat(const std::array<float, Dim>& f) {
+    Vec<Dim> v;
+    for (std::size_t d = 0; d < Dim; ++d) v.c[d] = static_cast<double>(f[d]);
+    return v;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -96,7 +103,6 @@ private:
     /// What is kept of each sphere.
     struct Lists {
         std::uint32_t site = kNone, plane = kNone;
-        std::uint32_t open = 0;
     };
     /// What came of placing a sphere at a site.
     enum class Outcome { placed, blocked, foreign, wallLearned };
@@ -108,7 +114,10 @@ private:
     void findSites(std::uint32_t pivot, std::uint32_t only);
     void addLooseSites(std::uint32_t pivot);
     float baseOf(const Vec<Dim>& start);
-    void addSite(std::uint32_t pivot, const Site& site);
+    std::uint32_t addSite(std::uint32_t pivot, const Site& site);
+    static bool reaches(const std::array<float, Dim>& center, float radius, const SiteEnd& end);
+    void handOver(std::vector<HandedSite<Dim>>& handed) const;
+    void takeOver(const BlockSpheres<Dim>& around);
     void keepOff(std::uint32_t intruder);
     void limitBy(std::uint32_t index, const Body<float, Dim>& body);
     Body<float, Dim> floatBody(std::uint32_t pivot, std::uint32_t body) const;
@@ -147,7 +156,8 @@ private:
     BucketQueue queue_;             ///< of sites
     Surroundings<Dim> around_;
     std::vector<Site> found_;
-    Plane wall_;  ///< nearest to the candidate
+    Plane wall_;                        ///< nearest to the candidate
+    std::vector<std::uint32_t> local_;  ///< place here of each sphere around the block
     bool hasWall_ = false;
     PlaceSearch<Dim> search_;
 };
@@ -183,17 +193,20 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     const double ball =
         std::min(settings.meanBall, 0.6 * Measure<Dim>::ball(settings.commonRadius));
     state_.cells.reset(reach, std::pow(20 * ball, 1.0 / Dim), settings.commonRadius);
+    local_.assign(around.spheres.size(), kNone);
     for (std::size_t i = 0; i < around.spheres.size(); ++i) {
         const Sphere<Dim> local{around.spheres[i].center - state_.origin, around.spheres[i].radius};
         const double far = local.radius + settings.maxRadius;
         if (state_.own.squaredDistance(local.center) >= far * far) continue;
+        local_[i] = static_cast<std::uint32_t>(state_.spheres.size());
         add(local);
-        lists_.back().open = around.open[i];
     }
+    takeOver(around);
     standing_ = state_.spheres.size();
     pool.refill();
-    for (std::uint32_t i = 0; i < standing_; ++i) {
-        if (lists_[i].open == 0) continue;
+    for (const std::uint32_t u : around.unexplored) {
+        const std::uint32_t i = local_[u];
+        if (i == kNone) continue;
         around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius), i);
         Plane plane;
         double distance;
@@ -220,19 +233,91 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
         }
     }
 
-    for (std::size_t i = 0; i < sites_.size(); ++i)
-        if (!ends_[i].dead) lists_[sites_[i].pivot].open |= sites_[i].foreign;
     placed.clear();
     placed.spheres.reserve(state_.spheres.size() - standing_);
-    placed.open.reserve(state_.spheres.size() - standing_);
-    for (std::size_t i = standing_; i < state_.spheres.size(); ++i) {
+    for (std::size_t i = standing_; i < state_.spheres.size(); ++i)
         placed.spheres.push_back(
             {state_.spheres[i].center + state_.origin, state_.spheres[i].radius});
-        placed.open.push_back(lists_[i].open);
+    handOver(placed.sites);
+}
+
+/// Lists the sites that lie in blocks to come.
+template <int Dim>
+void BlockFront<Dim>::Work::handOver(std::vector<HandedSite<Dim>>& handed) const {
+    using Kind = typename HandedSite<Dim>::Support::Kind;
+    for (std::size_t i = standing_; i < state_.spheres.size(); ++i)
+        for (std::uint32_t s = lists_[i].site; s != kNone; s = ends_[s].next) {
+            const FrontSite& site = sites_[s];
+            if (ends_[s].dead || site.foreign == 0) continue;
+            HandedSite<Dim>& to = handed.emplace_back();
+            for (std::size_t b = 0; b < Dim - 1; ++b) {
+                auto& support = to.supports[b];
+                support = {Kind::none, {}, {}, 0.0};
+                if (site.bodies[b] == kNoBody) continue;
+                if (site.bodies[b] >= kWallBody) {
+                    const Plane& plane = planes_[site.bodies[b] - kWallBody];
+                    support = {Kind::wall, plane.point + state_.origin, plane.normal, 0.0};
+                } else {
+                    const Sphere<Dim>& other = sphere(site.bodies[b]);
+                    support = {Kind::sphere, other.center + state_.origin, {}, other.radius};
+                }
+            }
+            to.center = fromFloat<Dim>(ends_[s].center) + state_.origin;
+            to.limit = ends_[s].limit;
+            to.side = site.side;
+            to.pivot = static_cast<std::uint32_t>(i - standing_);
+            to.towards = site.foreign;
+        }
+}
+
+/// Goes on with the sites that finished blocks have handed over, by what stands now.
+template <int Dim>
+void BlockFront<Dim>::Work::takeOver(const BlockSpheres<Dim>& around) {
+    using Kind = typename HandedSite<Dim>::Support::Kind;
+    for (const HandedSite<Dim>& handed : around.sites) {
+        const std::uint32_t pivot = local_[handed.pivot];
+        if (pivot == kNone) continue;
+        Site site;
+        site.limit = handed.limit;
+        site.side = handed.side;
+        std::array<Body<float, Dim>, Dim - 1> bodies{};
+        for (std::size_t b = 0; b < Dim - 1; ++b) {
+            const auto& support = handed.supports[b];
+            site.bodies[b] = kNoBody;
+            if (support.kind == Kind::none) continue;
+            if (support.kind == Kind::wall) {
+                site.bodies[b] = kWallBody + keepPlane(pivot, {support.at - state_.origin,
+                                                               support.normal, kNone});
+            } else {
+                // Once more, for this site alone: not in the cells.
+                site.bodies[b] = static_cast<std::uint32_t>(state_.spheres.size());
+                state_.spheres.push_back({support.at - state_.origin, support.radius});
+                lists_.emplace_back();
+            }
+            bodies[b] = floatBody(pivot, site.bodies[b]);
+        }
+        const Vec<Dim> center = handed.center - state_.origin;
+        const auto from = toFloat(center - sphere(pivot).center);
+        const float rolling = static_cast<float>(sphere(pivot).radius) + probe_;
+        if (site.bodies[0] == kNoBody)
+            site.track.makeLoose(rolling, toFloat(normalized(center - sphere(pivot).center)));
+        else if (!site.track.make(rolling, probe_, bodies, site.side))
+            continue;
+        if (!site.track.at(0, site.start)) continue;
+        site.end = from;
+        const std::uint32_t index = addSite(pivot, site);
+        if (index == kNone) continue;
+        // What has been placed meanwhile.
+        state_.cells.near(center, static_cast<double>(handed.limit), [&](std::uint32_t i) {
+            if (i != pivot && reaches(toFloat(sphere(i).center),
+                                      static_cast<float>(sphere(i).radius), ends_[index]))
+                limitBy(index, floatBody(pivot, i));
+            return !ends_[index].dead;
+        });
     }
 }
 
-/// The neighbor block that holds a point outside this one, as BlockSpheres::open names it; kDone
+/// The neighbor block that holds a point outside this one, as HandedSite::towards names it; kDone
 /// if all of that lies behind the front.
 template <int Dim>
 std::uint32_t BlockFront<Dim>::Work::towards(const Vec<Dim>& x) const {
@@ -288,9 +373,10 @@ void BlockFront<Dim>::Work::findSites(std::uint32_t pivot, std::uint32_t only) {
         addLooseSites(pivot);
 }
 
+/// @return its place in `sites_`, or kNone if it is of no use.
 template <int Dim>
-void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
-    if (site.limit < least_) return;
+std::uint32_t BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
+    if (site.limit < least_) return kNone;
     const Vec<Dim>& center = sphere(pivot).center;
     SiteEnd end;
     Vec<Dim> start;
@@ -301,7 +387,7 @@ void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     }
     const bool own = state_.owns(start);
     const std::uint32_t foreign = own ? 0 : towards(start);
-    if (!own && foreign == kDone) return;
+    if (!own && foreign == kDone) return kNone;
     std::uint32_t index = unused_;
     if (index == kNone) {
         index = static_cast<std::uint32_t>(sites_.size());
@@ -323,6 +409,7 @@ void BlockFront<Dim>::Work::addSite(std::uint32_t pivot, const Site& site) {
     lists_[pivot].site = index;
     ends_[index] = end;
     enqueue(index);
+    return index;
 }
 
 /// A front begins with too few bodies to rest on: then a sphere may rest on the pivot alone.
@@ -452,6 +539,17 @@ void BlockFront<Dim>::Work::limitBy(std::uint32_t index, const Body<float, Dim>&
     enqueue(index);
 }
 
+/// Whether a sphere reaches into the largest one that a site would take.
+template <int Dim>
+bool BlockFront<Dim>::Work::reaches(const std::array<float, Dim>& center, float radius,
+                                    const SiteEnd& end) {
+    float square = 0;
+    for (std::size_t d = 0; d < Dim; ++d)
+        square += (end.center[d] - center[d]) * (end.center[d] - center[d]);
+    const float least = radius + end.limit;
+    return square < least * least * (1 - kSlack);
+}
+
 /// Updates the sites that sphere `intruder` reaches into; `around_` holds its neighbors.
 template <int Dim>
 void BlockFront<Dim>::Work::keepOff(std::uint32_t intruder) {
@@ -462,14 +560,8 @@ void BlockFront<Dim>::Work::keepOff(std::uint32_t intruder) {
         std::uint32_t* link = &lists_[pivot].site;
         while (*link != kNone) {
             SiteEnd& end = ends_[*link];
-            if (!end.dead) {
-                float square = 0;
-                for (std::size_t d = 0; d < Dim; ++d)
-                    square += (end.center[d] - center[d]) * (end.center[d] - center[d]);
-                const float least = radius + end.limit;
-                if (square < least * least * (1 - kSlack))
-                    limitBy(*link, floatBody(pivot, intruder));
-            }
+            if (!end.dead && reaches(center, radius, end))
+                limitBy(*link, floatBody(pivot, intruder));
             if (end.dead) {
                 const std::uint32_t gone = *link;
                 *link = end.next;
@@ -522,8 +614,7 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
                 // Queued again where the wall leaves it less room.
                 if (ends_[index].dead || ends_[index].limit < limit) return;
                 break;
-            case Outcome::foreign:  // better filled by the block that comes there
-                ends_[index].dead = true;
+            case Outcome::foreign:
                 return;
             case Outcome::blocked:
                 // The limit of one far larger than most is a guess, made without what lies beyond
@@ -691,9 +782,10 @@ typename BlockFront<Dim>::Work::Outcome BlockFront<Dim>::Work::tryPlace(std::uin
     const FrontSite& site = sites_[index];
     const Vec<Dim> guess = center;
     const FrontSettings<Dim>& settings = state_.settings;
+    // Better filled by the block that comes there.
     const auto leave = [&] {
-        const std::uint32_t foreign = towards(center);
-        if (foreign != kDone) lists_[site.pivot].open |= foreign;
+        sites_[index].foreign = towards(center);
+        ends_[index].dead = sites_[index].foreign == kDone;
         return Outcome::foreign;
     };
     if (!state_.own.grown(0.5 * radius).contains(center)) return leave();

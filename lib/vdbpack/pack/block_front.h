@@ -15,12 +15,32 @@
 
 namespace vdbpack {
 
+/// A place of one block's front that lies in a block to come, which goes on from there.
+template <int Dim>
+struct HandedSite {
+    /// What a sphere there rests on beside the pivot.
+    struct Support {
+        enum class Kind { sphere, wall, none } kind;
+        Vec<Dim> at;      ///< center; of a wall, the point touched, mm
+        Vec<Dim> normal;  ///< of a wall, into the domain
+        double radius;    ///< of a sphere, mm
+    };
+    std::array<Support, Dim - 1> supports;
+    Vec<Dim> center;        ///< at radius `limit`, mm
+    float limit;            ///< largest radius that fits, as far as the block knew, mm
+    float side;             ///< see Track::side
+    std::uint32_t pivot;    ///< place in BlockSpheres::spheres
+    std::uint32_t towards;  ///< the neighbor it lies in; see BlockSpheres::bit
+};
+
 /// Spheres of a block, or around one.
 template <int Dim>
 struct BlockSpheres {
     std::vector<Sphere<Dim>> spheres;
-    /// Neighbors of the block, as bits, in which a sphere could come to rest on this one.
-    std::vector<std::uint32_t> open;
+    /// Sites on them that lie in other blocks, by rising pivot.
+    std::vector<HandedSite<Dim>> sites;
+    /// Those that no block placed and others may rest on, rising: their sites are yet to be found.
+    std::vector<std::uint32_t> unexplored;
 
     /// The bit of the neighbor at `offset`, each -1, 0 or 1.
     static std::uint32_t bit(const std::array<int, Dim>& offset) {
@@ -31,7 +51,8 @@ struct BlockSpheres {
 
     void clear() {
         spheres.clear();
-        open.clear();
+        sites.clear();
+        unexplored.clear();
     }
 };
 
@@ -57,8 +78,7 @@ public:
     ///                  the finished blocks: what is left at a face that another block will
     ///                  grow across is better filled by that block's front.
     /// @param around    spheres that stand within a largest radius of `own` or `search` (others do
-    ///                  no harm), in an order fixed by the caller; `open` is not 0 where a sphere
-    ///                  could rest on one with its center in this block.
+    ///                  no harm), in an order fixed by the caller, and the sites on them in `own`.
     /// @param pool      pending radii; filled up and left for the next block.
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.

@@ -98,8 +98,10 @@ public:
             const double far = grown.radius + 2 * settings_.maxRadius;
             for (const std::uint32_t b :
                  lattice_.blocksIn(Box<Dim>{s.center, s.center}.grown(far))) {
-                blocks_[b].existing.spheres.push_back(grown);
-                blocks_[b].existing.open.push_back(open ? ~0u : 0u);
+                BlockSpheres<Dim>& here = blocks_[b].existing;
+                if (open)
+                    here.unexplored.push_back(static_cast<std::uint32_t>(here.spheres.size()));
+                here.spheres.push_back(grown);
             }
         }
         cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
@@ -230,17 +232,24 @@ private:
         thread.around.clear();
         for (const std::uint32_t n : lattice_.lowerNeighbors(b)) {
             const std::uint32_t here = BlockSpheres<Dim>::bit(lattice_.offset(n, b));
-            for (std::size_t i = 0; i < blocks_[n].placed.spheres.size(); ++i)
-                if (reach.contains(blocks_[n].placed.spheres[i].center)) {
-                    thread.around.spheres.push_back(blocks_[n].placed.spheres[i]);
-                    thread.around.open.push_back(blocks_[n].placed.open[i] & here);
-                }
+            const BlockSpheres<Dim>& placed = blocks_[n].placed;
+            auto site = placed.sites.begin();
+            for (std::size_t i = 0; i < placed.spheres.size(); ++i) {
+                if (!reach.contains(placed.spheres[i].center)) continue;
+                const auto at = static_cast<std::uint32_t>(thread.around.spheres.size());
+                thread.around.spheres.push_back(placed.spheres[i]);
+                for (; site != placed.sites.end() && site->pivot <= i; ++site)
+                    if (site->pivot == i && site->towards == here) {
+                        thread.around.sites.push_back(*site);
+                        thread.around.sites.back().pivot = at;
+                    }
+            }
         }
-        const auto append = [](auto& to, const auto& from) {
-            to.insert(to.end(), from.begin(), from.end());
-        };
-        append(thread.around.spheres, block.existing.spheres);
-        append(thread.around.open, block.existing.open);
+        for (const std::uint32_t u : block.existing.unexplored)
+            thread.around.unexplored.push_back(
+                u + static_cast<std::uint32_t>(thread.around.spheres.size()));
+        thread.around.spheres.insert(thread.around.spheres.end(), block.existing.spheres.begin(),
+                                     block.existing.spheres.end());
         thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
                            block.placed);
         if (stopped_) return;

@@ -1,5 +1,7 @@
 #include "vdbpack/pack/place_search.h"
 
+#include "vdbpack/pack/lanes.h"
+
 #include <limits>
 
 namespace vdbpack {
@@ -14,6 +16,21 @@ constexpr double kMostRoom = 1.018;
 /// leave more cells to halve.
 template <int Dim>
 constexpr double kStep = Dim == 3 ? 0.65 : 0.47;
+
+/// Sets the bits from `first` to `last` of a row, if there are any.
+inline void cover(std::uint64_t* words, int first, int last) {
+    if (first > last) return;
+    const int firstWord = first >> 6, lastWord = last >> 6;
+    const std::uint64_t head = ~std::uint64_t{0} << (first & 63);
+    const std::uint64_t tail = ~std::uint64_t{0} >> (63 - (last & 63));
+    if (firstWord == lastWord) {
+        words[firstWord] |= head & tail;
+        return;
+    }
+    words[firstWord] |= head;
+    for (int w = firstWord + 1; w < lastWord; ++w) words[w] = ~std::uint64_t{0};
+    words[lastWord] |= tail;
+}
 
 }  // namespace
 
@@ -43,39 +60,43 @@ template <int Dim>
 void PlaceSearch<Dim>::stampSpheres() {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
     const double inverse = 1 / step_;
+    const int most = steps_[0] - 1;
+    Lanes count;
+    for (std::size_t l = 0; l < kLanes; ++l) count[l] = static_cast<float>(l);
     for (const auto& s : state_->spheres) {
-        const double reach = (s.radius + mostRoom_ - corner) * inverse;
+        // Less by more than floats are off by.
+        const double reach = (s.radius + mostRoom_ - corner) * inverse * (1 - 1e-5) -
+                             1e-6 * static_cast<double>(most + 1);
         if (reach <= 0) continue;
         // In steps, with cell i's center at i.
         Vec<3> c;
         for (int d = 0; d < Dim; ++d) c[d] = (s.center[d] - state_->search.lo[d]) * inverse - 0.5;
+        if (c[0] + reach < 0 || c[0] - reach > most) continue;
         int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
         for (int d = 1; d < Dim; ++d) {
             from[d] = std::max(0, static_cast<int>(std::ceil(c[d] - reach)));
             to[d] = std::min(steps_[static_cast<std::size_t>(d)] - 1,
                              static_cast<int>(std::floor(c[d] + reach)));
         }
-        for (int k = from[2]; k <= to[2]; ++k)
-            for (int j = from[1]; j <= to[1]; ++j) {
-                const double square =
-                    reach * reach - (k - c[2]) * (k - c[2]) - (j - c[1]) * (j - c[1]);
-                if (square <= 0) continue;
-                const double half = std::sqrt(square);
-                const int first = std::max(0, static_cast<int>(std::ceil(c[0] - half)));
-                const int last = std::min(steps_[0] - 1, static_cast<int>(std::floor(c[0] + half)));
-                if (first > last) continue;
-                std::uint64_t* const words = row(j, k);
-                const int firstWord = first >> 6, lastWord = last >> 6;
-                const std::uint64_t head = ~std::uint64_t{0} << (first & 63);
-                const std::uint64_t tail = ~std::uint64_t{0} >> (63 - (last & 63));
-                if (firstWord == lastWord) {
-                    words[firstWord] |= head & tail;
-                } else {
-                    words[firstWord] |= head;
-                    for (int w = firstWord + 1; w < lastWord; ++w) words[w] = ~std::uint64_t{0};
-                    words[lastWord] |= tail;
-                }
+        const auto x = static_cast<float>(c[0]);
+        for (int k = from[2]; k <= to[2]; ++k) {
+            const auto layer = static_cast<float>(reach * reach - (k - c[2]) * (k - c[2]));
+            for (int j = from[1]; j <= to[1]; j += static_cast<int>(kLanes)) {
+                const Lanes dy = count + static_cast<float>(j - c[1]);
+                const Lanes square = layer - dy * dy;
+                Lanes half = sqrt(stdx::max(square, Lanes(0.0f)));
+                where(square <= 0.0f, half) = -1.0f;  // none of that row
+                float first[kLanes], last[kLanes];
+                stdx::max(x - half, Lanes(0.0f)).copy_to(first, stdx::element_aligned);
+                stdx::min(x + half, Lanes(static_cast<float>(most)))
+                    .copy_to(last, stdx::element_aligned);
+                std::uint64_t* words = row(j, k);
+                const int rows = std::min(static_cast<int>(kLanes), to[1] - j + 1);
+                for (int l = 0; l < rows; ++l, words += rowWords_)
+                    cover(words, static_cast<int>(std::ceil(first[l])),
+                          static_cast<int>(std::floor(last[l])));
             }
+        }
     }
 }
 
