@@ -124,6 +124,7 @@ private:
     void enqueue(std::uint32_t index);
     void runFront();
     void grow(std::uint32_t site);
+    void giveUp(std::uint32_t index);
     bool setDown(std::uint32_t site);
     bool centerAt(std::uint32_t site, double radius, Vec<Dim>& center) const;
     Outcome tryPlace(std::uint32_t index, double radius, Vec<Dim> center);
@@ -584,6 +585,24 @@ void BlockFront<Dim>::Work::runFront() {
     }
 }
 
+/// Leaves a site alone; a block whose search reaches back to it may have a radius for it.
+template <int Dim>
+void BlockFront<Dim>::Work::giveUp(std::uint32_t index) {
+    FrontSite& site = sites_[index];
+    std::array<float, Dim> x;
+    std::array<int, Dim> offset{};
+    bool ahead = false;
+    if (site.track.at(0, x))
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            const double start = sphere(site.pivot).center[d] + static_cast<double>(x[at]);
+            offset[at] = start >= state_.search.hi[d] ? 1 : 0;
+            ahead = ahead || offset[at] > 0;
+        }
+    site.foreign = ahead ? BlockSpheres<Dim>::bit(offset) : kDone;
+    ends_[index].dead = !ahead;
+}
+
 /// Places the largest pending radius that fits at a site, or gives the site up.
 template <int Dim>
 void BlockFront<Dim>::Work::grow(std::uint32_t index) {
@@ -624,7 +643,7 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
                 break;
         }
     }
-    ends_[index].dead = true;
+    giveUp(index);
 }
 
 /// Places the largest pending radius ahead of the front, as near to a site as there is room: one
