@@ -1,5 +1,5 @@
 // Packs as other programs write them.
-#include "export/scratch.h"
+#include "export/foreign.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
@@ -15,23 +15,6 @@ using namespace vdbpack;
 using Catch::Matchers::Contains;
 
 namespace {
-
-Pack<3> readText(const std::string& name, const std::string& content) {
-    const Scratch scratch;
-    putContent(scratch / name, content);
-    const auto prefix = name == "p.txt" ? std::string("yade:") : std::string();
-    return readPack(prefix + (scratch / name));
-}
-
-/// The error message without the folder.
-std::string errorOf(const std::string& name, const std::string& content) {
-    try {
-        readText(name, content);
-    } catch (const InputError& e) {
-        return e.what();
-    }
-    return "no error";
-}
 
 template <typename T>
 std::string bytesOf(std::vector<T> values, bool bigEndian = false) {
@@ -238,6 +221,41 @@ TEST_CASE("CSV from ParaView, with semicolons, tabs or diameters", "[export]") {
             std::vector<Sphere<3>>{{{{1, 2, 3}}, 2}});
 }
 
+TEST_CASE("CSV is read with any separator, line end, quotes and comments", "[export]") {
+    const std::string separator = GENERATE(as<std::string>{}, ",", ";", "\t", " ", ", ", "  ");
+    const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n");
+    const bool quoted = GENERATE(false, true);
+    const bool mark = GENERATE(false, true);
+    const std::string above = GENERATE(as<std::string>{}, "", "# a, b; c,", "sep=;");
+    const bool hidden = GENERATE(false, true);
+    CAPTURE(separator, end, quoted, mark, above, hidden);
+    const auto row = [&](const std::vector<std::string>& cells, bool quotes) {
+        std::string text;
+        for (const auto& cell : cells) {
+            if (!text.empty()) text += separator;
+            text += quotes ? "\"" + cell + "\"" : cell;
+        }
+        return text + end;
+    };
+    std::string content = mark ? "\xef\xbb\xbf" : "";
+    if (!above.empty()) content += above + end;
+    content += (hidden ? "# " : "") + row({"z", "Radius", "material", "x", "Y"}, quoted);
+    content += "# lengths in mm" + end;
+    content += row({"3", "0.5", "7", "1", "2"}, false) + end + "#" +
+               row({"9", "9", "9", "9", "9"}, false) + row({"-6", "1e0", "8", "4", "+5"}, quoted);
+    const auto pack = readText("p.csv", content);
+    REQUIRE(pack.spheres == std::vector<Sphere<3>>{{{{1, 2, 3}}, 0.5}, {{{4, 5, -6}}, 1}});
+    REQUIRE(pack.columns.at(0).name == "material");
+    REQUIRE(pack.columns[0].numbers == std::vector<double>{7, 8});
+}
+
+TEST_CASE("a row that may be a comment is not dropped in silence", "[export]") {
+    REQUIRE_THAT(errorOf("p.csv", "name,x,y,z,r\na,1,2,3,1\n#b,4,5,6,1\n"),
+                 Contains("line 3") && Contains("comment or a row"));
+    REQUIRE(readText("p.csv", "name,x,y,z,r\n# two\na,1,2,3,1\n\"#b\",4,5,6,1\n").spheres.size() ==
+            2);
+}
+
 TEST_CASE("a text that looks like a number stays as it was written", "[export]") {
     const auto pack = readText("p.csv", "x,y,z,r,name\n1,2,3,1,007\n1,2,9,1,1e3\n5,5,5,1,x\n");
     REQUIRE(pack.columns[0].texts == std::vector<std::string>{"007", "1e3", "x"});
@@ -245,6 +263,8 @@ TEST_CASE("a text that looks like a number stays as it was written", "[export]")
 
 TEST_CASE("unusable CSV is refused with line and column", "[export]") {
     REQUIRE_THAT(errorOf("p.csv", ""), Contains("is empty"));
+    REQUIRE_THAT(errorOf("p.csv", "1,2,3,4\n5,6,7,8\n"), Contains("yade:FILE"));
+    REQUIRE_THAT(errorOf("p.csv", "# made in 2019\n1,2,3,4\n"), Contains("line 2"));
     REQUIRE_THAT(errorOf("p.csv", "x,y,z\n1,2,3\n"), Contains("radius") && Contains("x, y, z"));
     REQUIRE_THAT(errorOf("p.csv", "x,y,X,z,r\n"), Contains("'x' appears twice"));
     REQUIRE_THAT(errorOf("p.csv", "x,y,z,r\n1,2,3,1\n1,2,3\n"), Contains("line 3: has 3 cells"));
@@ -319,11 +339,50 @@ TEST_CASE("unusable PLY is refused with line or byte", "[export]") {
 TEST_CASE("YADE text is read with and without its format line", "[export]") {
     const std::vector<Sphere<3>> spheres = {{{{1, 2, 3}}, 0.5}, {{{4, 5, 6}}, 1}};
     REQUIRE(readText("p.txt", "1 2 3 0.5\n\n4\t5  6 1").spheres == spheres);
+    REQUIRE(
+        readText("p.txt", "\n# made by hand\r\n1 2 3 0.5\r\n# the second\r\n4 5 6 1\r\n").spheres ==
+        spheres);
     const auto pack = readText("p.txt", "#format x_y_z_r_matId\n# hello\n1 2 3 .5 4\n4 5 6 1 0\n");
     REQUIRE(pack.spheres == spheres);
     REQUIRE(pack.region == std::vector<std::int32_t>{4, 0});
-    REQUIRE_THAT(errorOf("p.txt", "#format x_y_z_r_attrs\n"), Contains("x_y_z_r_attrs"));
+    REQUIRE(readText("p.txt", "").spheres.empty());
+    REQUIRE_THAT(errorOf("p.txt", "#format x1_y1_z1_x2_y2_z2_x3_y3_z3\n"), Contains("x1_y1_z1"));
+    REQUIRE_THAT(errorOf("p.txt", "#format x_y_z_r_mass\n"), Contains("x_y_z_r_mass"));
+    REQUIRE_THAT(errorOf("p.txt", "#format\n1 2 3 4\n"), Contains("format ''"));
+    REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n#format x_y_z_r\n"), Contains("before the spheres"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n1 2 3 4 5\n"), Contains("line 2: has 5 numbers"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n1 2 x 4\n"), Contains("line 2") && Contains("'x'"));
     REQUIRE_THAT(errorOf("p.txt", "# unit of length: furlong\n1 2 3 4\n"), Contains("furlong"));
+    REQUIRE_THAT(errorOf("p.txt", "1 2 nan 4\n"), Contains("not finite"));
+}
+
+TEST_CASE("every format of YADE's textExt and textClumps is read", "[export]") {
+    const std::vector<Sphere<3>> spheres = {{{{1e-05, -2, 3}}, 0.5}, {{{4, 5, 6}}, 1}};
+    const auto ids = readText("p.txt",
+                              "#format id_x_y_z_r_matId\n7\t1e-05\t-2\t3\t0.5\t2\n"
+                              "9\t4\t5\t6\t1\t0\n");
+    REQUIRE(ids.spheres == spheres);
+    REQUIRE(ids.id == std::vector<std::int64_t>{7, 9});
+    REQUIRE(ids.region == std::vector<std::int32_t>{2, 0});
+
+    const auto clumps = readText("p.txt",
+                                 "#format x_y_z_r_clumpId\n1e-05\t-2\t3\t0.5\t12\n"
+                                 "4\t5\t6\t1\t12\n");
+    REQUIRE(clumps.spheres == spheres);
+    REQUIRE(clumps.columns.at(0).name == "clumpId");
+    REQUIRE(clumps.columns[0].numbers == std::vector<double>{12, 12});
+
+    const std::string rows = "1e-05\t-2\t3\t0.5\t7.5\tbone\n4\t5\t6\t1\t8\t1\n";
+    const auto named = readText("p.txt", "#format x_y_z_r_attrs\n# x y z r distance kind\n" + rows);
+    REQUIRE(named.spheres == spheres);
+    REQUIRE(named.columns.at(0).name == "distance");
+    REQUIRE(named.columns[0].numbers == std::vector<double>{7.5, 8});
+    REQUIRE(named.columns.at(1).name == "kind");
+    REQUIRE(named.columns[1].texts == std::vector<std::string>{"bone", "1"});
+
+    const auto unnamed = readText("p.txt", "#format x_y_z_r_attrs\n# of a run\n" + rows);
+    REQUIRE(unnamed.spheres == spheres);
+    REQUIRE(unnamed.columns.at(1).name == "attribute2");
+    REQUIRE_THAT(errorOf("p.txt", "#format x_y_z_r_attrs\n1 2 3 4 5\n1 2 3 4\n"),
+                 Contains("line 3: has 4 numbers"));
 }

@@ -67,4 +67,16 @@ std::string_view trimmed(std::string_view text) {
     return text;
 }
 
+void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words) {
+    words.clear();
+    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
+    for (std::size_t at = 0;;) {
+        while (at < line.size() && blank(line[at])) ++at;
+        if (at >= line.size()) return;
+        const std::size_t begin = at;
+        while (at < line.size() && !blank(line[at])) ++at;
+        words.push_back(line.substr(begin, at - begin));
+    }
+}
+
 }  // namespace vdbpack

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
@@ -23,5 +24,8 @@ bool wholeNumber(double value, std::int64_t& whole);
 
 /// `text` without blanks at either end.
 std::string_view trimmed(std::string_view text);
+
+/// Replaces `words` by those of `line`, which blanks and tabs separate.
+void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words);
 
 }  // namespace vdbpack

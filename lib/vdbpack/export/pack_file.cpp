@@ -17,45 +17,70 @@ namespace vdbpack {
 
 namespace {
 
-constexpr const char* kFormats = "use .vdb, .vtp, .ply, .csv or yade:FILE";
+constexpr const char* kWritten = "use .vdb, .vtp, .ply, .csv or yade:FILE";
+constexpr const char* kRead =
+    "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, yade:FILE";
 
-enum class Format { vdb, vtp, ply, csv, yade };
+enum class Format { vdb, vtp, ply, csv, yade, lammpsData, lammpsDump };
+
+/// A prefix ("yade:f.txt") or extension and what it stands for.
+struct FormatName {
+    const char* name;
+    Format format;
+    bool extension = true;  ///< not only a prefix
+};
+constexpr FormatName kFormatNames[] = {
+    {"vdb", Format::vdb},
+    {"vtp", Format::vtp},
+    {"ply", Format::ply},
+    {"csv", Format::csv},
+    {"yade", Format::yade, false},
+    {"data", Format::lammpsData},
+    {"lammps", Format::lammpsData, false},
+    {"liggghts", Format::lammpsData, false},
+    {"dump", Format::lammpsDump},
+    {"lammpstrj", Format::lammpsDump},
+};
 
 struct Target {
     Format format;
     std::string path;
 };
 
-bool formatNamed(std::string name, Format& format) {
+const FormatName* formatNamed(std::string name) {
     for (char& c : name)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (name == "vdb") return format = Format::vdb, true;
-    if (name == "vtp") return format = Format::vtp, true;
-    if (name == "ply") return format = Format::ply, true;
-    if (name == "csv") return format = Format::csv, true;
-    if (name == "yade") return format = Format::yade, true;
-    return false;
+    for (const auto& known : kFormatNames)
+        if (name == known.name) return &known;
+    return nullptr;
 }
 
-/// Format by prefix, else by extension.
-Target target(const std::string& file) {
-    Target t{Format::csv, file};
+/// Format by prefix, else by extension. `formats` tells which there are.
+Target target(const std::string& file, const char* formats) {
     const auto colon = file.find(':');
-    if (colon != std::string::npos && formatNamed(file.substr(0, colon), t.format)) {
-        t.path = file.substr(colon + 1);
-        if (t.path.empty())
-            throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
-        return t;
+    if (colon != std::string::npos) {
+        if (const auto* known = formatNamed(file.substr(0, colon))) {
+            if (colon + 1 == file.size())
+                throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
+            return {known->format, file.substr(colon + 1)};
+        }
     }
     const auto dot = file.rfind('.');
     const auto slash = file.rfind('/');
     const bool extended =
         dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
     const std::string extension = extended ? file.substr(dot + 1) : "";
-    // "yade" is a prefix, not an extension.
-    if (formatNamed(extension, t.format) && t.format != Format::yade) return t;
+    const auto* known = formatNamed(extension);
+    if (known != nullptr && known->extension) return {known->format, file};
     throw ParameterError(file + ": '" + (extended ? "." + extension : "") +
-                         "' is not a pack format; " + kFormats);
+                         "' is not a pack format; " + formats);
+}
+
+Target targetToWrite(const std::string& file) {
+    Target t = target(file, kWritten);
+    if (t.format == Format::lammpsData || t.format == Format::lammpsDump)
+        throw ParameterError(file + ": LAMMPS files are read but not written; " + kWritten);
+    return t;
 }
 
 template <int Dim>
@@ -99,12 +124,12 @@ double pointVoxelSize(double count, double measure, int dim) {
 }
 
 void checkPackFormat(const std::string& file) {
-    target(file);
+    targetToWrite(file);
 }
 
 template <int Dim>
 void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options) {
-    const Target t = target(file);
+    const Target t = targetToWrite(file);
     checkPack(pack);
     if (!(options.pointVoxel >= 0) || !std::isfinite(options.pointVoxel))
         throw ParameterError(
@@ -129,6 +154,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
         case Format::yade:
             writeYade(view, options, out);
             break;
+        case Format::lammpsData:
+        case Format::lammpsDump:
+            break;  // refused above
     }
     out.commit();
 }
@@ -137,7 +165,7 @@ template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOp
 template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
 
 Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
-    const Target t = target(file);
+    const Target t = target(file, kRead);
     try {
         switch (t.format) {
             case Format::vdb:
@@ -148,6 +176,10 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
                 return readPly(t.path, options);
             case Format::csv:
                 return readCsv(t.path, options);
+            case Format::lammpsData:
+                return readLammpsData(t.path, options);
+            case Format::lammpsDump:
+                return readLammpsDump(t.path, options);
             case Format::yade:
                 break;
         }

@@ -55,8 +55,21 @@ struct PackReadOptions {
 };
 
 /// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
-/// order and case; id, region, order, depth and contacts where there are; all else as `columns`.
-/// .vtp: ASCII, base64 or raw, plain or deflated. .ply: text or binary, either byte order.
+/// order and case; id, region, order, depth and contacts where there are; all else as `columns`, in
+/// the numbers of the file. The format by prefix ("lammps:f.txt") or extension:
+///
+/// - .vdb: a grid of points.
+/// - .vtp: ASCII, base64 or raw, plain or deflated. .ply: text or binary, either byte order.
+/// - .csv: commas, semicolons, tabs or blanks between the cells, the columns named by the first
+///   line or by a comment (#) above it.
+/// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
+/// - .data, lammps:, liggghts: data files of LAMMPS and LIGGGHTS with atom style sphere, granular
+/// or
+///   bpm/sphere. type, density, molecule and image flags are kept, other sections left out.
+/// - .dump, .lammpstrj, dump: their text dumps with a column radius or diameter; of several frames
+///   the last one. x y z are taken, or else xs ys zs, xu yu zu or xsu ysu zsu.
+///
+/// LAMMPS files that name their units (si, cgs or micro) count as recording their own.
 ///
 /// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are in proportion to the file.
 /// @throws IoError, InputError (with line or offset), ParameterError (unknown format),

@@ -1,4 +1,4 @@
-// Private: one writer and one reader for each pack format, and rows of text made in parallel.
+// Private: the writers and readers of the pack formats, and rows of text made in parallel.
 #pragma once
 
 #include "vdbpack/core/output_file.h"
@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <functional>
 #include <string>
+#include <string_view>
 
 namespace vdbpack {
 
@@ -24,6 +25,8 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options);
 Pack<3> readPly(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
+Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
+Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
 
 /// Writes rows 0 to `rows` - 1 in order; `append(text, row)` adds one row with its line end to
 /// `text` and is called from several threads.
@@ -36,5 +39,9 @@ std::string oneLine(std::string text);
 /// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
 /// @return false if it names a unit that is not known.
 bool parseUnitComment(std::string_view comment, Unit& unit);
+
+/// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
+/// whose lengths (angstrom, reduced) are none of ours.
+void takeLammpsUnits(std::string_view style, Unit& unit);
 
 }  // namespace vdbpack

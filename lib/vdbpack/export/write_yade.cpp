@@ -1,18 +1,66 @@
-// YADE's text format (ymport.text, ymport.textExt): x y z r and, with regions, matId.
+// YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
+// adds.
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/input_file.h"
 #include "vdbpack/export/numbers.h"
-#include "vdbpack/export/pack_builder.h"
 #include "vdbpack/export/pack_formats.h"
+#include "vdbpack/export/text_table.h"
 
 #include <fmt/format.h>
 
-#include <memory>
+#include <algorithm>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
 
 namespace vdbpack {
+
+namespace {
+
+constexpr std::string_view kFormat = "#format";
+
+bool isFormatLine(std::string_view line) {
+    return line.substr(0, kFormat.size()) == kFormat;
+}
+
+/// The columns of a format such as id_x_y_z_r_matId. @return false if it is not known.
+bool columnsOf(std::string_view format, std::vector<std::string>& names, bool& attributes) {
+    Cells words;
+    splitAtBlanks(format, words);
+    if (words.empty()) return false;
+    std::string_view rest = words.front();
+    names.clear();
+    constexpr std::string_view kId = "id_";
+    if (rest.substr(0, kId.size()) == kId) {
+        names.push_back("id");
+        rest.remove_prefix(kId.size());
+    }
+    constexpr std::string_view kSphere = "x_y_z_r";
+    if (rest.substr(0, kSphere.size()) != kSphere) return false;
+    rest.remove_prefix(kSphere.size());
+    names.insert(names.end(), {"x", "y", "z", "r"});
+    attributes = rest == "_attrs";
+    if (rest == "_matId") names.push_back("region");
+    if (rest == "_clumpId") names.push_back("clumpId");
+    return rest.empty() || attributes || rest == "_matId" || rest == "_clumpId";
+}
+
+/// Adds the names of the attributes: those that export.textExt writes as "# x y z r name ...", or
+/// else attribute1, attribute2, ...
+void nameAttributes(std::string_view firstRow, std::string_view comment,
+                    std::vector<std::string>& names) {
+    Cells cells, words;
+    splitAtBlanks(firstRow, cells);
+    splitAtBlanks(comment, words);
+    const std::size_t known = names.size();
+    const bool named = words.size() == cells.size() && words.size() > known &&
+                       std::equal(names.begin(), names.end(), words.begin());
+    for (std::size_t c = known; c < cells.size(); ++c)
+        names.push_back(named ? std::string(words[c]) : fmt::format("attribute{}", c - known + 1));
+}
+
+}  // namespace
 
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
     const bool regions = !pack.region().empty();
@@ -33,56 +81,54 @@ void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile
 
 Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     InputFile file(path);
-    Unit unit = options.unit;
-    std::vector<std::string> names = {"x", "y", "z", "r"};
-    std::unique_ptr<PackBuilder> builder;
-    std::vector<std::string_view> cells;
+    TextTable table;
+    table.unit = options.unit;
+    table.names = {"x", "y", "z", "r"};
+    bool attributes = false;  // any number of further columns
+    std::string comment;      // the last one above the spheres
     std::string_view line;
-    const auto where = [&] { return fmt::format("line {}", file.lineNumber()); };
-    while (file.nextLine(line)) {
+    const auto fail = [&](const std::string& what) {
+        throw InputError(fmt::format("{}: line {}: {}", path, file.lineNumber(), what));
+    };
+
+    // The header: comments up to the first sphere.
+    std::uint64_t begin = 0;
+    std::uint64_t lineBefore = 0;
+    for (;; begin = file.nextOffset(), lineBefore = file.lineNumber()) {
+        if (!file.nextLine(line)) return {};
         line = trimmed(line);
         if (line.empty()) continue;
-        if (line.front() == '#') {
-            constexpr std::string_view kFormat = "#format";
-            if (line.substr(0, kFormat.size()) == kFormat) {
-                const auto format = trimmed(line.substr(kFormat.size()));
-                if (format == "x_y_z_r")
-                    names = {"x", "y", "z", "r"};
-                else if (format == "x_y_z_r_matId")
-                    names = {"x", "y", "z", "r", "region"};
-                else
-                    throw InputError(
-                        fmt::format("{}: {}: format '{}' is not supported; use x_y_z_r or "
-                                    "x_y_z_r_matId",
-                                    path, where(), format.substr(0, 80)));
-                if (builder)
-                    throw InputError(fmt::format(
-                        "{}: {}: the format line must come before the spheres", path, where()));
-            } else if (!builder && !parseUnitComment(line, unit)) {
-                throw InputError(fmt::format("{}: {}: unknown unit in '{}'; use m, cm, mm or um",
-                                             path, where(), line.substr(0, 80)));
-            }
-            continue;
+        if (line.front() != '#') break;
+        if (isFormatLine(line)) {
+            if (!columnsOf(line.substr(kFormat.size()), table.names, attributes))
+                fail(
+                    fmt::format("format '{}' is not supported; use x_y_z_r, which id_ may precede "
+                                "and _matId, _clumpId or _attrs follow",
+                                trimmed(line.substr(kFormat.size())).substr(0, 80)));
+        } else if (parseUnitComment(line, table.unit)) {
+            comment = line.substr(1);
+        } else {
+            fail(fmt::format("unknown unit in '{}'; use m, cm, mm or um", line.substr(0, 80)));
         }
-        if (!builder) builder = std::make_unique<PackBuilder>(path, names, unit);
-        cells.clear();
-        for (std::size_t at = 0; at < line.size();) {
-            const auto begin = line.find_first_not_of(" \t", at);
-            if (begin == std::string_view::npos) break;
-            at = std::min(line.find_first_of(" \t", begin), line.size());
-            cells.push_back(line.substr(begin, at - begin));
-        }
-        if (cells.size() != names.size())
-            throw InputError(
-                fmt::format("{}: {}: has {} numbers where {} are expected; check the "
-                            "#format line, or cut the file there",
-                            path, where(), cells.size(), names.size()));
-        builder->addRow();
-        for (std::size_t c = 0; c < cells.size(); ++c)
-            if (!builder->parse(c, cells[c])) builder->failCell(where(), c, cells[c]);
-        if (!builder->problem().empty()) builder->failRow(where());
     }
-    return builder ? builder->finish() : Pack<3>{};
+    if (attributes) nameAttributes(line, comment, table.names);
+
+    file.seek(begin, lineBefore);
+    table.nextRow = [&](std::uint64_t, Cells& cells) {
+        do {
+            if (!file.nextLine(line)) return false;
+            line = trimmed(line);
+            if (isFormatLine(line)) fail("the format line must come before the spheres; move it");
+        } while (line.empty() || line.front() == '#');
+        splitAtBlanks(line, cells);
+        if (cells.size() != table.names.size())
+            fail(
+                fmt::format("has {} numbers where {} are expected; check the #format line, or cut "
+                            "the file there",
+                            cells.size(), table.names.size()));
+        return true;
+    };
+    return readTable(file, table);
 }
 
 }  // namespace vdbpack

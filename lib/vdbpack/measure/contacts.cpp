@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,30 +14,105 @@
 
 namespace vdbpack {
 
-template <int Dim>
-ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
-                           const std::vector<float>& depth) {
+namespace {
+
+/// Sets of spheres that contacts join, from many threads at once.
+/// Source: Anderson, Woll (1991), "Wait-free parallel algorithms for the union-find problem".
+class Components {
+public:
+    explicit Components(std::size_t n) : parent_(n) {
+        for (std::size_t i = 0; i < n; ++i)
+            parent_[i].store(static_cast<std::uint32_t>(i), std::memory_order_relaxed);
+    }
+    std::uint32_t find(std::uint32_t i) {
+        for (;;) {
+            std::uint32_t up = parent_[i].load(std::memory_order_relaxed);
+            if (up == i) return i;
+            const std::uint32_t next = parent_[up].load(std::memory_order_relaxed);
+            // Roots only ever move to smaller numbers: skipping one is always right.
+            if (next != up) parent_[i].compare_exchange_weak(up, next, std::memory_order_relaxed);
+            i = next;
+        }
+    }
+    void join(std::uint32_t i, std::uint32_t j) {
+        for (;;) {
+            i = find(i);
+            j = find(j);
+            if (i == j) return;
+            if (i < j) std::swap(i, j);
+            std::uint32_t root = i;
+            if (parent_[i].compare_exchange_strong(root, j, std::memory_order_relaxed)) return;
+        }
+    }
+
+private:
+    std::vector<std::atomic<std::uint32_t>> parent_;
+};
+
+void requireTolerance(double tolerance) {
     if (!(tolerance >= 0 && tolerance <= 1))
         throw ParameterError(fmt::format(
             "contacts: tolerance {} is not a share of a radius from 0 to 1", tolerance));
+}
+
+/// A sum of numbers from -1 to 1 that does not depend on their order.
+constexpr double kFixed = 0x1p31;
+
+}  // namespace
+
+template <int Dim>
+ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                           const std::vector<float>& depth) {
+    requireTolerance(tolerance);
     if (!depth.empty() && depth.size() != spheres.size())
         throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
                                          depth.size(), spheres.size(), Measure<Dim>::kSpheres));
     requireUsable(spheres);
     ContactCheck result;
     std::vector<std::atomic<std::int32_t>> counts(spheres.size());
-    tbb::enumerable_thread_specific<double> smallest(result.smallestGap);
+    struct Found {
+        double smallest = std::numeric_limits<double>::infinity();
+        std::array<std::int64_t, Dim*(Dim + 1) / 2> fabric{};
+    };
+    tbb::enumerable_thread_specific<Found> found;
+    Components components(spheres.size());
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
             double d2) {
             counts[i].fetch_add(1, std::memory_order_relaxed);
             counts[j].fetch_add(1, std::memory_order_relaxed);
-            double& mine = smallest.local();
-            mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
+            components.join(i, j);
+            Found& mine = found.local();
+            mine.smallest = std::min(mine.smallest, std::sqrt(d2) - a.radius - b.radius);
+            if (!(d2 > 0)) return;
+            const Vec<Dim> to = b.center - a.center;
+            const double scale = kFixed / d2;
+            std::size_t k = 0;
+            for (int p = 0; p < Dim; ++p)
+                for (int q = p; q < Dim; ++q)
+                    mine.fabric[k++] += std::llrint(to[p] * to[q] * scale);
         },
         [] { return false; });
-    for (const double gap : smallest) result.smallestGap = std::min(result.smallestGap, gap);
+    Found all;
+    for (const Found& f : found) {
+        all.smallest = std::min(all.smallest, f.smallest);
+        for (std::size_t k = 0; k < all.fabric.size(); ++k) all.fabric[k] += f.fabric[k];
+    }
+    result.smallestGap = all.smallest;
+    {
+        std::size_t k = 0;
+        double trace = 0;
+        for (int p = 0; p < Dim; ++p)
+            for (int q = p; q < Dim; ++q, ++k) {
+                const auto value = static_cast<double>(all.fabric[k]);
+                result.fabric[static_cast<std::size_t>(p)][q] = value;
+                result.fabric[static_cast<std::size_t>(q)][p] = value;
+                if (p == q) trace += value;
+            }
+        if (trace > 0)
+            for (auto& row : result.fabric) row *= 1 / trace;
+    }
     result.counts.resize(spheres.size());
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -50,10 +126,52 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
         ++result.counts[i];
         ++result.wallContacts;
     }
-    if (!spheres.empty())
-        result.mean =
-            static_cast<double>(sum + result.wallContacts) / static_cast<double>(spheres.size());
+    result.few = Dim + 1;
+    if (spheres.empty()) return result;
+    std::vector<std::uint32_t> members(spheres.size());
+    std::uint64_t few = 0;
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        ++members[components.find(static_cast<std::uint32_t>(i))];
+        const auto count = static_cast<std::size_t>(result.counts[i]);
+        if (count >= result.histogram.size()) result.histogram.resize(count + 1);
+        ++result.histogram[count];
+        few += result.counts[i] < result.few;
+    }
+    const auto total = static_cast<double>(spheres.size());
+    result.mean = static_cast<double>(sum + result.wallContacts) / total;
+    result.fewShare = static_cast<double>(few) / total;
+    result.components = static_cast<std::uint64_t>(
+        std::count_if(members.begin(), members.end(), [](std::uint32_t m) { return m > 0; }));
+    result.largestComponent = *std::max_element(members.begin(), members.end()) / total;
     return result;
+}
+
+template <int Dim>
+std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance) {
+    requireTolerance(tolerance);
+    requireUsable(spheres);
+    tbb::enumerable_thread_specific<std::vector<Contact>> found;
+    const CellLevels<Dim> cells(spheres, tolerance);
+    cells.forEachPair(
+        [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
+            double d2) {
+            // The radii are added first, so that the gap is the same for (i, j) and (j, i).
+            found.local().push_back(
+                {std::min(i, j), std::max(i, j), std::sqrt(d2) - (a.radius + b.radius)});
+        },
+        [] { return false; });
+    std::size_t total = 0;
+    for (const auto& part : found) total += part.size();
+    std::vector<Contact> contacts;
+    contacts.reserve(total);
+    for (auto& part : found) {
+        contacts.insert(contacts.end(), part.begin(), part.end());
+        part = {};
+    }
+    tbb::parallel_sort(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
+        return a.i != b.i ? a.i < b.i : a.j < b.j;
+    });
+    return contacts;
 }
 
 template <int Dim>
@@ -82,6 +200,8 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     }
 }
 
+template std::vector<Contact> listContacts<2>(const std::vector<Sphere<2>>&, double);
+template std::vector<Contact> listContacts<3>(const std::vector<Sphere<3>>&, double);
 template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t);
 template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t);
 template ContactCheck countContacts<2>(const std::vector<Sphere<2>>&, double,

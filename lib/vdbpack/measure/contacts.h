@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/core/symmetric.h"
 
 #include <cstdint>
 #include <limits>
@@ -10,16 +11,31 @@
 
 namespace vdbpack {
 
-struct ContactCheck {
-    std::vector<std::int32_t> counts;  ///< spheres and walls that each sphere touches
-    double mean = 0;                   ///< mean of `counts`, the coordination number; 0 if empty
-    std::uint64_t pairs = 0;           ///< touching pairs of spheres
-    std::uint64_t wallContacts = 0;    ///< spheres that touch the wall
+/// The network that contacts form.
+struct ContactNetwork {
+    /// Mean number of spheres and walls that a sphere touches, the coordination number; 0 if empty.
+    double mean = 0;
+    std::uint64_t pairs = 0;         ///< touching pairs of spheres
+    std::uint64_t wallContacts = 0;  ///< spheres that touch the wall
     /// Smallest gap of the touching pairs, mm; infinity if there are none.
     double smallestGap = std::numeric_limits<double>::infinity();
+    std::vector<std::uint64_t> histogram;  ///< spheres with 0, 1, 2, ... contacts
+    /// Contacts below which a sphere is not held in place: 4 (2D: 3).
+    int few = 4;
+    double fewShare = 0;  ///< share of the spheres with fewer than `few` contacts
+    /// Mean of n n^T over the touching pairs, n the unit vector from one center to the other
+    /// (2D: in the upper left): trace 1; 0 without pairs. Oda (1982), second-order fabric tensor.
+    Matrix<3> fabric{};
+    /// Share of the spheres in the largest set that contacts join; 0 if empty.
+    double largestComponent = 0;
+    std::uint64_t components = 0;  ///< sets of spheres that contacts join, lone spheres included
 };
 
-/// Counts contacts.
+struct ContactCheck : ContactNetwork {
+    std::vector<std::int32_t> counts;  ///< spheres and walls that each sphere touches
+};
+
+/// Counts contacts and tells what network they form. The same for any number of threads.
 ///
 /// @param tolerance  two spheres touch if their gap is below this share of the smaller radius
 ///                   (overlapping ones do), a sphere and the wall if |depth - radius| is at most
@@ -29,6 +45,20 @@ struct ContactCheck {
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
                            const std::vector<float>& depth = {});
+
+/// Two touching spheres.
+struct Contact {
+    std::uint32_t i = 0, j = 0;  ///< indices of the spheres, i < j
+    double gap = 0;              ///< mm; negative where they overlap
+};
+
+/// Lists the pairs of spheres that `countContacts` counts, sorted by i, then j: the same list for
+/// any number of threads. 16 bytes a contact, twice that while the list is made.
+///
+/// @param tolerance  as of `countContacts`.
+/// @throws as `countContacts`.
+template <int Dim>
+std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance);
 
 /// The smallest distance between the surfaces of two spheres, mm; negative if they overlap.
 /// Exact, however far apart they are.

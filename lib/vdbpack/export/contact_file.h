@@ -1,0 +1,34 @@
+// Contact lists: which spheres touch, for bonded models and network analysis.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/units.h"
+#include "vdbpack/measure/contacts.h"
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// Writes a table (.csv) with one row a contact and the columns i, j, gap, nx, ny, nz, region_i,
+/// region_j. Whole or absent, as `writePack`.
+///
+/// i and j are ids as in the pack's file (its index where the pack has none); the normal points
+/// from i to j and has length one, or is 0 0 0 where the centers coincide; 2D: nz = 0. Regions are
+/// 0 where the pack has none. Numbers come back as the same doubles.
+///
+/// @param contacts  as from `listContacts(pack.spheres, ...)`, written in their order.
+/// @param file      any name; no prefix or extension is looked at.
+/// @param unit      of `gap`, negative where the spheres overlap.
+/// @throws ParameterError (a contact of no two spheres of the pack, or without a finite gap;
+/// attributes of the wrong length), IoError
+template <int Dim>
+void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
+                   const std::string& file, Unit unit = Unit::millimeter);
+
+extern template void writeContacts<2>(const Pack<2>&, const std::vector<Contact>&,
+                                      const std::string&, Unit);
+extern template void writeContacts<3>(const Pack<3>&, const std::vector<Contact>&,
+                                      const std::string&, Unit);
+
+}  // namespace vdbpack
