@@ -170,3 +170,61 @@ TEST_CASE("places are those of a search over the same clearances", "[measure]") 
             Approx(places).margin(4 * std::sqrt(static_cast<double>(places)) + 4));
     REQUIRE_THROWS_AS(findPlaces<3>(spheres, *domain, 0.0), ParameterError);
 }
+
+TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[measure]",
+                       ((int Dim), Dim), 2, 3) {
+    // Ten touching spheres a side: each layer of a diameter below the wall is a shell of whole
+    // ones.
+    std::vector<Sphere<Dim>> spheres;
+    for (int z = 0; z < (Dim == 3 ? 10 : 1); ++z)
+        for (int y = 0; y < 10; ++y)
+            for (int x = 0; x < 10; ++x) {
+                const int at[3] = {x, y, z};
+                Sphere<Dim> s;
+                for (int d = 0; d < Dim; ++d) s.center[d] = 2 * at[d] - 9;
+                s.radius = 1;
+                spheres.push_back(s);
+            }
+    Box<Dim> box;
+    box.lo = Box<Dim>::filled(-10);
+    box.hi = Box<Dim>::filled(10);
+    const auto domain = boxDomain<Dim>(box);
+    const double level = Measure<Dim>::ball(1) / std::pow(2, Dim);
+    const auto layers = densityProfile(spheres, *domain, 2, 10);
+    REQUIRE(layers.fraction.size() == 5);
+    for (std::size_t b = 0; b < 5; ++b) {
+        CAPTURE(b);
+        CHECK(layers.error[b] < 0.003);
+        CHECK(std::fabs(layers.fraction[b] - level) < 4 * layers.error[b] + 1e-9);
+    }
+    // Fine bins hold the same volume, and their errors are honest.
+    const auto fine = densityProfile(spheres, *domain, 0.25, 10);
+    REQUIRE(fine.fraction.size() == 40);
+    double volume = 0;
+    for (std::size_t b = 0; b < 40; ++b)
+        volume += fine.fraction[b] *
+                  (domain->measureDeeperThan(0.25 * static_cast<double>(b)) -
+                   domain->measureDeeperThan(std::min(10.0, 0.25 * static_cast<double>(b + 1))));
+    CHECK(volume ==
+          Approx(static_cast<double>(spheres.size()) * Measure<Dim>::ball(1)).epsilon(1e-6));
+    // The first bin: caps of height 0.25, where no second wall is near.
+    const double edge = domain->measureDeeperThan(0) - domain->measureDeeperThan(0.25);
+    const double cap = Dim == 3 ? kPi * 0.25 * 0.25 * (3 - 0.25) / 3
+                                : std::acos(0.75) - 0.75 * std::sqrt(1 - 0.75 * 0.75);
+    const double caps = (Dim == 3 ? 6 * 100 : 4 * 10) * cap;
+    CHECK(std::fabs(fine.fraction[0] - caps / edge) < 4 * fine.error[0]);
+
+    const auto local = localFraction(spheres, *domain, 4);
+    REQUIRE(local);
+    CHECK(local->cells == (Dim == 3 ? 27 : 9));
+    CHECK(local->mean == Approx(level).epsilon(1e-6));
+    CHECK(local->sd < 1e-6);
+    // Cells that cut spheres hold as much, but for the points that stand for the parts.
+    const auto cut = localFraction(spheres, *domain, 3);
+    REQUIRE(cut);
+    CHECK(cut->mean == Approx(level).epsilon(0.05));
+    CHECK_FALSE(localFraction(spheres, *domain, 19));
+    CHECK_THROWS_AS(localFraction(spheres, *domain, 0), ParameterError);
+    CHECK_THROWS_AS(densityProfile(spheres, *domain, 0, 5), ParameterError);
+    CHECK_THROWS_AS(densityProfile(spheres, *domain, 2, 1), ParameterError);
+}

@@ -107,3 +107,16 @@ TEST_CASE("a bad table is refused with its line", "[pack][sizes]") {
     std::ofstream(file) << "1,50\n2,20\n";
     CHECK_THROWS_AS(SizeDistribution::parse("psd:" + file, 3), InputError);
 }
+
+TEST_CASE("shares by volume are integrals of the radius cubed", "[pack]") {
+    const auto uniform = SizeDistribution::parse("uniform:1,2", 3);
+    const VolumeShares volume(uniform, 3);
+    const VolumeShares area(uniform, 2);
+    for (double r = 1; r <= 2; r += 0.125) {
+        CHECK(volume(uniform.cdf(r)) == Approx((std::pow(r, 4) - 1) / 15).margin(1e-5));
+        CHECK(area(uniform.cdf(r)) == Approx((std::pow(r, 3) - 1) / 7).margin(1e-5));
+    }
+    const auto constant = SizeDistribution::parse("constant:3", 3);
+    CHECK(VolumeShares(constant, 3)(constant.cdfBelow(3)) == 0);
+    CHECK(VolumeShares(constant, 3)(constant.cdf(3)) == 1);
+}

@@ -1,8 +1,8 @@
 #include "vdbpack/measure/density.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/rng.h"
 #include "vdbpack/measure/cell_levels.h"
+#include "vdbpack/measure/sampling.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -20,59 +21,6 @@
 namespace vdbpack {
 
 namespace {
-
-using Blocks = tbb::blocked_range<std::size_t>;
-
-/// A sampler a thread.
-template <int Dim>
-class Samplers {
-public:
-    explicit Samplers(const Domain<Dim>& domain)
-        : samplers_([&domain] { return domain.sampler(); }) {}
-    DomainSampler<Dim>& local() { return *samplers_.local(); }
-
-private:
-    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
-};
-
-/// The additive recurrence of lowest discrepancy in `Dim` dimensions, shifted at random.
-/// Source: Roberts (2018), "The unreasonable effectiveness of quasirandom sequences": steps are
-/// powers of 1/g, where g^(Dim+1) = g + 1.
-template <int Dim>
-class Spread {
-public:
-    explicit Spread(std::uint64_t seed) {
-        RandomStream stream(0, seed);
-        for (int i = 0; i < Dim; ++i) at_[i] = stream.uniform();
-    }
-    /// The next point of the unit cube.
-    const Vec<Dim>& next() {
-        constexpr double g = Dim == 2 ? 1.32471795724474602596 : 1.22074408460575947536;
-        double step = 1;
-        for (int i = 0; i < Dim; ++i) {
-            step /= g;
-            at_[i] += step;
-            if (at_[i] >= 1) at_[i] -= 1;
-        }
-        return at_;
-    }
-
-private:
-    Vec<Dim> at_;
-};
-
-/// The unit cube onto the unit ball (2D: disc), volumes in proportion.
-template <int Dim>
-Vec<Dim> ballPoint(const Vec<Dim>& u) {
-    if constexpr (Dim == 2) {
-        const double r = std::sqrt(u[0]), a = 2 * kPi * u[1];
-        return {{r * std::cos(a), r * std::sin(a)}};
-    } else {
-        const double r = std::cbrt(u[0]), a = 2 * kPi * u[1], z = 1 - 2 * u[2];
-        const double s = std::sqrt(std::max(0.0, 1 - z * z));
-        return {{r * s * std::cos(a), r * s * std::sin(a), r * z}};
-    }
-}
 
 /// Directions from a center to the points asked where the field is too shallow to tell.
 template <int Dim>
@@ -301,12 +249,196 @@ PlaceCheck<Dim> findPlaces(const std::vector<Sphere<Dim>>& spheres, const Domain
     return result;
 }
 
+template <int Dim>
+DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                              double width, double deepest) {
+    const double known = domain.fieldDepth();
+    if (!(width > 0 && deepest >= width) || deepest > known * (1 + 1e-6))
+        throw ParameterError(
+            fmt::format("profile: bins of {} mm down to {} mm; give a positive width and a depth "
+                        "from that to {} mm, the depth of the field",
+                        width, deepest, known));
+    requireUsable(spheres);
+    const auto count = static_cast<std::size_t>(std::floor(deepest / width * (1 + 1e-9)));
+    if (count > 100000)
+        throw ParameterError(
+            fmt::format("profile: {} bins are more than the 100000 that it may have; give wider "
+                        "ones than {} mm",
+                        count, width));
+    // Those that a bin may hold a part of.
+    Samplers<Dim> samplers(domain);
+    const double end = static_cast<double>(count) * width;
+    std::vector<unsigned char> near(spheres.size());
+    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+        auto& sampler = samplers.local();
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            const double d = -sampler.signedDistance(spheres[i].center);
+            near[i] = d >= known * (1 - 1e-6) || d - spheres[i].radius < end;
+        }
+    });
+    const auto crossing = static_cast<double>(std::count(near.begin(), near.end(), 1));
+    const int points = static_cast<int>(std::clamp(1.2e7 / std::max(crossing, 1.0), 16.0, 1000.0));
+    struct Sum {
+        std::vector<double> covered, variance;
+    };
+    const auto sum = tbb::parallel_deterministic_reduce(
+        Blocks(0, spheres.size(), 8192), Sum{},
+        [&](const Blocks& block, Sum mine) {
+            mine.covered.resize(count);
+            mine.variance.resize(count);
+            auto& sampler = samplers.local();
+            std::vector<int> hits(count);
+            for (std::size_t i = block.begin(); i < block.end(); ++i) {
+                if (!near[i]) continue;
+                Spread<Dim> spread(i);
+                std::size_t first = count, last = 0;
+                for (int k = 0; k < points; ++k) {
+                    const Vec<Dim> x =
+                        spheres[i].center + ballPoint<Dim>(spread.next()) * spheres[i].radius;
+                    // Where the field takes a hair of a sphere for outside, it is at the wall.
+                    const double d = std::max(0.0, -sampler.signedDistance(x));
+                    const double bin = d / width;
+                    if (!(bin < static_cast<double>(count))) continue;
+                    const auto b = static_cast<std::size_t>(bin);
+                    first = std::min(first, b);
+                    last = std::max(last, b);
+                    ++hits[b];
+                }
+                const double ball = Measure<Dim>::ball(spheres[i].radius);
+                for (std::size_t b = first; b <= last && b < count; ++b) {
+                    const double share = static_cast<double>(hits[b]) / points;
+                    hits[b] = 0;
+                    mine.covered[b] += share * ball;
+                    mine.variance[b] += share * (1 - share) / points * ball * ball;
+                }
+            }
+            return mine;
+        },
+        [&](Sum a, const Sum& b) {
+            if (a.covered.empty()) return b;
+            for (std::size_t k = 0; k < b.covered.size(); ++k) {
+                a.covered[k] += b.covered[k];
+                a.variance[k] += b.variance[k];
+            }
+            return a;
+        });
+    DensityProfile profile;
+    profile.width = width;
+    double outer = domain.measureDeeperThan(0);
+    for (std::size_t b = 0; b < count; ++b) {
+        const double inner =
+            domain.measureDeeperThan(std::min(static_cast<double>(b + 1) * width, known));
+        const double part = outer - inner;
+        outer = inner;
+        if (!(part > 1e-9 * domain.measure())) break;
+        const bool any = !sum.covered.empty();
+        profile.fraction.push_back(any ? sum.covered[b] / part : 0);
+        profile.error.push_back(any ? std::sqrt(sum.variance[b]) / part : 0);
+    }
+    return profile;
+}
+
+template <int Dim>
+std::optional<LocalFraction> localFraction(const std::vector<Sphere<Dim>>& spheres,
+                                           const Domain<Dim>& domain, double edge) {
+    if (!(edge > 0) || !std::isfinite(edge))
+        throw ParameterError(
+            fmt::format("local fraction: cells of {} mm; give a positive edge", edge));
+    requireUsable(spheres);
+    const Box<Dim> bounds = domain.bounds();
+    std::array<std::size_t, static_cast<std::size_t>(Dim)> n{};
+    double cells = 1;
+    for (int d = 0; d < Dim; ++d) cells *= std::max(1.0, std::floor(bounds.size()[d] / edge));
+    if (!(cells < 1e8))
+        throw ParameterError(
+            fmt::format("local fraction: {:.3g} cells are too many; give an edge larger than {} mm",
+                        cells, edge));
+    std::size_t total = 1;
+    Vec<Dim> corner;
+    for (int d = 0; d < Dim; ++d) {
+        const double fit = std::floor(bounds.size()[d] / edge * (1 + 1e-9));
+        if (fit < 1) return std::nullopt;
+        n[static_cast<std::size_t>(d)] = static_cast<std::size_t>(fit);
+        total *= static_cast<std::size_t>(fit);
+        corner[d] = bounds.center()[d] - 0.5 * fit * edge;  // in the middle of the bounds
+    }
+    const auto cellAt = [&](const Vec<Dim>& x) {
+        std::size_t cell = 0;
+        for (int d = Dim - 1; d >= 0; --d) {
+            const double at = std::floor((x[d] - corner[d]) / edge);
+            const auto size = n[static_cast<std::size_t>(d)];
+            if (!(at >= 0 && at < static_cast<double>(size))) return total;
+            cell = cell * size + static_cast<std::size_t>(at);
+        }
+        return cell;
+    };
+    // In whole parts of a cell, so that the sum does not depend on the order.
+    const double unit = 0x1p-40 * std::pow(edge, Dim);
+    std::vector<std::atomic<std::int64_t>> covered(total);
+    constexpr int kPoints = 32;
+    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            const Sphere<Dim>& s = spheres[i];
+            const double ball = Measure<Dim>::ball(s.radius);
+            const auto add = [&](std::size_t cell, double volume) {
+                if (cell < total)
+                    covered[cell].fetch_add(std::llround(volume / unit), std::memory_order_relaxed);
+            };
+            Vec<Dim> lo = s.center, hi = s.center;
+            for (int d = 0; d < Dim; ++d) lo[d] -= s.radius, hi[d] += s.radius;
+            const std::size_t home = cellAt(lo);
+            if (home < total && home == cellAt(hi)) {
+                add(home, ball);
+                continue;
+            }
+            Spread<Dim> spread(i);
+            for (int k = 0; k < kPoints; ++k)
+                add(cellAt(s.center + ballPoint<Dim>(spread.next()) * s.radius), ball / kPoints);
+        }
+    });
+    Samplers<Dim> samplers(domain);
+    std::vector<unsigned char> inside(total);
+    const double halfDiagonal = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
+    tbb::parallel_for(Blocks(0, total, 64), [&](const Blocks& block) {
+        auto& sampler = samplers.local();
+        for (std::size_t c = block.begin(); c < block.end(); ++c) {
+            Vec<Dim> x = corner;
+            std::size_t rest = c;
+            for (int d = 0; d < Dim; ++d) {
+                const auto size = n[static_cast<std::size_t>(d)];
+                x[d] += (static_cast<double>(rest % size) + 0.5) * edge;
+                rest /= size;
+            }
+            inside[c] = sampler.contains(x) && !sampler.isWallCloser(x, halfDiagonal);
+        }
+    });
+    LocalFraction result;
+    result.edge = edge;
+    double sum = 0, squares = 0;
+    for (std::size_t c = 0; c < total; ++c) {
+        if (!inside[c]) continue;
+        const double f = static_cast<double>(covered[c].load()) * 0x1p-40;
+        sum += f;
+        squares += f * f;
+        ++result.cells;
+    }
+    if (result.cells == 0) return std::nullopt;
+    const auto m = static_cast<double>(result.cells);
+    result.mean = sum / m;
+    result.sd = std::sqrt(std::max(0.0, squares / m - result.mean * result.mean));
+    return result;
+}
+
 #define VDBPACK_INSTANTIATE(Dim)                                                                  \
     template double solidFraction<Dim>(const std::vector<Sphere<Dim>>&, const Domain<Dim>&);      \
     template std::optional<double> interiorFraction<Dim>(const std::vector<Sphere<Dim>>&,         \
                                                          const Domain<Dim>&, double);             \
     template PlaceCheck<Dim> findPlaces<Dim>(const std::vector<Sphere<Dim>>&, const Domain<Dim>&, \
-                                             double, std::uint64_t);
+                                             double, std::uint64_t);                              \
+    template DensityProfile densityProfile<Dim>(const std::vector<Sphere<Dim>>&,                  \
+                                                const Domain<Dim>&, double, double);              \
+    template std::optional<LocalFraction> localFraction<Dim>(const std::vector<Sphere<Dim>>&,     \
+                                                             const Domain<Dim>&, double);
 
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

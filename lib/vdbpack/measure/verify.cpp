@@ -400,24 +400,31 @@ RadiusStatistics radiusStatistics(const std::vector<Sphere<Dim>>& spheres) {
 }
 
 double ksDistance(std::vector<double> radii, const std::function<double(double)>& cdf,
-                  const std::function<double(double)>& cdfBefore) {
+                  const std::function<double(double)>& cdfBefore, int weightPower) {
     constexpr double kRounding = 1e-6;
     const auto& before = cdfBefore ? cdfBefore : cdf;
     tbb::parallel_sort(radii.begin(), radii.end());
-    const double n = static_cast<double>(radii.size());
+    const std::size_t n = radii.size();
+    // Weight of the radii before each, by number without a table.
+    std::vector<double> sums;
+    if (weightPower > 0) {
+        sums.resize(n + 1);
+        for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + std::pow(radii[k], weightPower);
+    }
+    const auto shareBefore = [&](std::size_t k) {
+        return sums.empty() ? static_cast<double>(k) / static_cast<double>(n) : sums[k] / sums[n];
+    };
     // The share of radii jumps at each radius and is level between: F is above it by the most
     // just before a jump, below it by the most just after one.
     return tbb::parallel_reduce(
-        Blocks(0, radii.size(), 1024), 0.0,
+        Blocks(0, n, 1024), 0.0,
         [&](const Blocks& block, double largest) {
             for (std::size_t k = block.begin(); k < block.end(); ++k) {
                 const double r = radii[k];
                 if (k == 0 || radii[k - 1] < r)
-                    largest =
-                        std::max(largest, before(r * (1 - kRounding)) - static_cast<double>(k) / n);
-                if (k + 1 == radii.size() || radii[k + 1] > r)
-                    largest = std::max(largest,
-                                       static_cast<double>(k + 1) / n - cdf(r * (1 + kRounding)));
+                    largest = std::max(largest, before(r * (1 - kRounding)) - shareBefore(k));
+                if (k + 1 == n || radii[k + 1] > r)
+                    largest = std::max(largest, shareBefore(k + 1) - cdf(r * (1 + kRounding)));
             }
             return largest;
         },

@@ -124,8 +124,9 @@ RadiusStatistics radiusStatistics(const std::vector<Sphere<Dim>>& spheres);
 /// @param cdfBefore  F(r-) = P(radius < r), where the distribution has atoms; empty: like `cdf`.
 /// Radii are taken as known to 1e-6 of their value, so that a radius of a discrete distribution is
 /// recognized after a trip through a file of 32-bit floats.
+/// @param weightPower  each radius counts r^weightPower: 0 by number, 3 (2D: 2) by volume.
 double ksDistance(std::vector<double> radii, const std::function<double(double)>& cdf,
-                  const std::function<double(double)>& cdfBefore = {});
+                  const std::function<double(double)>& cdfBefore = {}, int weightPower = 0);
 
 /// A checksum of the spheres that does not depend on their order: the sum modulo 2^64 over all
 /// spheres of a mix of the bits of x, y, z, r (double, mm; -0 counts as 0; 2D: z is `sliceHeight`).

@@ -371,4 +371,21 @@ SizeDistribution SizeDistribution::scaled(double factor) const {
     return result;
 }
 
+VolumeShares::VolumeShares(const SizeDistribution& sizes, int dim) {
+    constexpr std::size_t kStrata = 1 << 16;
+    volume_.resize(kStrata + 1);
+    for (std::size_t k = 0; k < kStrata; ++k) {
+        const double u = (static_cast<double>(k) + 0.5) / static_cast<double>(kStrata);
+        volume_[k + 1] = volume_[k] + std::pow(sizes.quantile(u), dim);
+    }
+    for (double& v : volume_) v /= volume_.back();
+}
+
+double VolumeShares::operator()(double share) const {
+    const double at = std::clamp(share, 0.0, 1.0) * static_cast<double>(volume_.size() - 1);
+    const auto k = std::min(static_cast<std::size_t>(at), volume_.size() - 2);
+    const double t = at - static_cast<double>(k);
+    return volume_[k] * (1 - t) + volume_[k + 1] * t;
+}
+
 }  // namespace vdbpack

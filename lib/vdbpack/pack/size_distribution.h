@@ -51,4 +51,16 @@ private:
     std::string spec_;
 };
 
+/// Share of the spheres' volume (2D: area) that a distribution puts into the smallest ones: from
+/// shares by number to shares by volume, as a table over 2^16 quantiles; exact to about 1e-5.
+class VolumeShares {
+public:
+    VolumeShares(const SizeDistribution& sizes, int dim);
+    /// @param share  of the spheres by number, such as `sizes.cdf(r)` or `sizes.cdfBelow(r)`.
+    double operator()(double share) const;
+
+private:
+    std::vector<double> volume_;  ///< below each of equally many spheres, 0 to 1
+};
+
 }  // namespace vdbpack

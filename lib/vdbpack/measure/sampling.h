@@ -1,0 +1,71 @@
+// Private to measure: points to ask a domain about.
+#pragma once
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/domain.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <memory>
+
+namespace vdbpack {
+
+using Blocks = tbb::blocked_range<std::size_t>;
+
+/// A sampler a thread.
+template <int Dim>
+class Samplers {
+public:
+    explicit Samplers(const Domain<Dim>& domain)
+        : samplers_([&domain] { return domain.sampler(); }) {}
+    DomainSampler<Dim>& local() { return *samplers_.local(); }
+
+private:
+    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
+};
+
+/// The additive recurrence of lowest discrepancy in `Dim` dimensions, shifted at random.
+/// Source: Roberts (2018), "The unreasonable effectiveness of quasirandom sequences": steps are
+/// powers of 1/g, where g^(Dim+1) = g + 1.
+template <int Dim>
+class Spread {
+public:
+    explicit Spread(std::uint64_t seed) {
+        RandomStream stream(0, seed);
+        for (int i = 0; i < Dim; ++i) at_[i] = stream.uniform();
+    }
+    /// The next point of the unit cube.
+    const Vec<Dim>& next() {
+        constexpr double g = Dim == 2 ? 1.32471795724474602596 : 1.22074408460575947536;
+        double step = 1;
+        for (int i = 0; i < Dim; ++i) {
+            step /= g;
+            at_[i] += step;
+            if (at_[i] >= 1) at_[i] -= 1;
+        }
+        return at_;
+    }
+
+private:
+    Vec<Dim> at_;
+};
+
+/// The unit cube onto the unit ball (2D: disc), volumes in proportion.
+template <int Dim>
+Vec<Dim> ballPoint(const Vec<Dim>& u) {
+    if constexpr (Dim == 2) {
+        const double r = std::sqrt(u[0]), a = 2 * kPi * u[1];
+        return {{r * std::cos(a), r * std::sin(a)}};
+    } else {
+        const double r = std::cbrt(u[0]), a = 2 * kPi * u[1], z = 1 - 2 * u[2];
+        const double s = std::sqrt(std::max(0.0, 1 - z * z));
+        return {{r * s * std::cos(a), r * s * std::sin(a), r * z}};
+    }
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,74 @@
+#include "vdbpack/measure/structure.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+
+namespace vdbpack {
+
+using Json = nlohmann::ordered_json;
+
+void addTo(nlohmann::ordered_json& report, const Structure& s) {
+    report["profile"] = s.profile ? Json({{"width", s.profile->width},
+                                          {"fraction", s.profile->fraction},
+                                          {"error", s.profile->error}})
+                                  : Json();
+    report["localFraction"] = s.local ? Json({{"edge", s.local->edge},
+                                              {"cells", s.local->cells},
+                                              {"mean", s.local->mean},
+                                              {"sd", s.local->sd}})
+                                      : Json();
+    report["pairCorrelation"] = s.pairCorrelation
+                                    ? Json({{"width", s.pairCorrelation->width},
+                                            {"meanDiameter", s.meanDiameter},
+                                            {"references", s.pairCorrelation->references},
+                                            {"density", s.pairCorrelation->density},
+                                            {"g", s.pairCorrelation->g},
+                                            {"error", s.pairCorrelation->error}})
+                                    : Json();
+    Json regions = Json::array();
+    for (const auto& r : s.regions)
+        regions.push_back(
+            {{"name", r.name}, {"volume", r.volume}, {"solidFraction", r.solidFraction}});
+    report["regions"] = s.regions.empty() ? Json() : Json({{"shell", s.shell}, {"parts", regions}});
+}
+
+std::string summary(const Structure& s) {
+    std::string text;
+    const auto line = [&](const char* label, const std::string& words) {
+        text += fmt::format("{:<11}{}\n", label, words);
+    };
+    if (s.profile && !s.profile->fraction.empty()) {
+        // Closer ones near the wall; the JSON has all.
+        const auto& f = s.profile->fraction;
+        std::string depths, values;
+        for (const std::size_t b : {0, 1, 2, 3, 4, 6, 8, 12, 16, 24, 32})
+            if (b < f.size()) {
+                depths +=
+                    fmt::format("{:>6.3g}", (static_cast<double>(b) + 0.5) * s.profile->width);
+                values += fmt::format("{:>6.3f}", f[b]);
+            }
+        line("depth, mm", depths);
+        line("solid", values);
+        line("", fmt::format("error at most {:.1g}",
+                             *std::max_element(s.profile->error.begin(), s.profile->error.end())));
+    }
+    if (s.local)
+        line("local", fmt::format("{:.4f} ± {:.4f} in {} cells of {:.4g} mm", s.local->mean,
+                                  s.local->sd, s.local->cells, s.local->edge));
+    if (s.pairCorrelation) {
+        const auto& g = s.pairCorrelation->g;
+        const auto peak = std::max_element(g.begin(), g.end()) - g.begin();
+        line("g(r)", fmt::format("peak {:.3g} at {:.3g} mean diameters, about {} centers",
+                                 g[static_cast<std::size_t>(peak)],
+                                 (static_cast<double>(peak) + 0.5) * s.pairCorrelation->width /
+                                     s.meanDiameter,
+                                 s.pairCorrelation->references));
+    }
+    for (const auto& r : s.regions)
+        line(r.name.c_str(), fmt::format("{:.4f} solid in {:.6g} mm³", r.solidFraction, r.volume));
+    return text;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,37 @@
+// What `vdb_pack measure` tells of a pack beside its report.
+#pragma once
+
+#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/pair_correlation.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// A layer of a domain by depth.
+struct RegionFraction {
+    std::string name;          ///< "cortical" (the shell), "trabecular" (what it encloses)
+    double volume = 0;         ///< mm³ (2D: mm²)
+    double solidFraction = 0;  ///< covered by spheres
+};
+
+struct Structure {
+    std::optional<DensityProfile> profile;
+    std::optional<LocalFraction> local;
+    std::optional<PairCorrelation> pairCorrelation;
+    double meanDiameter = 0;  ///< mm
+    double shell = 0;         ///< thickness of the shell that parts the regions, mm; 0: none
+    std::vector<RegionFraction> regions;
+};
+
+/// Under `profile`, `localFraction`, `pairCorrelation` and `regions`; null where there is none.
+void addTo(nlohmann::ordered_json& report, const Structure& structure);
+
+/// For people: lines of at most 80 columns under labels, ending with a newline.
+std::string summary(const Structure& structure);
+
+}  // namespace vdbpack
