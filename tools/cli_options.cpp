@@ -141,10 +141,38 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) 
         ->group("Spheres");
 }
 
+void addGivenPack(CLI::App& command, GivenPack& given, const char* name) {
+    command
+        .add_option(name, given.pack,
+                    ".vdb (point grid), .csv, .vtp, .ply, .data, .dump, yade:FILE.txt; from any "
+                    "program")
+        ->required();
+    command.add_option("--domain", given.domain.source, kDomainHelp)
+        ->option_text("DOMAIN")
+        ->group("Domain");
+    addDomainOptions(command, given.domain);
+    command.add_option("--pack-unit", given.packUnit, "unit of the pack, if it says none")
+        ->transform(oneOf(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addSizeOptions(command, given.radius, given.weightBy);
+    command
+        .add_option("--contact-tol", given.contactTolerance,
+                    "gap up to which spheres count as touching, in smaller radii")
+        ->option_text("T [0.001]")
+        ->check(notNegative())
+        ->group("Run");
+    command.add_option("--threads", given.threads, "threads")
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+}
+
 }  // namespace
 
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
     CliOptions options;
+    std::string seeds = "1";
     CLI::App app(
         "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB,\n"
         "an advancing front packs it densely without overlap, and the result is checked and\n"
@@ -168,8 +196,10 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CLI::App* pack =
         app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
     pack->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
-    pack->add_option("-o,--output", options.pack.outputs,
-                     "file to write: .vdb .vtp .ply .csv yade:FILE.txt; may be repeated")
+    pack->add_option(
+            "-o,--output", options.pack.outputs,
+            "file to write: .vdb .vtp .ply .csv yade:FILE.txt, contacts:FILE.csv for the list "
+            "of touching pairs; may be repeated")
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);
@@ -218,8 +248,13 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    pack->add_option("--seed", options.pack.seed, "another seed, another pack")
+    pack->add_option("--seed", seeds,
+                     "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
+                     "each from one field ({seed} in names of outputs)")
         ->option_text("S [1]")
+        ->group("Run");
+    pack->add_option("--table", options.table, "write a row for each seed")
+        ->option_text("FILE.csv")
         ->group("Run");
     pack->add_option("--threads", options.pack.threads, "threads; the pack does not depend on it")
         ->option_text("T [all cores]")
@@ -242,39 +277,43 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     CLI::App* verify =
         app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
-    verify
-        ->add_option("PACK", options.verify.pack,
-                     ".vdb (point grid), .csv, .vtp, .ply, yade:FILE.txt; from any program")
-        ->required();
-    verify->add_option("--domain", options.verify.domain.source, kDomainHelp)
-        ->option_text("DOMAIN")
-        ->group("Domain");
-    addDomainOptions(*verify, options.verify.domain);
-    verify->add_option("--pack-unit", options.verify.packUnit, "unit of PACK, if it says none")
-        ->transform(oneOf(kUnits))
-        ->option_text("UNIT [mm]")
-        ->group("Units");
-    addSizeOptions(*verify, options.verify.radius, options.verify.weightBy);
+    addGivenPack(*verify, options.verify, "PACK");
     verify->add_option("--gap", options.verify.gap, "least distance that spheres must keep, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
     verify
-        ->add_option("--contact-tol", options.verify.contactTolerance,
-                     "gap up to which spheres count as touching, in smaller radii")
-        ->option_text("T [0.001]")
-        ->check(notNegative())
-        ->group("Run");
-    verify
         ->add_option("--places", options.verify.placeSamples,
                      "look at N points of the domain for room for a sphere of 1.02 mean radii")
         ->option_text("N")
         ->group("Run");
-    verify->add_option("--threads", options.verify.threads, "threads")
-        ->option_text("T [all cores]")
-        ->check(CLI::Range(1, 4096))
-        ->group("Run");
     verify->add_flag("--json", options.json, "print the certificate as JSON")->group("Run");
+
+    CLI::App* measure =
+        app.add_subcommand("measure",
+                           "density, contacts, sizes and structure of any pack; morphometry of a "
+                           "level set or a mesh")
+            ->fallthrough();
+    addGivenPack(*measure, options.measure, "FILE");
+    measure
+        ->add_option("-o,--output", options.measure.outputs,
+                     "contacts:FILE.csv: the list of touching pairs")
+        ->option_text("FILE")
+        ->take_all();
+    measure->add_option("--out-unit", options.measure.outUnit, "unit of what is written")
+        ->transform(oneOf(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    measure
+        ->add_option("--shell", options.measure.shell,
+                     "tell apart the layer of this thickness along the wall, mm")
+        ->option_text("T")
+        ->check(notNegative())
+        ->group("Domain");
+    measure->add_option("--report", options.measure.reportFile, "write all figures as JSON")
+        ->option_text("FILE.json")
+        ->group("Run");
+    measure->add_flag("--json", options.json, "print all figures as JSON")->group("Run");
 
     CLI::App* mesh = app.add_subcommand("mesh", "health report of a mesh");
     mesh->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
@@ -287,12 +326,19 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     try {
         app.parse(argc, argv);
+        options.seeds = parseSeeds(seeds);
+        options.pack.seed = options.seeds.front();
+    } catch (const ParameterError& e) {
+        fmt::print(stderr, "vdb_pack: {}\n", e.what());
+        exitCode = 2;
+        return std::nullopt;
     } catch (const CLI::ParseError& e) {
         exitCode = app.exit(e) == 0 ? 0 : 2;
         return std::nullopt;
     }
-    options.command = pack->parsed()     ? CliOptions::Command::pack
-                      : verify->parsed() ? CliOptions::Command::verify
-                                         : CliOptions::Command::mesh;
+    options.command = pack->parsed()      ? CliOptions::Command::pack
+                      : verify->parsed()  ? CliOptions::Command::verify
+                      : measure->parsed() ? CliOptions::Command::measure
+                                          : CliOptions::Command::mesh;
     return options;
 }

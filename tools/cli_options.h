@@ -3,15 +3,20 @@
 
 #include "vdbpack/run.h"
 
+#include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// What was asked for.
 struct CliOptions {
-    enum class Command { pack, verify, mesh };
+    enum class Command { pack, verify, measure, mesh };
     Command command = Command::pack;
     vdbpack::PackRecipe pack;
+    std::vector<std::uint64_t> seeds{1};  ///< of pack: one run each
+    std::string table;                    ///< .csv with a row a run; empty: none
     vdbpack::VerifyRecipe verify;
+    vdbpack::MeasureRecipe measure;
     vdbpack::DomainRecipe mesh;
     bool json = false;
     bool quiet = false;

@@ -56,6 +56,24 @@ void clearProgress() {
     if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r\x1b[K");
 }
 
+/// A pack for each of several seeds.
+int study(const CliOptions& options, const Callbacks& callbacks) {
+    const StudyResult result = runStudy(options.pack, options.seeds, options.table, callbacks);
+    clearProgress();
+    if (options.json) {
+        auto all = nlohmann::ordered_json::array();
+        for (const auto& report : result.reports) all.push_back(toJson(report));
+        fmt::print("{}\n", all.dump(2));
+    } else if (!options.quiet) {
+        fmt::print("{}", summary(result));
+        if (!options.table.empty()) fmt::print("written    {}\n", options.table);
+    }
+    if (result.interrupted) return kInterrupted;
+    if (result.passed) return kDone;
+    fmt::print(stderr, "{}", result.failures);
+    return kCheckFailed;
+}
+
 int runCommand(const CliOptions& options) {
     const Callbacks callbacks = makeCallbacks(options.quiet);
     switch (options.command) {
@@ -69,6 +87,8 @@ int runCommand(const CliOptions& options) {
                     fmt::print("{}", summary(forecast));
                 return kDone;
             }
+            if (options.seeds.size() > 1 || !options.table.empty())
+                return study(options, callbacks);
             const RunResult run = runPack(options.pack, callbacks);
             clearProgress();
             if (options.json)
@@ -96,6 +116,15 @@ int runCommand(const CliOptions& options) {
             if (run.passed) return kDone;
             fmt::print(stderr, "{}", failures(run));
             return kCheckFailed;
+        }
+        case CliOptions::Command::measure: {
+            const MeasureResult result = runMeasure(options.measure, callbacks);
+            clearProgress();
+            if (options.json)
+                fmt::print("{}\n", toJson(result).dump(2));
+            else
+                fmt::print("{}{}", summary(result.run.report), summary(result.structure));
+            return kDone;
         }
         case CliOptions::Command::mesh: {
             MeshReadOptions read;

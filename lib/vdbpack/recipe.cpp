@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <filesystem>
 
@@ -26,15 +27,60 @@ std::string filePart(const std::string& name) {
     return colon == std::string::npos ? name : name.substr(colon + 1);
 }
 
-void checkOutputs(const PackRecipe& recipe) {
+std::vector<std::uint64_t> parseSeeds(const std::string& text) {
+    constexpr std::uint64_t kMostSeeds = 1'000'000;
+    const auto fail = [&](const char* why) {
+        throw ParameterError(
+            fmt::format("--seed '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
+                        "1,4,9",
+                        text, why));
+    };
+    std::vector<std::uint64_t> seeds;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const auto number = [&] {
+        std::uint64_t value = 0;
+        const auto [next, failed] = std::from_chars(at, end, value);
+        if (failed != std::errc()) fail("is no seed");
+        at = next;
+        return value;
+    };
+    for (;;) {
+        const std::uint64_t first = number();
+        std::uint64_t last = first;
+        if (end - at >= 2 && at[0] == '.' && at[1] == '.') {
+            at += 2;
+            last = number();
+        }
+        if (last < first) fail("the range falls");
+        if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
+            fail("holds more than a million seeds");
+        for (std::uint64_t s = first;; ++s) {
+            seeds.push_back(s);
+            if (s == last) break;
+        }
+        if (at == end) return seeds;
+        if (*at++ != ',') fail("is no seed");
+    }
+}
+
+bool isContactList(const std::string& output) {
+    return output.rfind("contacts:", 0) == 0;
+}
+
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
-    for (const auto& output : recipe.outputs) {
-        checkPackFormat(output);
+    for (const auto& output : outputs) {
+        if (!isContactList(output)) checkPackFormat(output);
         files.push_back(filePart(output));
+        if (files.back().empty())
+            throw ParameterError(output + ": names a format but no file; write " + output +
+                                 "FILE.csv");
     }
-    if (!recipe.reportFile.empty()) {
-        const std::string& f = recipe.reportFile;
+    if (!reportFile.empty()) {
+        const std::string& f = reportFile;
         if (f.size() < 6 || f.compare(f.size() - 5, 5, ".json") != 0)
             throw ParameterError("--report " + f + ": reports are JSON; name it .json");
         files.push_back(f);
@@ -45,12 +91,16 @@ void checkOutputs(const PackRecipe& recipe) {
         if (!parent.empty() && !fs::is_directory(parent, ignored))
             throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
                                       parent.string()));
-        for (const std::string& input : {recipe.domain.source, filePart(recipe.existing)})
-            if (!input.empty() && fs::equivalent(files[i], input, ignored))
+        for (const std::string& input : inputs)
+            if (!input.empty() && fs::equivalent(files[i], filePart(input), ignored))
                 throw ParameterError(files[i] + ": is the input itself; name another output");
         for (std::size_t j = 0; j < i; ++j)
             if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
     }
+}
+
+void checkOutputs(const PackRecipe& recipe) {
+    checkFiles(recipe.outputs, recipe.reportFile, {recipe.domain.source, recipe.existing});
 }
 
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {

@@ -37,6 +37,17 @@ struct PackRecipe {
 /// @throws ParameterError, IoError
 void checkOutputs(const PackRecipe& recipe);
 
+/// The same for any run: `outputs` are packs and contact lists, `reportFile` may be empty.
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs);
+
+/// "7", "1..50" or "1,4,9..12" as seeds, in that order.
+/// @throws ParameterError for anything else, a range that falls, or more than a million seeds.
+std::vector<std::uint64_t> parseSeeds(const std::string& text);
+
+/// Whether an output is a list of contacts, "contacts:FILE.csv".
+bool isContactList(const std::string& output);
+
 /// The file behind "prefix:name".
 std::string filePart(const std::string& name);
 

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/run_stages.h"
@@ -12,6 +13,7 @@
 #include <sys/resource.h>
 
 #include <cmath>
+#include <functional>
 
 namespace vdbpack {
 
@@ -29,79 +31,105 @@ bool passed(const Report& report) {
            keepsGap(report);
 }
 
+/// What all packs of a recipe share, whatever their seed.
 template <int Dim>
-RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Report report,
-                     Clock& clock, const Callbacks& callbacks) {
-    RequestedSizes requested = requestedSizes(recipe, Dim);
-    const SizeDistribution& sizes = requested.sizes;
-    const double target = requested.targetCount;
-    report.chosen = std::move(requested.chosen);
+struct Prepared {
+    RequestedSizes requested;
+    DomainSource::Built built;
+    Pack<Dim> existing;
+    std::uint64_t givenOverlaps = 0, givenProtrusions = 0;
+
+    const Domain<Dim>& domain() const { return *ofDim<Dim>(built); }
+};
+
+template <int Dim>
+Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
+                      const Callbacks& callbacks) {
+    Prepared<Dim> prepared{requestedSizes(recipe, Dim), {}, {}};
+    const SizeDistribution& sizes = prepared.requested.sizes;
+    const double target = prepared.requested.targetCount;
     double scale = 1;
     if (target > 0) {
         // Half full is the lowest that is to be expected: the field is deep and fine enough.
         const double guess = source.measure() / (target * sizes.meanBall(Dim));
         scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
     }
-    clock.lap();
-    const auto built = source.build(fieldDetail(sizes.min(), sizes.mean()) * scale,
-                                    sizes.max() * scale * 1.05 + recipe.gap, callbacks);
-    const std::shared_ptr<const Domain<Dim>>& domain = ofDim<Dim>(built);
-    report.seconds.domain = clock.lap();
+    prepared.built = source.build(fieldDetail(sizes.min(), sizes.mean()) * scale,
+                                  sizes.max() * scale * 1.05 + recipe.gap, callbacks);
+    if (recipe.existing.empty()) return prepared;
+    prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
+    // What they do among themselves is not this run's doing.
+    const auto& standing = prepared.existing.spheres;
+    prepared.givenOverlaps = checkOverlap(standing).pairs;
+    prepared.givenProtrusions = source.protrusion(standing).spheres;
+    if (prepared.givenOverlaps > 0)
+        callbacks.warn(
+            fmt::format("{}: pairs of its {} that overlap one another: {}; they stay "
+                        "as they are",
+                        recipe.existing, Measure<Dim>::kSpheres, prepared.givenOverlaps));
+    if (prepared.givenProtrusions > 0)
+        callbacks.warn(
+            fmt::format("{}: {} that are not wholly inside the domain: {}; they stay "
+                        "as they are",
+                        recipe.existing, Measure<Dim>::kSpheres, prepared.givenProtrusions));
+    return prepared;
+}
 
-    Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
-    const std::size_t standing = existing.spheres.size();
-    PackOptions options = packOptions(recipe, sizes);
+/// Pack, measure, check, write, for the recipe's seed.
+template <int Dim>
+RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
+                       const Prepared<Dim>& prepared, Report report, Clock& clock,
+                       const Callbacks& callbacks) {
+    const Domain<Dim>& domain = prepared.domain();
+    const double target = prepared.requested.targetCount;
+    const std::vector<Sphere<Dim>>& standing = prepared.existing.spheres;
+    report.seed = recipe.seed;
+    report.chosen = prepared.requested.chosen;
+    clock.lap();
+    PackOptions options = packOptions(recipe, prepared.requested.sizes);
     PackResult<Dim> result;
     if (target > 0) {
-        result = packToCount(*domain, options, target, callbacks, existing.spheres);
+        result = packToCount(domain, options, target, callbacks, standing);
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
     } else {
-        result = packSpheres(*domain, options, callbacks, existing.spheres);
+        result = packSpheres(domain, options, callbacks, standing);
     }
-    result.pack.sliceHeight = built.sliceHeight;
+    result.pack.sliceHeight = prepared.built.sliceHeight;
     result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
     report.interrupted = result.interrupted;
     if (!recipe.existing.empty()) {
         if (result.pack.spheres.empty() && !result.interrupted)
             callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
-        report.existing = standing;
-        // What they do among themselves is not this run's doing.
-        report.givenOverlaps = checkOverlap(existing.spheres).pairs;
-        report.givenProtrusions = source.protrusion(existing.spheres).spheres;
-        if (report.givenOverlaps > 0)
-            callbacks.warn(
-                fmt::format("{}: pairs of its {} that overlap one another: {}; they stay "
-                            "as they are",
-                            recipe.existing, Measure<Dim>::kSpheres, report.givenOverlaps));
-        if (report.givenProtrusions > 0)
-            callbacks.warn(
-                fmt::format("{}: {} that are not wholly inside the domain: {}; they stay "
-                            "as they are",
-                            recipe.existing, Measure<Dim>::kSpheres, report.givenProtrusions));
-        result.pack = joined(std::move(existing), result.pack);
+        report.existing = standing.size();
+        report.givenOverlaps = prepared.givenOverlaps;
+        report.givenProtrusions = prepared.givenProtrusions;
+        result.pack = joined(prepared.existing, result.pack);
     }
     report.gapAsked = recipe.gap;
     report.seconds.pack = clock.lap();
 
     callbacks.report("measure", 0, 0);
-    measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
-                report);
+    measurePack(result.pack, &source, &domain, &options.sizes, recipe.contactTolerance, report);
     report.seconds.measure = clock.lap();
 
     PackWriteOptions write;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
-    if (built.mesh) write.surface = built.mesh->grid();
+    if (prepared.built.mesh) write.surface = prepared.built.mesh->grid();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     write.pointVoxel =
-        std::min(pointVoxelSize(static_cast<double>(report.count), domain->measure(), Dim),
+        std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
                  result.quantum * 0x1p25);
     for (const auto& output : recipe.outputs) {
         // Interrupted before the first block was complete: nothing is worth replacing a file.
         if (report.interrupted && report.count == 0) break;
         callbacks.report("write", 0, 0);
-        writePack(result.pack, output, write);
+        if (isContactList(output))
+            writeContacts(result.pack, listContacts(result.pack.spheres, recipe.contactTolerance),
+                          filePart(output), recipe.outUnit);
+        else
+            writePack(result.pack, output, write);
         report.files.push_back(filePart(output));
     }
     report.seconds.write = clock.lap();
@@ -120,6 +148,24 @@ RunResult packDomain(const PackRecipe& recipe, const DomainSource& source, Repor
     return run;
 }
 
+/// Packs for each recipe of `recipes`, which differ in seed and outputs alone; the domain is made
+/// once. `done(run)` takes each result and says whether to go on.
+template <int Dim>
+void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& source,
+                const Report& report, Clock clock, const Callbacks& callbacks,
+                const std::function<bool(RunResult&&)>& done) {
+    Report first = report;
+    clock.lap();
+    const Prepared<Dim> prepared = prepare<Dim>(recipes.front(), source, callbacks);
+    first.seconds.domain = clock.lap();
+    for (const PackRecipe& recipe : recipes) {
+        if (!done(packPrepared(recipe, source, prepared, first, clock, callbacks))) return;
+        // What was done once is told once.
+        first.seconds = {};
+        clock = Clock();
+    }
+}
+
 int effectiveThreads(int threads) {
     return threads > 0 ? threads : tbb::info::default_concurrency();
 }
@@ -132,6 +178,60 @@ VerifyResult checksOf(const Report& report) {
     if (report.overlap) checks.overlap = *report.overlap;
     checks.protrusion = report.protrusion;
     return checks;
+}
+
+/// Reads a pack and its domain and takes all measures that every report has; then calls
+/// `further(pack, domain or null, report)`.
+/// @param depthFor  depth up to which the field must know distances for such radii, mm.
+template <class Further>
+RunResult measureGiven(const GivenPack& recipe, Report report,
+                       const std::function<double(const RadiusStatistics&)>& depthFor,
+                       const Callbacks& callbacks, const Further& further) {
+    Clock clock;
+    report.version = VDBPACK_VERSION;
+    report.threads = effectiveThreads(recipe.threads);
+    return withThreads(recipe.threads, [&] {
+        PackReadOptions read;
+        read.unit = recipe.packUnit;
+        read.gridName = recipe.packGrid;
+        Pack<3> given = readPack(recipe.pack, read);
+        if (given.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+        std::optional<DomainSource> source;
+        if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
+        report.seconds.mesh = clock.lap();
+        RunResult run;
+        const auto measure = [&](auto& pack, auto dim) {
+            constexpr int Dim = decltype(dim)::value;
+            std::optional<SizeDistribution> sizes;
+            if (!recipe.radius.empty())
+                sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+            DomainSource::Built built;
+            if (source) {
+                const auto radius = radiusStatistics(pack.spheres);
+                built = source->build(fieldDetail(radius.min, radius.mean), depthFor(radius) / 3,
+                                      callbacks);
+            }
+            report.seconds.domain = clock.lap();
+            const Domain<Dim>* domain = ofDim<Dim>(built).get();
+            measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
+                        recipe.contactTolerance, report);
+            further(pack, domain, report);
+            report.seconds.measure = clock.lap();
+        };
+        if (source && source->dim() == 2) {
+            Pack<2> circles = asCircles(given);
+            measure(circles, std::integral_constant<int, 2>());
+            run.pack = std::move(circles);
+        } else {
+            measure(given, std::integral_constant<int, 3>());
+            run.pack = std::move(given);
+        }
+        report.seconds.total = clock.total();
+        report.peakMemoryBytes = peakMemory();
+        run.passed = passed(report);
+        run.report = std::move(report);
+        return run;
+    });
 }
 
 }  // namespace
@@ -159,83 +259,220 @@ std::string failures(const RunResult& run) {
                       run.pack);
 }
 
-RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
-    checkOutputs(recipe);
+namespace {
+
+void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
+             const std::function<bool(RunResult&&)>& done) {
+    const PackRecipe& recipe = recipes.front();
+    for (const auto& r : recipes) checkOutputs(r);
     Clock clock;
     Report report;
     report.version = VDBPACK_VERSION;
     report.command = "pack " + recipe.domain.source;
-    report.seed = recipe.seed;
     report.threads = effectiveThreads(recipe.threads);
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
-    return withThreads(recipe.threads, [&] {
+    withThreads(recipe.threads, [&] {
         const DomainSource source(recipe.domain, callbacks);
         report.seconds.mesh = clock.lap();
-        return source.dim() == 3
-                   ? packDomain<3>(recipe, source, std::move(report), clock, callbacks)
-                   : packDomain<2>(recipe, source, std::move(report), clock, callbacks);
+        if (source.dim() == 3)
+            packDomain<3>(recipes, source, report, clock, callbacks, done);
+        else
+            packDomain<2>(recipes, source, report, clock, callbacks, done);
     });
 }
 
+}  // namespace
+
+RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+    RunResult result;
+    packAll({recipe}, callbacks, [&](RunResult&& run) {
+        result = std::move(run);
+        return true;
+    });
+    return result;
+}
+
+StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks) {
+    if (seeds.empty()) throw ParameterError("a study of no seeds has no rows; give one");
+    std::vector<PackRecipe> recipes;
+    for (const std::uint64_t seed : seeds) {
+        PackRecipe r = recipe;
+        r.seed = seed;
+        for (auto& output : r.outputs) output = withSeed(output, seed);
+        r.reportFile = withSeed(r.reportFile, seed);
+        recipes.push_back(std::move(r));
+    }
+    if (seeds.size() > 1)
+        for (const std::string& name : recipe.outputs)
+            if (withSeed(name, 1) == name)
+                throw ParameterError(name + ": each seed would replace it; name it with {seed}");
+    if (seeds.size() > 1 && !recipe.reportFile.empty() &&
+        withSeed(recipe.reportFile, 1) == recipe.reportFile)
+        throw ParameterError("--report " + recipe.reportFile +
+                             ": each seed would replace it; name it with {seed}, or ask for "
+                             "--table FILE.csv");
+    std::optional<OutputFile> file;
+    if (!table.empty()) {
+        if (table.size() < 5 || table.compare(table.size() - 4, 4, ".csv") != 0)
+            throw ParameterError("--table " + table + ": tables are CSV; name it .csv");
+        file.emplace(table);
+    }
+    StudyResult study;
+    packAll(recipes, callbacks, [&](RunResult&& run) {
+        study.passed = study.passed && run.passed;
+        study.interrupted = run.report.interrupted;
+        // Of an interrupted run no figure would compare with the others.
+        if (!study.interrupted) study.reports.push_back(std::move(run.report));
+        if (!run.passed) study.failures += failures(run);
+        return !study.interrupted;
+    });
+    if (file && !study.reports.empty()) {
+        file->write(studyTable(study.reports));
+        file->commit();
+    }
+    return study;
+}
+
+std::string withSeed(std::string name, std::uint64_t seed) {
+    const std::string mark = "{seed}";
+    for (std::size_t at = name.find(mark); at != std::string::npos; at = name.find(mark, at))
+        name.replace(at, mark.size(), std::to_string(seed));
+    return name;
+}
+
+std::string studyTable(const std::vector<Report>& reports) {
+    std::string text =
+        "seed,hash,count,radius_mean,ks,ks_volume,solid_total,solid_interior,contacts_mean,"
+        "few_contacts_share,largest_component,overlap_max,overlap_pairs,gap_min,protrusion_max,"
+        "protrusion_spheres,seconds_pack,seconds_total\n";
+    const auto number = [](const std::optional<double>& v) {
+        return v ? fmt::format("{:.10g}", *v) : std::string();
+    };
+    for (const Report& r : reports) {
+        const auto contacts = [&](double ContactNetwork::*value) {
+            return r.contacts ? std::make_optional((*r.contacts).*value) : std::nullopt;
+        };
+        text += fmt::format(
+            "{},{},{},{:.10g},{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{:.4f}\n", r.seed,
+            hashText(r.hash), r.count, r.radius.mean, number(r.ks), number(r.ksByVolume),
+            number(r.solidFractionTotal), number(r.solidFractionInterior),
+            number(contacts(&ContactNetwork::mean)), number(contacts(&ContactNetwork::fewShare)),
+            number(contacts(&ContactNetwork::largestComponent)),
+            number(r.overlap ? std::make_optional(r.overlap->max) : std::nullopt),
+            r.overlap ? std::to_string(r.overlap->pairs) : "", number(r.smallestGap),
+            number(r.protrusion ? std::make_optional(r.protrusion->max) : std::nullopt),
+            r.protrusion ? std::to_string(r.protrusion->spheres) : "", r.seconds.pack,
+            r.seconds.total);
+    }
+    return text;
+}
+
+std::string summary(const StudyResult& study) {
+    std::string text =
+        fmt::format("{:>8} {:>10} {:>8} {:>9} {:>9} {:>9} {:>8}  {}\n", "seed", "spheres", "solid",
+                    "interior", "ks", "contacts", "pack, s", "hash");
+    struct Sum {
+        double n = 0, sum = 0, squares = 0;
+        void add(double v) { n += 1, sum += v, squares += v * v; }
+        double mean() const { return n > 0 ? sum / n : 0; }
+        double sd() const {
+            return n > 1 ? std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1))) : 0;
+        }
+    } count, total, interior, ks, contacts;
+    for (const Report& r : study.reports) {
+        const auto cell = [](const std::optional<double>& v, Sum& sum, const char* form) {
+            if (v) sum.add(*v);
+            return v ? fmt::format(fmt::runtime(form), *v) : std::string("-");
+        };
+        count.add(static_cast<double>(r.count));
+        text +=
+            fmt::format("{:>8} {:>10} {:>8} {:>9} {:>9} {:>9} {:>8.2f}  {}\n", r.seed, r.count,
+                        cell(r.solidFractionTotal, total, "{:.4f}"),
+                        cell(r.solidFractionInterior, interior, "{:.4f}"), cell(r.ks, ks, "{:.5f}"),
+                        cell(r.contacts ? std::make_optional(r.contacts->mean) : std::nullopt,
+                             contacts, "{:.3f}"),
+                        r.seconds.pack, hashText(r.hash));
+    }
+    const auto row = [&](const char* name, auto value) {
+        text +=
+            fmt::format("{:>8} {:>10.1f} {:>8.4f} {:>9.4f} {:>9.5f} {:>9.3f}\n", name, value(count),
+                        value(total), value(interior), value(ks), value(contacts));
+    };
+    row("mean", [](const Sum& s) { return s.mean(); });
+    row("sd", [](const Sum& s) { return s.sd(); });
+    return text;
+}
+
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
-    Clock clock;
+    if (recipe.placeSamples > 0 && recipe.domain.source.empty())
+        throw ParameterError("--places looks in a domain; give one with --domain");
     Report report;
-    report.version = VDBPACK_VERSION;
     report.command = "verify " + recipe.pack;
     report.gapAsked = recipe.gap;
-    report.threads = effectiveThreads(recipe.threads);
-    return withThreads(recipe.threads, [&] {
-        PackReadOptions read;
-        read.unit = recipe.packUnit;
-        read.gridName = recipe.packGrid;
-        Pack<3> pack = readPack(recipe.pack, read);
-        if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
-        std::optional<DomainSource> source;
-        if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
-        report.seconds.mesh = clock.lap();
-        RunResult run;
-        const auto check = [&](auto& shape, auto dim) {
-            constexpr int Dim = decltype(dim)::value;
-            std::optional<SizeDistribution> sizes;
-            if (!recipe.radius.empty())
-                sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
-            DomainSource::Built built;
-            if (source) {
-                const auto radius = radiusStatistics(shape.spheres);
-                built = source->build(fieldDetail(radius.min, radius.mean), radius.max, callbacks);
-            }
-            report.seconds.domain = clock.lap();
-            measurePack(shape, source ? &*source : nullptr, ofDim<Dim>(built).get(),
-                        sizes ? &*sizes : nullptr, recipe.contactTolerance, report);
-            if (recipe.placeSamples > 0) {
-                if (!source)
-                    throw ParameterError("--places looks in a domain; give one with --domain");
-                PlacesLeft left;
-                left.radius = 1.02 * report.radius.mean;
-                left.samples = recipe.placeSamples;
-                const auto found =
-                    findPlaces(shape.spheres, *ofDim<Dim>(built), left.radius, recipe.placeSamples);
-                left.largest = found.largest;
-                left.count = found.places;
-                run.places = left;
-            }
-            report.seconds.measure = clock.lap();
-        };
-        if (source && source->dim() == 2) {
-            Pack<2> circles = asCircles(pack);
-            check(circles, std::integral_constant<int, 2>());
-            run.pack = std::move(circles);
-        } else {
-            check(pack, std::integral_constant<int, 3>());
-            run.pack = std::move(pack);
-        }
-        report.seconds.total = clock.total();
-        report.peakMemoryBytes = peakMemory();
-        run.passed = passed(report);
-        run.report = std::move(report);
-        return run;
-    });
+    std::optional<PlacesLeft> places;
+    RunResult run = measureGiven(
+        recipe, std::move(report), [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
+        [&](const auto& pack, const auto* domain, const Report& measured) {
+            if (recipe.placeSamples == 0) return;
+            PlacesLeft left;
+            left.radius = 1.02 * measured.radius.mean;
+            left.samples = recipe.placeSamples;
+            const auto found = findPlaces(pack.spheres, *domain, left.radius, recipe.placeSamples);
+            left.largest = found.largest;
+            left.count = found.places;
+            places = left;
+        });
+    run.places = places;
+    return run;
+}
+
+MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.shell > 0 && recipe.domain.source.empty())
+        throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
+    for (const auto& output : recipe.outputs)
+        if (!isContactList(output))
+            throw ParameterError(output +
+                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+    checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
+    Report report;
+    report.command = "measure " + recipe.pack;
+    MeasureResult result;
+    // Three mean diameters for the pair correlation, and a little beyond the shell.
+    const auto depthFor = [&](const RadiusStatistics& r) {
+        return std::max({3 * r.max, 6.05 * r.mean, 1.05 * recipe.shell});
+    };
+    result.run = measureGiven(recipe, std::move(report), depthFor, callbacks,
+                              [&](const auto& pack, const auto* domain, const Report& measured) {
+                                  result.structure =
+                                      measureStructure(pack, domain, measured, recipe.shell);
+                              });
+    const Clock clock;
+    for (const auto& output : recipe.outputs) {
+        std::visit(
+            [&](const auto& pack) {
+                writeContacts(pack, listContacts(pack.spheres, recipe.contactTolerance),
+                              filePart(output), recipe.outUnit);
+            },
+            result.run.pack);
+        result.run.report.files.push_back(filePart(output));
+    }
+    result.run.report.seconds.write = clock.total();
+    result.run.report.seconds.total += clock.total();
+    if (!recipe.reportFile.empty()) {
+        result.run.report.files.push_back(recipe.reportFile);
+        OutputFile file(recipe.reportFile);
+        file.write(toJson(result).dump(2) + "\n");
+        file.commit();
+    }
+    return result;
+}
+
+nlohmann::ordered_json toJson(const MeasureResult& result) {
+    auto json = toJson(result.run);
+    addTo(json, result.structure);
+    return json;
 }
 
 }  // namespace vdbpack

@@ -4,6 +4,7 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/measure/report.h"
+#include "vdbpack/measure/structure.h"
 #include "vdbpack/measure/verify.h"
 #include "vdbpack/recipe.h"
 
@@ -44,20 +45,65 @@ std::string failures(const RunResult& run);
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 
-struct VerifyRecipe {
+struct StudyResult {
+    std::vector<Report> reports;  ///< one a seed, in their order
+    bool passed = true;           ///< no check failed in any run
+    bool interrupted = false;     ///< `reports` are of the runs before that
+    std::string failures;         ///< of all runs
+};
+
+/// A pack for each seed, as `runPack` makes it, with the domain made once.
+/// @param recipe  names of outputs and of the report may hold {seed}, and must with several seeds.
+/// @param table   .csv with a row a run (`studyTable`); empty: none.
+/// @throws as runPack; ParameterError for names that runs would share.
+StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks = {});
+
+/// `name` with each {seed} replaced.
+std::string withSeed(std::string name, std::uint64_t seed);
+
+/// CSV: a line of names, then a line a report; empty cells where there is no value.
+std::string studyTable(const std::vector<Report>& reports);
+/// For people: a line a run, then mean and standard deviation over the runs.
+std::string summary(const StudyResult& study);
+
+/// A pack from a file, whoever made it, and what to hold it against.
+struct GivenPack {
     std::string pack;  ///< file, any format that readPack knows
     Unit packUnit = Unit::millimeter;
     std::string packGrid;  ///< point grid in a .vdb; empty: the first
-    DomainRecipe domain;   ///< `source` empty: overlaps and sizes only
+    DomainRecipe domain;   ///< `source` empty: what needs no domain
     std::string radius;    ///< SPEC to hold the radii against; empty: none
     WeightBy weightBy = WeightBy::count;
-    double gap = 0;  ///< least distance that the spheres must keep from one another, mm
     double contactTolerance = 1e-3;
-    std::uint64_t placeSamples = 0;  ///< points at which to look for places left; 0: none
     int threads = 0;
+};
+
+struct VerifyRecipe : GivenPack {
+    double gap = 0;                  ///< least distance that the spheres must keep, mm
+    std::uint64_t placeSamples = 0;  ///< points at which to look for places left; 0: none
 };
 
 /// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {});
+
+struct MeasureRecipe : GivenPack {
+    double shell = 0;  ///< thickness of the layer along the wall that is told apart, mm; 0: none
+    std::vector<std::string> outputs;  ///< contact lists: "contacts:FILE.csv"
+    Unit outUnit = Unit::millimeter;   ///< of those
+    std::string reportFile;            ///< .json; empty: none
+};
+
+struct MeasureResult {
+    RunResult run;
+    Structure structure;
+};
+
+nlohmann::ordered_json toJson(const MeasureResult& result);
+
+/// All that can be told of any pack: the whole of `vdb_pack measure`. Overlaps and spheres outside
+/// are reported, and no failure.
+/// @throws ParameterError, InputError, IoError, ResourceError
+MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
 
 }  // namespace vdbpack

@@ -21,14 +21,52 @@ namespace {
 constexpr double kCountTolerance = 0.018;
 constexpr int kCountAttempts = 8;
 
+/// Bins of the density profile, how deep it goes, and cells of the local fraction, in diameters
+/// (mean, largest, mean).
+constexpr double kProfileWidth = 0.125, kProfileDepth = 5, kLocalEdge = 4;
+/// Bins of the pair correlation a mean diameter, and centers that give an error of about 1 %.
+constexpr double kPairBins = 40;
+constexpr std::uint64_t kManyReferences = 2000;
+
+/// Distances of some spheres' radii to those asked for, by number and by volume.
 template <int Dim>
-double ksOf(const std::vector<Sphere<Dim>>& spheres, std::size_t from,
-            const SizeDistribution& sizes) {
-    std::vector<double> radii(spheres.size() - from);
-    for (std::size_t i = 0; i < radii.size(); ++i) radii[i] = spheres[from + i].radius;
-    return ksDistance(
-        std::move(radii), [&](double r) { return sizes.cdf(r); },
-        [&](double r) { return sizes.cdfBelow(r); });
+struct SizeCheck {
+    explicit SizeCheck(const SizeDistribution& sizes) : asked(sizes), volume(sizes, Dim) {}
+    double byNumber(std::vector<double> radii) const {
+        return ksDistance(
+            std::move(radii), [&](double r) { return asked.cdf(r); },
+            [&](double r) { return asked.cdfBelow(r); });
+    }
+    double byVolume(std::vector<double> radii) const {
+        return ksDistance(
+            std::move(radii), [&](double r) { return volume(asked.cdf(r)); },
+            [&](double r) { return volume(asked.cdfBelow(r)); }, Dim);
+    }
+
+    const SizeDistribution& asked;
+    VolumeShares volume;
+};
+
+template <int Dim>
+void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report) {
+    const SizeCheck<Dim> check(sizes);
+    std::vector<double> radii, atWall;
+    const double near = 2 * report.radius.max;
+    for (std::size_t i = report.existing; i < pack.spheres.size(); ++i) {
+        radii.push_back(pack.spheres[i].radius);
+        if (!pack.depth.empty() && static_cast<double>(pack.depth[i]) <= near)
+            atWall.push_back(radii.back());
+    }
+    if (radii.empty()) return;
+    report.ks = check.byNumber(radii);
+    report.ksByVolume = check.byVolume(std::move(radii));
+    if (atWall.empty()) return;
+    Report::WallSizes wall;
+    wall.depth = near;
+    wall.count = atWall.size();
+    wall.ks = check.byNumber(atWall);
+    wall.ksByVolume = check.byVolume(std::move(atWall));
+    report.wallSizes = wall;
 }
 
 }  // namespace
@@ -90,10 +128,6 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     report.radius = radiusStatistics(pack.spheres);
     report.overlap = checkOverlap(pack.spheres);
     report.contactTolerance = contactTolerance;
-    if (sizes) {
-        report.requested = sizes->spec();
-        report.ks = ksOf(pack.spheres, report.existing, *sizes);
-    }
     if (domain) {
         report.domain = domain->facts();
         report.volume = domain->measure();
@@ -112,7 +146,11 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         pack.depth = source->depths(pack.spheres, *domain);
     }
     auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
-    report.contactsMean = contacts.mean;
+    if (!pack.spheres.empty()) report.contacts = contacts;
+    if (sizes) {
+        report.requested = sizes->spec();
+        checkSizes(pack, *sizes, report);
+    }
     // No pair that was not counted is closer than the smallest spheres' tolerance.
     if (report.existing == 0 && contacts.smallestGap <= contactTolerance * report.radius.min)
         report.smallestGap = contacts.smallestGap;
@@ -121,10 +159,57 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     pack.contacts = std::move(contacts.counts);
 }
 
+template <int Dim>
+Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
+                           double shell) {
+    Structure result;
+    if (pack.spheres.empty()) return result;
+    result.meanDiameter = 2 * report.radius.mean;
+    const double known =
+        domain ? std::min(domain->fieldDepth(), length(domain->bounds().size())) : 0;
+    if (domain) {
+        // Bins of an eighth of the mean diameter, to five largest diameters deep or as deep as the
+        // field knows.
+        const double width = kProfileWidth * result.meanDiameter;
+        const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
+        if (deepest >= width)
+            result.profile = densityProfile(pack.spheres, *domain, width, deepest);
+        result.local = localFraction(pack.spheres, *domain, kLocalEdge * result.meanDiameter);
+    }
+    // As far as there are enough centers that deep.
+    const std::optional<BoxDepths<Dim>> box =
+        domain ? std::nullopt : std::make_optional<BoxDepths<Dim>>(pack.spheres);
+    const std::vector<float>& depth = box ? box->depth : pack.depth;
+    for (const double diameters : {3.0, 2.25, 1.5}) {
+        const double reach = diameters * result.meanDiameter;
+        if (domain && reach > known) continue;
+        const double volume = box ? box->volumeDeeperThan(reach) : domain->measureDeeperThan(reach);
+        result.pairCorrelation = pairCorrelation(pack.spheres, depth, reach, volume,
+                                                 static_cast<int>(diameters * kPairBins));
+        if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
+    }
+    if (domain && shell > 0) {
+        if (shell > known)
+            throw ParameterError(fmt::format(
+                "--shell {} mm: the field knows depths up to {:.4g} mm; give a thinner shell",
+                shell, known));
+        result.shell = shell;
+        const double all = domain->measure(), core = domain->measureDeeperThan(shell);
+        const auto inner = interiorFraction(pack.spheres, *domain, shell);
+        const double coreSolid = inner ? *inner * core : 0;
+        result.regions.push_back({"cortical", all - core,
+                                  (*report.solidFractionTotal * all - coreSolid) / (all - core)});
+        if (inner) result.regions.push_back({"trabecular", core, *inner});
+    }
+    return result;
+}
+
 template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
                                    const std::vector<Sphere<2>>&);
 template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
                                    const std::vector<Sphere<3>>&);
+template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double);
+template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double);
 template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
                              const SizeDistribution*, double, Report&);
 template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,

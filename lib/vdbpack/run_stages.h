@@ -3,6 +3,7 @@
 
 #include "vdbpack/domain_source.h"
 #include "vdbpack/measure/report.h"
+#include "vdbpack/measure/structure.h"
 #include "vdbpack/pack/packer.h"
 
 #include <algorithm>
@@ -56,10 +57,21 @@ template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report);
 
+/// How spheres fill a domain and lie about one another; `pack.depth` as `measurePack` leaves it.
+/// @param domain  null: only what needs none.
+/// @param shell   thickness of the layer along the wall that is told apart, mm; 0: none.
+template <int Dim>
+Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
+                           double shell);
+
 extern template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
                                           const std::vector<Sphere<2>>&);
 extern template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
                                           const std::vector<Sphere<3>>&);
+extern template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&,
+                                              double);
+extern template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&,
+                                              double);
 extern template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
                                     const SizeDistribution*, double, Report&);
 extern template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,

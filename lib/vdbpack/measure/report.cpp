@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstddef>
+#include <type_traits>
 
 namespace vdbpack {
 
@@ -61,6 +62,36 @@ public:
 private:
     std::string text_;
 };
+
+Json contactsJson(const Report& r) {
+    Json json = {{"mean", nullptr}, {"tolerance", r.contactTolerance}};
+    if (!r.contacts) return json;
+    const ContactNetwork& c = *r.contacts;
+    json["mean"] = c.mean;
+    json["pairs"] = c.pairs;
+    json["wall"] = c.wallContacts;
+    json["histogram"] = c.histogram;
+    json["few"] = {{"below", c.few}, {"share", c.fewShare}};
+    json["components"] = c.components;
+    json["largestComponent"] = c.largestComponent;
+    const auto fabric = [&](auto dim) {
+        constexpr int Dim = decltype(dim)::value;
+        Matrix<Dim> m;
+        Json rows = Json::array();
+        for (std::size_t i = 0; i < Dim; ++i) {
+            for (std::size_t j = 0; j < Dim; ++j) m[i].c[j] = c.fabric[i].c[j];
+            rows.push_back(m[i].c);
+        }
+        const auto eigen = eigenSystem<Dim>(m);
+        json["fabric"] = {
+            {"tensor", rows}, {"eigenvalues", eigen.values.c}, {"direction", eigen.vectors[0].c}};
+    };
+    if (r.dim == 2)
+        fabric(std::integral_constant<int, 2>());
+    else
+        fabric(std::integral_constant<int, 3>());
+    return json;
+}
 
 void addDomain(Summary& out, const Report& r) {
     const bool plane = r.dim == 2;
@@ -142,10 +173,16 @@ nlohmann::ordered_json toJson(const Report& r) {
                          {"mean", any ? Json(r.radius.mean) : Json()},
                          {"max", any ? Json(r.radius.max) : Json()},
                          {"sd", any ? Json(r.radius.sd) : Json()}}},
-                       {"ks", orNull(r.ks)}};
+                       {"ks", orNull(r.ks)},
+                       {"ksByVolume", orNull(r.ksByVolume)},
+                       {"wall", r.wallSizes ? Json({{"depth", r.wallSizes->depth},
+                                                    {"count", r.wallSizes->count},
+                                                    {"ks", r.wallSizes->ks},
+                                                    {"ksByVolume", r.wallSizes->ksByVolume}})
+                                            : Json()}};
     json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
                              {"interior", orNull(r.solidFractionInterior)}};
-    json["contacts"] = {{"mean", orNull(r.contactsMean)}, {"tolerance", r.contactTolerance}};
+    json["contacts"] = contactsJson(r);
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
     json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
@@ -169,7 +206,9 @@ std::string summary(const Report& r) {
         out.line(i == 0 ? "by default" : "", r.chosen[i]);
     std::string count = grouped(r.count);
     if (!r.requested.empty()) count += ", asked for " + r.requested;
-    if (r.ks) count += fmt::format(" (Kolmogorov-Smirnov distance {:.2g})", *r.ks);
+    if (r.ks && r.ksByVolume)
+        count += fmt::format(" (Kolmogorov-Smirnov distance {:.2g}, by {} {:.2g})", *r.ks,
+                             r.dim == 2 ? Measure<2>::kVolume : Measure<3>::kVolume, *r.ksByVolume);
     if (r.interrupted) count += "; INTERRUPTED, this is what was complete";
     if (r.existing > 0) count += fmt::format("; {} of them stood already", grouped(r.existing));
     out.line(spheres, count);
@@ -183,9 +222,13 @@ std::string summary(const Report& r) {
                 fmt::format(", {:.4f} deeper than three largest radii", *r.solidFractionInterior);
         out.line("solid", text);
     }
-    if (r.contactsMean)
-        out.line("contacts", fmt::format("{:.3g} a {} (gap within {:g} of the smaller radius)",
-                                         *r.contactsMean, sphere, r.contactTolerance));
+    if (r.contacts)
+        out.line(
+            "contacts",
+            fmt::format("{:.3g} a {} (gap within {:g} of the smaller radius), {:.3g} % have "
+                        "fewer than {}; {:.4g} % of the {} hang together",
+                        r.contacts->mean, sphere, r.contactTolerance, 100 * r.contacts->fewShare,
+                        r.contacts->few, 100 * r.contacts->largestComponent, spheres));
     if (r.voidCount > 0) {
         std::string text = grouped(r.voidCount);
         if (r.bvtv) text += fmt::format(", BV/TV {:.4f}", *r.bvtv);
@@ -208,10 +251,10 @@ std::string summary(const Report& r) {
     if (r.peakMemoryBytes > 0)
         out.line("memory", fmt::format("{:.0f} MiB at most",
                                        static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
-    if (r.command.rfind("verify", 0) == 0)
-        out.line("hash", hashText(r.hash));
-    else
+    if (r.command.rfind("pack", 0) == 0)
         out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
+    else
+        out.line("hash", hashText(r.hash));
     for (std::size_t i = 0; i < r.files.size(); ++i) out.line(i == 0 ? "written" : "", r.files[i]);
     return out.text();
 }

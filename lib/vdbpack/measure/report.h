@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/verify.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,12 +32,20 @@ struct Report {
     std::string requested;  ///< the size distribution as it was written; empty: none
     RadiusStatistics radius;
     std::optional<double> ks;
+    std::optional<double> ksByVolume;  ///< each sphere by its volume (2D: area)
+    /// The same of the spheres whose centers are at most two largest radii from the wall.
+    struct WallSizes {
+        double depth = 0;  ///< mm
+        std::uint64_t count = 0;
+        double ks = 0, ksByVolume = 0;
+    };
+    std::optional<WallSizes> wallSizes;
 
     std::optional<double> solidFractionTotal;
     std::optional<double> solidFractionInterior;
 
-    std::optional<double> contactsMean;
-    double contactTolerance = 1e-3;
+    double contactTolerance = 1e-3;          ///< of the smaller radius
+    std::optional<ContactNetwork> contacts;  ///< nothing without spheres
 
     std::uint64_t existing = 0;          ///< spheres among them that stood already, the first ones
     std::uint64_t givenOverlaps = 0;     ///< overlapping pairs among those

@@ -1,0 +1,193 @@
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+using namespace vdbpack;
+
+namespace {
+
+PackRecipe recipeFor(const std::string& domain, const std::string& radius) {
+    PackRecipe recipe;
+    recipe.domain.source = domain;
+    recipe.radius = radius;
+    return recipe;
+}
+
+std::vector<std::vector<std::string>> rowsOf(const std::string& file) {
+    std::ifstream in(file);
+    std::vector<std::vector<std::string>> rows;
+    for (std::string line; std::getline(in, line);) {
+        rows.emplace_back();
+        std::istringstream cells(line);
+        for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+    }
+    return rows;
+}
+
+}  // namespace
+
+TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(15, 4), folder.file("b.obj"));
+    for (const auto& [domain, radius] :
+         {std::make_pair(std::string("box:40,40,40"), "uniform:1,2"),
+          std::make_pair(folder.file("b.obj"), "lognormal:1,0.3,0.5,2"),
+          std::make_pair(std::string("rect:60,60"), "constant:1")}) {
+        CAPTURE(domain);
+        PackRecipe pack = recipeFor(domain, radius);
+        pack.outputs = {folder.file("p.csv")};
+        const RunResult made = runPack(pack);
+        MeasureRecipe recipe;
+        recipe.pack = folder.file("p.csv");
+        recipe.domain.source = domain;
+        recipe.radius = radius;
+        recipe.shell = 2;
+        recipe.outputs = {"contacts:" + folder.file("c.csv")};
+        recipe.reportFile = folder.file("r.json");
+        const MeasureResult result = runMeasure(recipe);
+        const Report& report = result.run.report;
+        CHECK(report.hash == made.report.hash);
+        CHECK(*report.ks == Approx(*made.report.ks));
+        CHECK(*report.ksByVolume == Approx(*made.report.ksByVolume));
+        CHECK(report.wallSizes->count == made.report.wallSizes->count);
+        CHECK(*report.solidFractionTotal == Approx(*made.report.solidFractionTotal).epsilon(1e-3));
+        CHECK(report.contacts->histogram == made.report.contacts->histogram);
+        CHECK(report.contacts->fabric == made.report.contacts->fabric);
+
+        // The profile and the regions hold what the whole holds.
+        const Structure& structure = result.structure;
+        REQUIRE(structure.profile);
+        REQUIRE(structure.regions.size() == 2);
+        double solid = 0, volume = 0;
+        for (const auto& region : structure.regions) {
+            volume += region.volume;
+            solid += region.volume * region.solidFraction;
+        }
+        CHECK(volume == Approx(report.volume));
+        CHECK(solid == Approx(*report.solidFractionTotal * report.volume).epsilon(1e-6));
+        CHECK(structure.regions[0].solidFraction < structure.regions[1].solidFraction);
+
+        // One row a touching pair, both of which it names.
+        const auto rows = rowsOf(folder.file("c.csv"));
+        CHECK(rows.size() == report.contacts->pairs + 1);
+        const auto& spheres = readPack(recipe.pack).spheres;
+        for (std::size_t k = 1; k < rows.size(); k += 97) {
+            const auto& a = spheres[std::stoul(rows[k][0])];
+            const auto& b = spheres[std::stoul(rows[k][1])];
+            CHECK(std::stod(rows[k][2]) == Approx(gap(a, b)).margin(1e-12));
+            CHECK(std::stod(rows[k][2]) < 1e-3 * std::min(a.radius, b.radius));
+        }
+        std::ifstream file(folder.file("r.json"));
+        const auto json = nlohmann::json::parse(file);
+        CHECK(json["profile"]["fraction"].size() == structure.profile->fraction.size());
+        CHECK(json["regions"]["parts"].size() == 2);
+        CHECK(json["contacts"]["fabric"]["eigenvalues"].size() == (domain[0] == 'r' ? 2 : 3));
+    }
+}
+
+TEST_CASE("measure needs no domain", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe pack = recipeFor("box:80,80,80", "uniform:1,2");
+    pack.outputs = {folder.file("p.vtp")};
+    const RunResult made = runPack(pack);
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.vtp");
+    const auto result = runMeasure(recipe);
+    CHECK(result.run.report.contacts->pairs == made.report.contacts->pairs);
+    CHECK_FALSE(result.structure.profile);
+    REQUIRE(result.structure.pairCorrelation);
+    // Beyond the first shells a random pack has no order.
+    const auto& g = result.structure.pairCorrelation->g;
+    double tail = 0;
+    for (std::size_t b = g.size() * 3 / 4; b < g.size(); ++b) tail += g[b];
+    CHECK(tail / static_cast<double>(g.size() - g.size() * 3 / 4) == Approx(1).epsilon(0.04));
+    recipe.shell = 1;
+    CHECK_THROWS_AS(runMeasure(recipe), ParameterError);
+    recipe.shell = 0;
+    recipe.outputs = {folder.file("x.csv")};
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("contacts:"));
+    recipe.outputs = {"contacts:" + folder.file("none/x.csv")};
+    CHECK_THROWS_AS(runMeasure(recipe), IoError);
+    recipe.outputs = {"contacts:" + folder.file("p.vtp")};
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("input itself"));
+}
+
+TEST_CASE("a study makes the packs that single runs make", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "");
+    recipe.targetCount = 600;
+    recipe.outputs = {folder.file("p{seed}.csv")};
+    recipe.reportFile = folder.file("p{seed}.json");
+    const std::vector<std::uint64_t> seeds{3, 1, 20};
+    const StudyResult study = runStudy(recipe, seeds, folder.file("t.csv"));
+    REQUIRE(study.passed);
+    REQUIRE(study.reports.size() == 3);
+    const auto rows = rowsOf(folder.file("t.csv"));
+    REQUIRE(rows.size() == 4);
+    for (std::size_t k = 0; k < seeds.size(); ++k) {
+        PackRecipe alone = recipe;
+        alone.seed = seeds[k];
+        alone.outputs = {folder.file("alone.csv")};
+        alone.reportFile.clear();
+        const RunResult run = runPack(alone);
+        CAPTURE(seeds[k]);
+        CHECK(run.report.hash == study.reports[k].hash);
+        CHECK(rows[k + 1][0] == std::to_string(seeds[k]));
+        CHECK(rows[k + 1][1] == hashText(run.report.hash));
+        CHECK(rows[k + 1].size() == rows[0].size());
+        const auto written = readPack(folder.file("p" + std::to_string(seeds[k]) + ".csv"));
+        CHECK(packHash(written) == run.report.hash);
+        CHECK(std::filesystem::exists(folder.file("p" + std::to_string(seeds[k]) + ".json")));
+    }
+    CHECK(study.reports[0].hash != study.reports[1].hash);
+    // The field is made once.
+    CHECK(study.reports[0].seconds.domain > 0);
+    CHECK(study.reports[1].seconds.domain == 0);
+
+    recipe.outputs = {folder.file("p.csv")};
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, ""), Catch::Contains("{seed}"));
+    recipe.outputs.clear();
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("t.txt")), Catch::Contains(".csv"));
+    recipe.reportFile = folder.file("r.json");
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, ""), Catch::Contains("{seed}"));
+    CHECK_NOTHROW(runStudy(recipe, {2}, ""));
+}
+
+TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:60,60,60", "uniform:1,2");
+    int reports = 0;
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) { reports += p.stage == "measure"; };
+    callbacks.cancelled = [&] { return reports >= 2; };
+    const auto study = runStudy(recipe, {1, 2, 3, 4}, folder.file("t.csv"), callbacks);
+    CHECK(study.interrupted);
+    CHECK(study.reports.size() == 2);
+    CHECK(rowsOf(folder.file("t.csv")).size() == 3);
+}
+
+TEST_CASE("seeds are numbers, ranges and lists", "[run]") {
+    using Seeds = std::vector<std::uint64_t>;
+    CHECK(parseSeeds("7") == Seeds{7});
+    CHECK(parseSeeds("1..4") == Seeds{1, 2, 3, 4});
+    CHECK(parseSeeds("9,1..2,5..5") == Seeds{9, 1, 2, 5});
+    CHECK(parseSeeds("18446744073709551615").front() == ~std::uint64_t{0});
+    for (const char* text : {"", "-1", "1..", "..3", "4..2", "1,,2", "1.5", "x", "1..5000000",
+                             "99999999999999999999", "1 2", "1,"}) {
+        CAPTURE(text);
+        CHECK_THROWS_AS(parseSeeds(text), ParameterError);
+    }
+}
