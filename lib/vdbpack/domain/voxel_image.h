@@ -1,0 +1,56 @@
+// A solid as a dense box of voxels: what is measured voxel by voxel.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/vec.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+class VdbGrid;
+
+/// Signed distances at the centers of cubic voxels. A voxel is solid if its distance is < 0.
+struct VoxelImage {
+    std::array<std::int64_t, 3> size{};  ///< voxels along x, y, z
+    double voxelSize = 0;                ///< mm
+    Vec<3> origin;                       ///< center of voxel (0, 0, 0), mm
+    /// mm, x fastest, then y, then z; negative in the solid. May be clamped some three voxels from
+    /// the surface: only the values next to it are used.
+    std::vector<float> distance;
+    /// One a voxel, in the same order, or empty. 0: no part of the total volume; else the region
+    /// of the total volume that the voxel belongs to. Empty: the box is the total volume.
+    std::vector<std::uint8_t> label;
+
+    std::size_t voxels() const {
+        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
+               static_cast<std::size_t>(size[2]);
+    }
+};
+
+/// A level set as voxels.
+///
+/// @param grid       from `MeshDomain::grid` or read from a file; mm.
+/// @param bounds     the part that is sampled, mm; its voxels are the total volume, and a solid
+///                   that it cuts goes on beyond. Absent: the bounding box of the voxels inside;
+///                   one further layer, labeled 0, shows where the solid ends.
+/// @param voxelSize  mm; 0: the grid's own voxels without interpolation, those whose centers lie
+///                   in `bounds`. Else voxels fill `bounds` from its low corner (the last ones may
+///                   stick out) and take the trilinear value; voxels wider than the grid's band
+///                   lose the place of the surface between them.
+/// @throws ParameterError for an unusable size or empty bounds; InputError if nothing is inside,
+/// or if the grid's own voxels are asked for and do not lie along x, y, z; ResourceError above
+/// `kLargestImage` voxels or if memory does not suffice.
+///
+/// Cost: about 10 ns a voxel on two threads, interpolated 50.
+VoxelImage sampleLevelSet(const VdbGrid& grid, const std::optional<Box<3>>& bounds = {},
+                          double voxelSize = 0);
+
+/// The most voxels an image may have; 1300 along each side take 9 GB, morphometry 40.
+inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
+
+}  // namespace vdbpack

@@ -1,0 +1,170 @@
+#include "vdbpack/measure/mean_intercept.h"
+
+#include "vdbpack/core/sphere.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+using Matrix = std::array<std::array<double, 3>, 3>;
+using System = std::array<std::array<double, 7>, 6>;
+
+/// Solves six linear equations (right-hand side in the last column) with partial pivoting.
+std::array<double, 6> solve(System a) {
+    for (std::size_t c = 0; c < 6; ++c) {
+        std::size_t pivot = c;
+        for (std::size_t r = c + 1; r < 6; ++r)
+            if (std::abs(a[r][c]) > std::abs(a[pivot][c])) pivot = r;
+        std::swap(a[c], a[pivot]);
+        for (std::size_t r = c + 1; r < 6; ++r) {
+            const double factor = a[r][c] / a[c][c];
+            for (std::size_t k = c; k < 7; ++k) a[r][k] -= factor * a[c][k];
+        }
+    }
+    std::array<double, 6> x{};
+    for (std::size_t c = 6; c-- > 0;) {
+        double sum = a[c][6];
+        for (std::size_t k = c + 1; k < 6; ++k) sum -= a[c][k] * x[k];
+        x[c] = sum / a[c][c];
+    }
+    return x;
+}
+
+/// Eigenvalues on the diagonal of the result, eigenvectors in the columns of `vectors`; by Jacobi
+/// rotations.
+Matrix diagonalized(Matrix m, Matrix& vectors) {
+    vectors = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (int sweep = 0; sweep < 50; ++sweep) {
+        double off = 0, on = 0;
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t j = 0; j < 3; ++j) (i == j ? on : off) += m[i][j] * m[i][j];
+        if (off <= 1e-30 * on) break;
+        for (std::size_t p = 0; p < 2; ++p)
+            for (std::size_t q = p + 1; q < 3; ++q) {
+                if (m[p][q] == 0) continue;
+                const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
+                const double t =
+                    std::copysign(1 / (std::abs(theta) + std::sqrt(theta * theta + 1)), theta);
+                const double c = 1 / std::sqrt(t * t + 1), s = t * c;
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double a = m[k][p], b = m[k][q];
+                    m[k][p] = c * a - s * b;
+                    m[k][q] = s * a + c * b;
+                }
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double a = m[p][k], b = m[q][k];
+                    m[p][k] = c * a - s * b;
+                    m[q][k] = s * a + c * b;
+                }
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const double a = vectors[k][p], b = vectors[k][q];
+                    vectors[k][p] = c * a - s * b;
+                    vectors[k][q] = s * a + c * b;
+                }
+            }
+    }
+    return m;
+}
+
+}  // namespace
+
+std::vector<Vec<3>> halfSphereDirections(int count) {
+    const double turn = kPi * (3 - std::sqrt(5.0));  // the golden angle
+    std::vector<Vec<3>> directions;
+    for (int i = 0; i < count; ++i) {
+        const double z = (i + 0.5) / count;
+        const double r = std::sqrt(1 - z * z);
+        directions.push_back({{r * std::cos(turn * i), r * std::sin(turn * i), z}});
+    }
+    return directions;
+}
+
+std::vector<double> crossingRates(const std::vector<SurfacePoint>& points,
+                                  const std::vector<Vec<3>>& directions, double voxels) {
+    // Sums of fixed runs of points, added in order: the same for any number of threads.
+    constexpr std::size_t kRun = 16384;
+    const std::size_t n = directions.size();
+    std::vector<float> ux(n), uy(n), uz(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        ux[i] = static_cast<float>(directions[i][0]);
+        uy[i] = static_cast<float>(directions[i][1]);
+        uz[i] = static_cast<float>(directions[i][2]);
+    }
+    const std::size_t runs = (points.size() + kRun - 1) / kRun;
+    std::vector<std::vector<double>> sums(runs);
+    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+        std::vector<double>& sum = sums[run];
+        sum.assign(n, 0.0);
+        for (std::size_t p = run * kRun; p < std::min(points.size(), (run + 1) * kRun); ++p) {
+            const SurfacePoint& s = points[p];
+            const float x = s.area * s.normal[0], y = s.area * s.normal[1],
+                        z = s.area * s.normal[2];
+            for (std::size_t i = 0; i < n; ++i)
+                sum[i] += static_cast<double>(std::abs(x * ux[i] + y * uy[i] + z * uz[i]));
+        }
+    });
+    std::vector<double> rates(n, 0.0);
+    for (const auto& sum : sums)
+        for (std::size_t i = 0; i < n; ++i) rates[i] += sum[i] / voxels;
+    return rates;
+}
+
+std::optional<Anisotropy> fitAnisotropy(const std::vector<Vec<3>>& directions,
+                                        const std::vector<double>& rates, double voxelSize) {
+    double largest = 0;
+    for (const double rate : rates) largest = std::max(largest, rate);
+    if (!(largest > 0)) return std::nullopt;
+    // Unknowns M_xx, M_yy, M_zz, M_xy, M_xz, M_yz in units of the largest rate squared.
+    System normal{};
+    for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vec<3>& u = directions[i];
+        const double q = rates[i] * rates[i] / (largest * largest);
+        // Along plates lines meet nothing, and their relative error has no meaning.
+        const double weight = 1 / std::max(q, 1e-4);
+        const std::array<double, 7> row{u[0] * u[0],
+                                        u[1] * u[1],
+                                        u[2] * u[2],
+                                        2 * u[0] * u[1],
+                                        2 * u[0] * u[2],
+                                        2 * u[1] * u[2],
+                                        q};
+        for (std::size_t a = 0; a < 6; ++a)
+            for (std::size_t b = 0; b < 7; ++b) normal[a][b] += weight * weight * row[a] * row[b];
+    }
+    const auto m = solve(normal);
+    Matrix vectors;
+    const Matrix values =
+        diagonalized({{{m[0], m[3], m[4]}, {m[3], m[1], m[5]}, {m[4], m[5], m[2]}}}, vectors);
+    std::array<std::size_t, 3> order{0, 1, 2};
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return values[a][a] < values[b][b]; });
+    Anisotropy result;
+    const double unit = largest * largest / (voxelSize * voxelSize);
+    for (std::size_t i = 0; i < 3; ++i) {
+        const std::size_t k = order[i];
+        result.eigenvalues[i] = std::max(values[k][k], 0.0) * unit;
+        if (result.eigenvalues[i] > 0)
+            result.meanInterceptLengths[i] = 1 / std::sqrt(result.eigenvalues[i]);
+        Vec<3> axis{{vectors[0][k], vectors[1][k], vectors[2][k]}};
+        // An axis has no sign: its largest component is positive.
+        int most = 0;
+        for (int j = 1; j < 3; ++j)
+            if (std::abs(axis[j]) > std::abs(axis[most])) most = j;
+        if (axis[most] < 0) axis *= -1.0;
+        result.axes[i] = axis;
+    }
+    const double low = result.eigenvalues[0], high = result.eigenvalues[2];
+    result.degree = 1 - low / high;
+    if (low > 0) result.ratio = std::sqrt(high / low);
+    return result;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,28 @@
+// Private to measure: mean intercept lengths and the ellipsoid through them.
+#pragma once
+
+#include "vdbpack/measure/morphometry.h"
+#include "vdbpack/measure/surface_distance.h"
+
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// Directions spread evenly over the half sphere z > 0: a spherical Fibonacci lattice.
+std::vector<Vec<3>> halfSphereDirections(int count);
+
+/// Crossings of the surface a voxel of line, for lines of each direction through the total volume:
+/// sum over the surface of area |n . u| / volume, which is what ever denser parallel lines
+/// converge to (Cauchy, Crofton), without their chance.
+/// @param voxels  of the total volume.
+std::vector<double> crossingRates(const std::vector<SurfacePoint>& points,
+                                  const std::vector<Vec<3>>& directions, double voxels);
+
+/// The ellipsoid u' M u = 1 / MIL(u)^2 by least squares of the relative error of that, and what
+/// follows from it; nothing if no direction meets the surface.
+/// @param rates  crossings a voxel of line, one a direction.
+std::optional<Anisotropy> fitAnisotropy(const std::vector<Vec<3>>& directions,
+                                        const std::vector<double>& rates, double voxelSize);
+
+}  // namespace vdbpack
