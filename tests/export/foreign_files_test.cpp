@@ -249,6 +249,24 @@ TEST_CASE("CSV is read with any separator, line end, quotes and comments", "[exp
     REQUIRE(pack.columns[0].numbers == std::vector<double>{7, 8});
 }
 
+TEST_CASE("a CSV column may have no name, as the index that pandas writes", "[export]") {
+    const std::string separator = GENERATE(as<std::string>{}, ",", "\t", ";");
+    CAPTURE(separator);
+    const auto read = [&separator](std::string content) {
+        for (std::size_t at = 0; (at = content.find('|', at)) != std::string::npos;)
+            content.replace(at, 1, separator);
+        return errorOf("p.csv", content) == "no error" ? readText("p.csv", content) : Pack<3>{};
+    };
+    const auto first = read("|x|y|z|radius\n5|1|2|3|4\n");
+    const auto last = read("x|y|z|radius|\n1|2|3|4|5\n");
+    REQUIRE(first.spheres == std::vector<Sphere<3>>{{{{1, 2, 3}}, 4}});
+    REQUIRE(last.spheres == first.spheres);
+    REQUIRE(first.columns.at(0).numbers == std::vector<double>{5});
+    REQUIRE(last.columns.at(0).numbers == std::vector<double>{5});
+    // Two columns without a name are one too many.
+    REQUIRE(read("|x|y|z|radius|\n0|1|2|3|4|5\n").spheres.empty());
+}
+
 TEST_CASE("a row that may be a comment is not dropped in silence", "[export]") {
     REQUIRE_THAT(errorOf("p.csv", "name,x,y,z,r\na,1,2,3,1\n#b,4,5,6,1\n"),
                  Contains("line 3") && Contains("comment or a row"));

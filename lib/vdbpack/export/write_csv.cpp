@@ -73,6 +73,7 @@ bool splitLine(std::string_view line, char separator, Cells& cells, std::string&
 /// What separates the names of the columns: the most frequent of comma, semicolon and tab, or
 /// else blanks.
 char separatorOf(std::string_view header) {
+    header = trimmed(header);
     std::array<std::size_t, 3> counts{};
     constexpr std::string_view kSeparators = ",;\t";
     bool quoted = false;
@@ -111,15 +112,16 @@ Header findHeader(InputFile& file) {
     std::string_view line;
     for (; file.nextLine(line); begin = file.nextOffset(), lineBefore = file.lineNumber()) {
         if (file.lineNumber() == 1 && line.substr(0, 3) == "\xef\xbb\xbf") line.remove_prefix(3);
-        line = trimmed(line);
+        // Tabs at the ends stay: beside them lie cells without a text.
+        const auto content = trimmed(line);
         // Excel's word for the separator, which the header shows as well.
-        if (line.empty() || (line.substr(0, 4) == "sep=" && line.size() <= 5)) continue;
-        if (line.front() != '#') {
+        if (content.empty() || (content.substr(0, 4) == "sep=" && content.size() <= 5)) continue;
+        if (content.front() != '#') {
             if (!named || namesColumns(line)) return {std::string(line), file.lineNumber()};
             file.seek(begin, lineBefore);
             return comment;
         }
-        line = trimmed(line.substr(1));
+        line.remove_prefix(line.find('#') + 1);
         if (named && !namesColumns(line)) continue;
         named = named || namesColumns(line);
         comment = {std::string(line), file.lineNumber()};
