@@ -141,12 +141,12 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) 
         ->group("Spheres");
 }
 
-void addGivenPack(CLI::App& command, GivenPack& given, const char* name) {
-    command
-        .add_option(name, given.pack,
-                    ".vdb (point grid), .csv, .vtp, .ply, .data, .dump, yade:FILE.txt; from any "
-                    "program")
-        ->required();
+const char* const kPackHelp =
+    ".vdb (point grid), .csv, .vtp, .ply, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or "
+    "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
+
+void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const std::string& help) {
+    command.add_option(name, given.pack, help)->required();
     command.add_option("--domain", given.domain.source, kDomainHelp)
         ->option_text("DOMAIN")
         ->group("Domain");
@@ -277,7 +277,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     CLI::App* verify =
         app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
-    addGivenPack(*verify, options.verify, "PACK");
+    addGivenPack(*verify, options.verify, "PACK", kPackHelp);
     verify->add_option("--gap", options.verify.gap, "least distance that spheres must keep, mm")
         ->option_text("G [0]")
         ->check(notNegative())
@@ -294,7 +294,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                            "density, contacts, sizes and structure of any pack; morphometry of a "
                            "level set or a mesh")
             ->fallthrough();
-    addGivenPack(*measure, options.measure, "FILE");
+    addGivenPack(*measure, options.measure, "FILE",
+                 std::string("a pack: ") + kPackHelp +
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off)");
     measure
         ->add_option("-o,--output", options.measure.outputs,
                      "contacts:FILE.csv: the list of touching pairs")

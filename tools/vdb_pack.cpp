@@ -123,7 +123,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 fmt::print("{}\n", toJson(result).dump(2));
             else
-                fmt::print("{}{}", summary(result.run.report), summary(result.structure));
+                fmt::print("{}", summary(result));
             return kDone;
         }
         case CliOptions::Command::mesh: {

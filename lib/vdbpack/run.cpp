@@ -5,31 +5,18 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
-#include "vdbpack/measure/density.h"
 #include "vdbpack/run_stages.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 
 namespace vdbpack {
 
 namespace {
-
-std::uint64_t peakMemory() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-bool passed(const Report& report) {
-    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
-           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
-           keepsGap(report);
-}
 
 /// What all packs of a recipe share, whatever their seed.
 template <int Dim>
@@ -166,10 +153,6 @@ void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& sour
     }
 }
 
-int effectiveThreads(int threads) {
-    return threads > 0 ? threads : tbb::info::default_concurrency();
-}
-
 VerifyResult checksOf(const Report& report) {
     VerifyResult checks;
     checks.count = report.count;
@@ -178,60 +161,6 @@ VerifyResult checksOf(const Report& report) {
     if (report.overlap) checks.overlap = *report.overlap;
     checks.protrusion = report.protrusion;
     return checks;
-}
-
-/// Reads a pack and its domain and takes all measures that every report has; then calls
-/// `further(pack, domain or null, report)`.
-/// @param depthFor  depth up to which the field must know distances for such radii, mm.
-template <class Further>
-RunResult measureGiven(const GivenPack& recipe, Report report,
-                       const std::function<double(const RadiusStatistics&)>& depthFor,
-                       const Callbacks& callbacks, const Further& further) {
-    Clock clock;
-    report.version = VDBPACK_VERSION;
-    report.threads = effectiveThreads(recipe.threads);
-    return withThreads(recipe.threads, [&] {
-        PackReadOptions read;
-        read.unit = recipe.packUnit;
-        read.gridName = recipe.packGrid;
-        Pack<3> given = readPack(recipe.pack, read);
-        if (given.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
-        std::optional<DomainSource> source;
-        if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
-        report.seconds.mesh = clock.lap();
-        RunResult run;
-        const auto measure = [&](auto& pack, auto dim) {
-            constexpr int Dim = decltype(dim)::value;
-            std::optional<SizeDistribution> sizes;
-            if (!recipe.radius.empty())
-                sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
-            DomainSource::Built built;
-            if (source) {
-                const auto radius = radiusStatistics(pack.spheres);
-                built = source->build(fieldDetail(radius.min, radius.mean), depthFor(radius) / 3,
-                                      callbacks);
-            }
-            report.seconds.domain = clock.lap();
-            const Domain<Dim>* domain = ofDim<Dim>(built).get();
-            measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
-                        recipe.contactTolerance, report);
-            further(pack, domain, report);
-            report.seconds.measure = clock.lap();
-        };
-        if (source && source->dim() == 2) {
-            Pack<2> circles = asCircles(given);
-            measure(circles, std::integral_constant<int, 2>());
-            run.pack = std::move(circles);
-        } else {
-            measure(given, std::integral_constant<int, 3>());
-            run.pack = std::move(given);
-        }
-        report.seconds.total = clock.total();
-        report.peakMemoryBytes = peakMemory();
-        run.passed = passed(report);
-        run.report = std::move(report);
-        return run;
-    });
 }
 
 }  // namespace
@@ -403,76 +332,6 @@ std::string summary(const StudyResult& study) {
     row("mean", [](const Sum& s) { return s.mean(); });
     row("sd", [](const Sum& s) { return s.sd(); });
     return text;
-}
-
-RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
-    if (recipe.placeSamples > 0 && recipe.domain.source.empty())
-        throw ParameterError("--places looks in a domain; give one with --domain");
-    Report report;
-    report.command = "verify " + recipe.pack;
-    report.gapAsked = recipe.gap;
-    std::optional<PlacesLeft> places;
-    RunResult run = measureGiven(
-        recipe, std::move(report), [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
-        [&](const auto& pack, const auto* domain, const Report& measured) {
-            if (recipe.placeSamples == 0) return;
-            PlacesLeft left;
-            left.radius = 1.02 * measured.radius.mean;
-            left.samples = recipe.placeSamples;
-            const auto found = findPlaces(pack.spheres, *domain, left.radius, recipe.placeSamples);
-            left.largest = found.largest;
-            left.count = found.places;
-            places = left;
-        });
-    run.places = places;
-    return run;
-}
-
-MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
-    if (recipe.shell > 0 && recipe.domain.source.empty())
-        throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
-    for (const auto& output : recipe.outputs)
-        if (!isContactList(output))
-            throw ParameterError(output +
-                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
-    checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
-    Report report;
-    report.command = "measure " + recipe.pack;
-    MeasureResult result;
-    // Three mean diameters for the pair correlation, and a little beyond the shell.
-    const auto depthFor = [&](const RadiusStatistics& r) {
-        return std::max({3 * r.max, 6.05 * r.mean, 1.05 * recipe.shell});
-    };
-    result.run = measureGiven(recipe, std::move(report), depthFor, callbacks,
-                              [&](const auto& pack, const auto* domain, const Report& measured) {
-                                  result.structure =
-                                      measureStructure(pack, domain, measured, recipe.shell);
-                              });
-    const Clock clock;
-    for (const auto& output : recipe.outputs) {
-        std::visit(
-            [&](const auto& pack) {
-                writeContacts(pack, listContacts(pack.spheres, recipe.contactTolerance),
-                              filePart(output), recipe.outUnit);
-            },
-            result.run.pack);
-        result.run.report.files.push_back(filePart(output));
-    }
-    result.run.report.seconds.write = clock.total();
-    result.run.report.seconds.total += clock.total();
-    if (!recipe.reportFile.empty()) {
-        result.run.report.files.push_back(recipe.reportFile);
-        OutputFile file(recipe.reportFile);
-        file.write(toJson(result).dump(2) + "\n");
-        file.commit();
-    }
-    return result;
-}
-
-nlohmann::ordered_json toJson(const MeasureResult& result) {
-    auto json = toJson(result.run);
-    addTo(json, result.structure);
-    return json;
 }
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/measure/morphometry.h"
 #include "vdbpack/measure/report.h"
 #include "vdbpack/measure/structure.h"
 #include "vdbpack/measure/verify.h"
@@ -89,20 +90,29 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {})
 
 struct MeasureRecipe : GivenPack {
     double shell = 0;  ///< thickness of the layer along the wall that is told apart, mm; 0: none
-    std::vector<std::string> outputs;  ///< contact lists: "contacts:FILE.csv"
+    std::vector<std::string> outputs;  ///< contact lists of a pack: "contacts:FILE.csv"
     Unit outUnit = Unit::millimeter;   ///< of those
     std::string reportFile;            ///< .json; empty: none
 };
 
 struct MeasureResult {
-    RunResult run;
-    Structure structure;
+    RunResult run;                           ///< of a level set: its report has no spheres
+    Structure structure;                     ///< of a pack
+    std::optional<Morphometry> morphometry;  ///< of a level set
 };
 
 nlohmann::ordered_json toJson(const MeasureResult& result);
+/// For people; ends with a newline.
+std::string summary(const MeasureResult& result);
 
-/// All that can be told of any pack: the whole of `vdb_pack measure`. Overlaps and spheres outside
-/// are reported, and no failure.
+/// All that can be told of any pack, or of a solid as a level set (.vdb) or mesh (.stl .obj .off):
+/// the whole of `vdb_pack measure`. Overlaps and spheres outside are reported, and no failure.
+///
+/// A .vdb that holds points is a pack, unless `domain.gridName` names a level set in it. Of a
+/// solid, the total volume is the domain, else the bounding box of the solid; `shell` parts it
+/// into label 1 (the shell) and 2. A box as domain cuts the solid: it goes on beyond.
+/// `domain.voxelSize`: voxels to measure in, mm; 0: those of the level set, of a mesh 1/256 of its
+/// longest side.
 /// @throws ParameterError, InputError, IoError, ResourceError
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
 

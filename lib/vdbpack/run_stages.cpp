@@ -6,6 +6,8 @@
 #include "vdbpack/recipe.h"
 
 #include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/info.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,6 +72,22 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
 }
 
 }  // namespace
+
+std::uint64_t peakMemory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+int effectiveThreads(int threads) {
+    return threads > 0 ? threads : tbb::info::default_concurrency();
+}
+
+bool passed(const Report& report) {
+    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
+           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
+           keepsGap(report);
+}
 
 template <int Dim>
 PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 
 namespace vdbpack {
@@ -43,6 +44,13 @@ const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built
 inline double fieldDetail(double smallest, double mean) {
     return std::max(smallest, 0.5 * mean);
 }
+
+/// The most memory that the process has held, bytes.
+std::uint64_t peakMemory();
+/// How many threads `threads` asks for; 0: all cores.
+int effectiveThreads(int threads);
+/// Whether the checks found nothing but what was given.
+bool passed(const Report& report);
 
 /// Scales the radii until about `target` spheres fill the domain: a guess from smaller packs, then
 /// along the line through the two last packs, count against scale, between what was too few and

@@ -124,6 +124,59 @@ TEST_CASE("measure needs no domain", "[run]") {
     CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("input itself"));
 }
 
+TEST_CASE("measure takes the morphometry of a level set and of a mesh", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(10, 5), folder.file("b.obj"));
+    PackRecipe pack = recipeFor(folder.file("b.obj"), "uniform:1,2");
+    pack.domain.voxelSize = 0.4;
+    pack.outputs = {folder.file("p.vdb")};
+    runPack(pack);
+    const double ball = Measure<3>::ball(10);
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.vdb");
+    // It holds a pack and a level set: the pack, unless the other is named.
+    CHECK_FALSE(runMeasure(recipe).morphometry);
+    recipe.domain.gridName = "surface";
+    const auto alone = runMeasure(recipe);
+    REQUIRE(alone.morphometry);
+    CHECK(alone.morphometry->solidVolume == Approx(ball).epsilon(0.01));
+    CHECK(alone.morphometry->solidFraction == Approx(kPi / 6).epsilon(0.05));
+    CHECK(alone.morphometry->thickness->mean == Approx(20).epsilon(0.01));
+    CHECK(alone.morphometry->eulerNumber == 1);
+
+    recipe.domain.source = "box:24,24,24";
+    const auto boxed = runMeasure(recipe);
+    CHECK(boxed.morphometry->totalVolume == Approx(24 * 24 * 24).epsilon(0.05));
+    CHECK(boxed.morphometry->solidVolume == Approx(ball).epsilon(0.01));
+    recipe.domain.source = "ball:10";
+    recipe.shell = 2;
+    const auto shell = runMeasure(recipe);
+    REQUIRE(shell.morphometry->regions.size() == 2);
+    CHECK(shell.morphometry->regions[0].totalVolume ==
+          Approx(ball - Measure<3>::ball(8)).epsilon(0.02));
+    CHECK(shell.morphometry->regions[1].totalVolume == Approx(Measure<3>::ball(8)).epsilon(0.02));
+    CHECK(shell.morphometry->regions[1].solidFraction == 1);
+
+    MeasureRecipe mesh;
+    test::writeObj(test::scaled(test::ballMesh(10, 5), 1e-3), folder.file("m.obj"));
+    mesh.pack = folder.file("m.obj");
+    mesh.packUnit = Unit::meter;
+    mesh.domain.voxelSize = 0.5;
+    const auto of = runMeasure(mesh);
+    CHECK(of.morphometry->voxelSize == Approx(0.5));
+    CHECK(of.morphometry->solidVolume == Approx(ball).epsilon(0.01));
+    const auto json = toJson(of);
+    CHECK(json["morphometry"]["Tb.Th"]["mean"].get<double>() == Approx(20).epsilon(0.01));
+
+    mesh.outputs = {"contacts:" + folder.file("c.csv")};
+    CHECK_THROWS_WITH(runMeasure(mesh), Catch::Contains("no contacts"));
+    mesh.outputs.clear();
+    mesh.domain.source = "disc:3";
+    CHECK_THROWS_WITH(runMeasure(mesh), Catch::Contains("plane"));
+    recipe.domain.gridName = "solid";
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("solid"));
+}
+
 TEST_CASE("a study makes the packs that single runs make", "[run]") {
     const TemporaryFolder folder;
     test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));

@@ -1,9 +1,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/vdb_init.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <cmath>
@@ -51,15 +54,16 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
     return grid;
 }
 
-}  // namespace
-
-TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
+/// Calls `use(grid)` with a level set that was read and looked over, `scale` checked.
+template <class Use>
+auto withLevelSet(const std::string& path, const std::string& gridName, double scale,
+                  const Use& use) {
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
     initializeOpenVdb();
     try {
         const FloatGrid::Ptr grid = readLevelSet(path, gridName);
-        const openvdb::math::Transform transform = grid->transform();
+        const openvdb::math::Transform& transform = grid->transform();
         if (!transform.isLinear() || !transform.hasUniformScale())
             throw InputError(fmt::format(
                 "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform",
@@ -74,6 +78,26 @@ TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, 
                                 "{}, {}); write it again",
                                 path, grid->getName(), value.getCoord().x(), value.getCoord().y(),
                                 value.getCoord().z()));
+        return use(grid);
+    } catch (const openvdb::IoError& e) {
+        throw IoError(fmt::format("{}: {}; give a complete .vdb file", path, e.what()));
+    } catch (const openvdb::Exception& e) {
+        throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(fmt::format("{}: not enough memory to read it", path));
+    } catch (const std::exception& e) {
+        throw IoError(
+            fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
+    }
+}
+
+}  // namespace
+
+TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
+    return withLevelSet(path, gridName, scale, [&](const FloatGrid::Ptr& grid) {
+        const openvdb::math::Transform transform = grid->transform();
         // Contoured in voxels and moved in double: a translation far from zero would cost digits.
         grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
         openvdb::tools::VolumeToMesh mesher(0.0);
@@ -112,18 +136,37 @@ TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, 
                 fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
                             path, grid->getName()));
         return mesh;
-    } catch (const openvdb::IoError& e) {
-        throw IoError(fmt::format("{}: {}; give a complete .vdb file", path, e.what()));
-    } catch (const openvdb::Exception& e) {
-        throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
+    });
+}
+
+bool holdsLevelSet(const std::string& path) {
+    try {
+        withLevelSet(path, "", 1, [](const FloatGrid::Ptr&) { return true; });
+        return true;
     } catch (const Error&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw ResourceError(fmt::format("{}: not enough memory to read it", path));
-    } catch (const std::exception& e) {
-        throw IoError(
-            fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
+        return false;
     }
+}
+
+std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
+                                            double scale) {
+    return withLevelSet(path, gridName, scale, [&](const FloatGrid::Ptr& grid) {
+        grid->transform().postScale(scale);
+        if (scale != 1) {
+            // Every value, in the band or not, is a distance.
+            const auto inMm = [&](const auto& value) {
+                value.setValue(*value * static_cast<float>(scale));
+            };
+            openvdb::tools::foreach (grid->beginValueAll(), inMm);
+            openvdb::tools::changeBackground(grid->tree(),
+                                             grid->background() * static_cast<float>(scale));
+        }
+        return std::shared_ptr<const VdbGrid>(std::make_shared<VdbGrid>(grid));
+    });
+}
+
+double voxelSizeOf(const VdbGrid& grid) {
+    return grid.grid->voxelSize()[0];
 }
 
 }  // namespace vdbpack

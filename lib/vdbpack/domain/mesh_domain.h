@@ -52,6 +52,16 @@ std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptio
 /// whose voxels are not cubes, ParameterError if `scale` is not positive.
 TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale);
 
+/// Whether a .vdb file holds a level set at all; false as well where it cannot be read.
+bool holdsLevelSet(const std::string& path);
+
+/// The level set itself, in mm. @throws as `levelSetMesh`.
+std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
+                                            double scale);
+
+/// Edge of a voxel of a level set, mm.
+double voxelSizeOf(const VdbGrid& grid);
+
 /// The inside of a level set read from a .vdb file; its zero contour is the wall. As
 /// `levelSetMesh`, then as `meshDomain`.
 std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,

@@ -32,25 +32,28 @@ struct VoxelImage {
     }
 };
 
+/// The most voxels an image may have; 1300 along each side take 9 GB, morphometry 40.
+inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
+
 /// A level set as voxels.
 ///
 /// @param grid       from `MeshDomain::grid` or read from a file; mm.
-/// @param bounds     the part that is sampled, mm; its voxels are the total volume, and a solid
-///                   that it cuts goes on beyond. Absent: the bounding box of the voxels inside;
-///                   one further layer, labeled 0, shows where the solid ends.
+/// @param bounds     the part that is wanted, mm; a solid that it cuts goes on beyond. Absent: the
+///                   bounding box of the voxels inside, with a margin of at least one voxel, so
+///                   that the image shows where the solid ends.
 /// @param voxelSize  mm; 0: the grid's own voxels without interpolation, those whose centers lie
 ///                   in `bounds`. Else voxels fill `bounds` from its low corner (the last ones may
-///                   stick out) and take the trilinear value; voxels wider than the grid's band
-///                   lose the place of the surface between them.
-/// @throws ParameterError for an unusable size or empty bounds; InputError if nothing is inside,
-/// or if the grid's own voxels are asked for and do not lie along x, y, z; ResourceError above
-/// `kLargestImage` voxels or if memory does not suffice.
+///                   stick out) and take the trilinear value. Voxels wider than half of the grid's
+///                   band lose the place of the surface between them.
+/// @param margin     mm; voxels this far beyond `bounds` are added with label 0 (all others are
+///                   then labeled 1): balls and distances at the rim of the total volume then know
+///                   the surface beyond it.
+/// @throws ParameterError for an unusable size, margin or empty bounds; InputError if nothing is
+/// inside, or if the grid's own voxels are asked for and do not lie along x, y, z; ResourceError
+/// above `kLargestImage` voxels or if memory does not suffice.
 ///
-/// Cost: about 10 ns a voxel on two threads, interpolated 50.
+/// Cost: about 10 ns a voxel on two threads, 50 if interpolated.
 VoxelImage sampleLevelSet(const VdbGrid& grid, const std::optional<Box<3>>& bounds = {},
-                          double voxelSize = 0);
-
-/// The most voxels an image may have; 1300 along each side take 9 GB, morphometry 40.
-inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
+                          double voxelSize = 0, double margin = 0);
 
 }  // namespace vdbpack

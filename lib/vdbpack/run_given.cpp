@@ -1,0 +1,299 @@
+// Runs on what exists already: verify and measure.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/output_file.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/voxel_image.h"
+#include "vdbpack/export/contact_file.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/run.h"
+#include "vdbpack/run_stages.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <functional>
+#include <type_traits>
+
+namespace vdbpack {
+
+namespace {
+
+Pack<3> readGiven(const GivenPack& recipe) {
+    PackReadOptions read;
+    read.unit = recipe.packUnit;
+    read.gridName = recipe.packGrid;
+    Pack<3> pack = readPack(recipe.pack, read);
+    if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    return pack;
+}
+
+/// Reads the domain of a pack and takes all measures that every report has; then calls
+/// `further(pack, domain or null, report)`.
+/// @param depthFor  depth up to which the field must know distances for such radii, mm.
+template <class Further>
+RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
+                       const std::function<double(const RadiusStatistics&)>& depthFor,
+                       const Callbacks& callbacks, const Further& further) {
+    Clock clock;
+    std::optional<DomainSource> source;
+    if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
+    report.seconds.mesh += clock.lap();
+    RunResult run;
+    const auto measure = [&](auto& pack, auto dim) {
+        constexpr int Dim = decltype(dim)::value;
+        std::optional<SizeDistribution> sizes;
+        if (!recipe.radius.empty())
+            sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+        DomainSource::Built built;
+        if (source) {
+            const auto radius = radiusStatistics(pack.spheres);
+            built = source->build(fieldDetail(radius.min, radius.mean), depthFor(radius) / 3,
+                                  callbacks);
+        }
+        report.seconds.domain = clock.lap();
+        const Domain<Dim>* domain = ofDim<Dim>(built).get();
+        measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
+                    recipe.contactTolerance, report);
+        further(pack, domain, report);
+        report.seconds.measure = clock.lap();
+    };
+    if (source && source->dim() == 2) {
+        Pack<2> circles = asCircles(given);
+        measure(circles, std::integral_constant<int, 2>());
+        run.pack = std::move(circles);
+    } else {
+        measure(given, std::integral_constant<int, 3>());
+        run.pack = std::move(given);
+    }
+    report.seconds.total = clock.total();
+    report.peakMemoryBytes = peakMemory();
+    run.passed = passed(report);
+    run.report = std::move(report);
+    return run;
+}
+
+}  // namespace
+
+RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.placeSamples > 0 && recipe.domain.source.empty())
+        throw ParameterError("--places looks in a domain; give one with --domain");
+    Report report;
+    report.command = "verify " + recipe.pack;
+    report.gapAsked = recipe.gap;
+    report.version = VDBPACK_VERSION;
+    report.threads = effectiveThreads(recipe.threads);
+    return withThreads(recipe.threads, [&] {
+        Clock clock;
+        Pack<3> given = readGiven(recipe);
+        report.seconds.mesh = clock.lap();
+        std::optional<PlacesLeft> places;
+        RunResult run = measureGiven(
+            recipe, std::move(given), std::move(report),
+            [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
+            [&](const auto& pack, const auto* domain, const Report& measured) {
+                if (recipe.placeSamples == 0) return;
+                PlacesLeft left;
+                left.radius = 1.02 * measured.radius.mean;
+                left.samples = recipe.placeSamples;
+                const auto found =
+                    findPlaces(pack.spheres, *domain, left.radius, recipe.placeSamples);
+                left.largest = found.largest;
+                left.count = found.places;
+                places = left;
+            });
+        run.places = places;
+        run.report.seconds.total = clock.total();
+        return run;
+    });
+}
+
+namespace {
+
+bool endsWith(const std::string& text, const std::string& end) {
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+bool isMesh(const std::string& file) {
+    return endsWith(file, ".stl") || endsWith(file, ".obj") || endsWith(file, ".off");
+}
+
+/// Whether a file is measured as a solid; `pack` is set to what was read if not.
+bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack) {
+    if (isMesh(recipe.pack)) return true;
+    const bool vdb = endsWith(recipe.pack, ".vdb");
+    if (vdb && !recipe.domain.gridName.empty() && !endsWith(recipe.domain.source, ".vdb"))
+        return true;
+    try {
+        pack = readGiven(recipe);
+        return false;
+    } catch (const InputError&) {
+        // Without points it may be a level set; if it is neither, the first message is the better.
+        if (!vdb || !recipe.packGrid.empty() || !holdsLevelSet(recipe.pack)) throw;
+        return true;
+    }
+}
+
+/// Labels the voxels of the total volume by the domain they lie in, a shell apart from the rest.
+void label(VoxelImage& image, const Domain<3>& domain, double shell) {
+    image.label.resize(image.voxels());
+    const auto rows = static_cast<std::size_t>(image.size[1] * image.size[2]);
+    const auto row = static_cast<std::size_t>(image.size[0]);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
+        const auto sampler = domain.sampler();
+        for (std::size_t r = block.begin(); r < block.end(); ++r)
+            for (std::size_t i = 0; i < row; ++i) {
+                const std::array<double, 3> at{
+                    static_cast<double>(i),
+                    static_cast<double>(r % static_cast<std::size_t>(image.size[1])),
+                    static_cast<double>(r / static_cast<std::size_t>(image.size[1]))};
+                Vec<3> x = image.origin;
+                for (int d = 0; d < 3; ++d)
+                    x[d] += at[static_cast<std::size_t>(d)] * image.voxelSize;
+                const double depth = -sampler->signedDistance(x);
+                image.label[r * row + i] =
+                    depth <= 0 ? 0 : static_cast<std::uint8_t>(depth >= shell && shell > 0 ? 2 : 1);
+            }
+    });
+}
+
+MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
+    if (!recipe.outputs.empty())
+        throw ParameterError(recipe.outputs.front() +
+                             ": a solid has no contacts to list; measure "
+                             "a pack, or leave the output out");
+    Clock clock;
+    const double voxel = recipe.domain.voxelSize;
+    const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
+    std::shared_ptr<const VdbGrid> grid;
+    double imageVoxel = voxel;
+    if (isMesh(recipe.pack)) {
+        DomainRecipe solid;
+        solid.source = recipe.pack;
+        solid.unit = recipe.packUnit;
+        const DomainSource source(solid, callbacks);
+        const Vec<3> size = source.fileBounds().size();
+        if (!(voxel > 0)) imageVoxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
+        solid.voxelSize = imageVoxel;
+        grid = DomainSource(solid, callbacks).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
+    } else {
+        grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
+    }
+    report.seconds.mesh = clock.lap();
+    std::optional<DomainSource> source;
+    DomainSource::Built built;
+    std::optional<Box<3>> bounds;
+    if (!recipe.domain.source.empty()) {
+        DomainRecipe total = recipe.domain;
+        total.voxelSize = 0;
+        if (isMesh(recipe.pack) || !endsWith(total.source, ".vdb")) total.gridName.clear();
+        source.emplace(total, callbacks);
+        if (source->dim() != 3)
+            throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
+        // Its wall need not be known as well as that of the solid.
+        const double fine = 2 * (imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid));
+        built = source->build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks);
+        bounds = built.space->bounds();
+    }
+    report.seconds.domain = clock.lap();
+    VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel);
+    grid.reset();
+    if (built.space && (!boxed || recipe.shell > 0)) label(image, *built.space, recipe.shell);
+    MeasureResult result;
+    result.morphometry = measureMorphometry(image);
+    report.seconds.measure = clock.lap();
+    report.seconds.total = clock.total();
+    report.peakMemoryBytes = peakMemory();
+    result.run.report = std::move(report);
+    result.run.passed = true;
+    return result;
+}
+
+}  // namespace
+
+MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.shell > 0 && recipe.domain.source.empty())
+        throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
+    for (const auto& output : recipe.outputs)
+        if (!isContactList(output))
+            throw ParameterError(output +
+                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+    checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
+    Report report;
+    report.version = VDBPACK_VERSION;
+    report.command = "measure " + recipe.pack;
+    report.threads = effectiveThreads(recipe.threads);
+    MeasureResult result = withThreads(recipe.threads, [&] {
+        Clock clock;
+        std::optional<Pack<3>> pack;
+        if (isSolid(recipe, pack)) return measureSolid(recipe, std::move(report), callbacks);
+        report.seconds.mesh = clock.lap();
+        // Three mean diameters for the pair correlation, and a little beyond the shell.
+        const auto depthFor = [&](const RadiusStatistics& r) {
+            return std::max({3 * r.max, 6.05 * r.mean, 1.05 * recipe.shell});
+        };
+        MeasureResult found;
+        found.run = measureGiven(
+            recipe, std::move(*pack), std::move(report), depthFor, callbacks,
+            [&](const auto& spheres, const auto* domain, const Report& measured) {
+                found.structure = measureStructure(spheres, domain, measured, recipe.shell);
+            });
+        clock.lap();
+        for (const auto& output : recipe.outputs) {
+            std::visit(
+                [&](const auto& p) {
+                    writeContacts(p, listContacts(p.spheres, recipe.contactTolerance),
+                                  filePart(output), recipe.outUnit);
+                },
+                found.run.pack);
+            found.run.report.files.push_back(filePart(output));
+        }
+        found.run.report.seconds.write = clock.lap();
+        found.run.report.seconds.total = clock.total();
+        return found;
+    });
+    if (!recipe.reportFile.empty()) {
+        result.run.report.files.push_back(recipe.reportFile);
+        OutputFile file(recipe.reportFile);
+        file.write(toJson(result).dump(2) + "\n");
+        file.commit();
+    }
+    return result;
+}
+
+nlohmann::ordered_json toJson(const MeasureResult& result) {
+    if (!result.morphometry) {
+        auto json = toJson(result.run);
+        addTo(json, result.structure);
+        return json;
+    }
+    const Report& report = result.run.report;
+    return {{"version", report.version},
+            {"command", report.command},
+            {"threads", report.threads},
+            {"morphometry", toJson(*result.morphometry)},
+            {"seconds",
+             {{"mesh", report.seconds.mesh},
+              {"domain", report.seconds.domain},
+              {"measure", report.seconds.measure},
+              {"total", report.seconds.total}}},
+            {"peakMemoryBytes", report.peakMemoryBytes}};
+}
+
+std::string summary(const MeasureResult& result) {
+    const Report& report = result.run.report;
+    if (!result.morphometry) return summary(report) + summary(result.structure);
+    return summary(*result.morphometry) +
+           fmt::format(
+               "{:<11}read {:.2f}, domain {:.2f}, measure {:.2f}, total {:.2f} on {} "
+               "threads\n{:<11}{:.0f} MiB at most\n",
+               "seconds", report.seconds.mesh, report.seconds.domain, report.seconds.measure,
+               report.seconds.total, report.threads, "memory",
+               static_cast<double>(report.peakMemoryBytes) / (1 << 20));
+}
+
+}  // namespace vdbpack
