@@ -2,6 +2,7 @@
 // the distance field of a mesh costs beside the one call that it cannot do without, OpenVDB's
 // meshToVolume at the same voxel size and band; and how fast it answers. Each in one run.
 #include "bench_lookups.h"
+#include "bench_measure.h"
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
@@ -357,7 +358,8 @@ int main(int argc, char** argv) {
         if (words.size() > 1 && words[0] == "lookups")
             return benchAllLookups({words.begin() + 1, words.end()});
         std::vector<std::string> meshes;
-        bool quick = false, usable = !words.empty() && words[0] == "packs";
+        const bool measures = !words.empty() && words[0] == "measure";
+        bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures);
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
             if (words[i] == "--quick")
@@ -370,7 +372,14 @@ int main(int argc, char** argv) {
             else
                 usable = false;
         }
-        if (usable) return benchPacks(quick, threads, meshes);
+        if (usable && measures) {
+            if (meshes.empty()) {
+                benchMeasure(threads, quick ? 120 : 370, quick ? 128 : 256);
+                return 0;
+            }
+        } else if (usable) {
+            return benchPacks(quick, threads, meshes);
+        }
     } catch (const std::exception& e) {
         fmt::print(stderr, "bench_pack: {}\n", e.what());
         return 1;
@@ -381,6 +390,8 @@ int main(int argc, char** argv) {
                "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    seconds to make the field of each mesh, against one bare meshToVolume at the "
                "same\n    voxel size and band; the least of three runs each, in turn\n"
+               "bench_pack measure [--quick] [--threads T]\n"
+               "    what all measures of a pack and the morphometry of a sample cost\n"
                "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
     return 2;

@@ -31,9 +31,9 @@ const std::map<std::string, WeightBy> kWeights{{"count", WeightBy::count},
 const char* const kDomainHelp =
     "mesh (.stl .obj .ply .off), level set (.vdb) or shape: box:LX,LY,LZ  "
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
-const char* const kRadiusHelp =
+const std::string kRadiusSpec =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
-    "psd:FILE, in mm (default: uniform with ratio 1:2, about 100,000 spheres)";
+    "psd:FILE, in mm";
 
 /// CLI11's own range checks print a range of 300 digits.
 CLI::Validator positive() {
@@ -130,8 +130,9 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->group("Domain");
 }
 
-void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy) {
-    command.add_option("--radius", radius, kRadiusHelp)
+void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
+                    const std::string& note) {
+    command.add_option("--radius", radius, kRadiusSpec + note)
         ->option_text("SPEC")
         ->check(notEmpty())
         ->group("Spheres");
@@ -155,7 +156,8 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    addSizeOptions(command, given.radius, given.weightBy);
+    addSizeOptions(command, given.radius, given.weightBy,
+                   "; to hold the radii of the pack against");
     command
         .add_option("--contact-tol", given.contactTolerance,
                     "gap up to which spheres count as touching, in smaller radii")
@@ -207,7 +209,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    addSizeOptions(*pack, options.pack.radius, options.pack.weightBy);
+    addSizeOptions(*pack, options.pack.radius, options.pack.weightBy,
+                   " (default: uniform with ratio 1:2, about 100,000 spheres)");
     pack->add_option("--target-count", options.pack.targetCount,
                      "scale the radii so that about N spheres fill the domain (beside those of "
                      "--existing)")
