@@ -299,15 +299,40 @@ private:
         return static_cast<std::size_t>((bz * kBricks + by) * kBricks + bx);
     }
 
+    /// The voxels of a plane of a brick within the square root of `square` of `c` in x and y; those
+    /// of `plane` for sure, others perhaps.
+    static std::uint64_t disk(const Place& corner, const Place& c, float square,
+                              std::uint64_t plane) {
+        std::uint64_t inside = 0;
+        if (square < 0) return inside;
+        const float x = c[0] - corner[0], y = c[1] - corner[1];
+        for (int j = 0; j < kBrick; ++j) {
+            if ((plane >> j * kBrick & 0xFF) == 0) continue;
+            const float dy = static_cast<float>(j) - y;
+            const float room = square - dy * dy;
+            if (room < 0) continue;
+            const float half = std::sqrt(room);
+            const float low = std::max(x - half, 0.0f), high = std::min(x + half, kBrick - 1.0f);
+            if (!(low <= high)) continue;
+            const int first = static_cast<int>(std::ceil(low)), last = static_cast<int>(high);
+            if (first > last) continue;
+            inside |= ((std::uint64_t{2} << last) - (std::uint64_t{1} << first)) << j * kBrick;
+        }
+        return inside;
+    }
+
     void paintBrick(std::int64_t bx, std::int64_t by, std::int64_t bz, const Place& c, float reach,
                     float value, std::vector<float>& thickness) {
         const Place corner{static_cast<float>(bx * kBrick), static_cast<float>(by * kBrick),
                            static_cast<float>(bz * kBrick)};
         const float square = reach * reach;
-        float nearest = 0;
+        float nearest = 0, farthest = 0;
         for (std::size_t j = 0; j < 3; ++j) {
-            const float out = std::max({corner[j] - c[j], c[j] - corner[j] - (kBrick - 1), 0.0f});
+            const float below = corner[j] - c[j], above = c[j] - corner[j] - (kBrick - 1);
+            const float out = std::max({below, above, 0.0f});
+            const float over = std::max(below, above) + (kBrick - 1);
             nearest += out * out;
+            farthest += over * over;
         }
         if (nearest > square) return;
         const std::size_t b = brick(bx, by, bz);
@@ -316,22 +341,8 @@ private:
             std::uint64_t& plane = bits_[b * kBrick + static_cast<std::size_t>(k)];
             if (plane == 0) continue;
             const float dz = corner[2] + static_cast<float>(k) - c[2];
-            std::uint64_t covered = 0;
-            for (std::int64_t j = 0; j < kBrick; ++j) {
-                if ((plane >> j * kBrick & 0xFF) == 0) continue;
-                const float dy = corner[1] + static_cast<float>(j) - c[1];
-                const float room = square - dz * dz - dy * dy;
-                if (room < 0) continue;
-                const float half = std::sqrt(room);
-                const float middle = c[0] - corner[0];
-                const auto lo = static_cast<int>(std::ceil(std::max(middle - half, 0.0f)));
-                const auto hi =
-                    static_cast<int>(std::floor(std::min(middle + half, kBrick - 1.0f)));
-                if (lo > hi || hi < 0) continue;
-                const std::uint64_t row = (std::uint64_t{2} << hi) - (std::uint64_t{1} << lo);
-                covered |= row << j * kBrick;
-            }
-            covered &= plane;
+            std::uint64_t covered = farthest <= square ? plane : 0;
+            if (covered == 0) covered = plane & disk(corner, c, square - dz * dz, plane);
             plane &= ~covered;
             rest |= plane;
             while (covered != 0) {
