@@ -7,9 +7,12 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/vdb_init.h"
+#include "vdbpack/domain/voxel_image.h"
 
 #include <catch2/catch.hpp>
+#include <openvdb/tools/LevelSetSphere.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <iterator>
@@ -147,4 +150,37 @@ TEST_CASE("a truncated level set is refused", "[domain]") {
             << bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size())));
         REQUIRE_THROWS_AS(levelSetMesh(path, "", 1), Error);
     }
+}
+
+TEST_CASE("level sets whose voxels lie aslant are sampled, not copied", "[morphometry][domain]") {
+    initializeOpenVdb();
+    auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, openvdb::Vec3f(0),
+                                                                         0.1f, 3.0f);
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
+    transform->postRotate(0.5, openvdb::math::Z_AXIS);
+    transform->postTranslate(openvdb::Vec3d(7, 8, 9));
+    ball->setTransform(transform);
+    const VdbGrid grid(ball);
+    REQUIRE_THROWS_AS(sampleLevelSet(grid), InputError);
+    REQUIRE_THROWS_WITH(sampleLevelSet(grid), Contains("give a voxel size"));
+    const auto image = sampleLevelSet(grid, {}, 0.1);
+    const auto n = image.size;
+    for (std::int64_t z = 0; z < n[2]; z += 3)
+        for (std::int64_t y = 0; y < n[1]; y += 3)
+            for (std::int64_t x = 0; x < n[0]; x += 3) {
+                const Vec<3> at = image.origin + Vec<3>{{0.1 * static_cast<double>(x),
+                                                         0.1 * static_cast<double>(y),
+                                                         0.1 * static_cast<double>(z)}};
+                const double exact = length(at - Vec<3>{{7, 8, 9}}) - 2.0;
+                const float value =
+                    image.distance[static_cast<std::size_t>((z * n[1] + y) * n[0] + x)];
+                if (std::abs(exact) < 0.15)
+                    REQUIRE(double{value} == Approx(exact).margin(0.01));
+                else
+                    REQUIRE((value < 0) == (exact < 0));
+            }
+
+    const VdbGrid empty(openvdb::FloatGrid::create(0.3f));
+    REQUIRE_THROWS_AS(sampleLevelSet(empty), InputError);
+    REQUIRE_THROWS_WITH(sampleLevelSet(empty), Contains("nothing is inside"));
 }

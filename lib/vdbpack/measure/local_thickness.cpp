@@ -94,8 +94,8 @@ public:
     }
 
 private:
-    /// The distance at `x` in voxels, trilinear; false outside the image or a voxel off the
-    /// surface.
+    /// The distance at `x` in voxels, trilinear less what the interpolation gains where the
+    /// distance bends; false outside the image or a voxel off the surface.
     bool interpolate(const Place& x, float& value) const {
         std::array<std::size_t, 3> low{};
         Place t{};
@@ -106,14 +106,25 @@ private:
             t[j] = x[j] - floor;
         }
         const auto row = static_cast<std::size_t>(size_[0]);
-        const std::size_t slice = row * static_cast<std::size_t>(size_[1]);
-        const float* d = &image_.distance[low[2] * slice + low[1] * row + low[0]];
+        const std::array<std::size_t, 3> stride{1, row, row * static_cast<std::size_t>(size_[1])};
+        const float* d = &image_.distance[low[2] * stride[2] + low[1] * stride[1] + low[0]];
         const auto between = [](float a, float b, float s) { return a + s * (b - a); };
         const auto line = [&](const float* p) { return between(p[0], p[1], t[0]); };
-        value = between(between(line(d), line(d + row), t[1]),
-                        between(line(d + slice), line(d + slice + row), t[1]), t[2]) /
-                static_cast<float>(image_.voxelSize);
-        return std::abs(value) < 1;
+        value = between(between(line(d), line(d + stride[1]), t[1]),
+                        between(line(d + stride[2]), line(d + stride[2] + stride[1]), t[1]), t[2]);
+        const auto h = static_cast<float>(image_.voxelSize);
+        if (!(std::abs(value) < h)) return false;
+        for (std::size_t j = 0; j < 3; ++j) {
+            if (low[j] == 0 || low[j] + 2 >= static_cast<std::size_t>(size_[j])) continue;
+            // Along the nearest of the four edges of the cell.
+            const float* p = d;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (k != j && t[k] > 0.5f) p += stride[k];
+            value -= 0.5f * t[j] * (1 - t[j]) *
+                     boundedBend(*(p - stride[j]), p[0], p[stride[j]], p[2 * stride[j]], h);
+        }
+        value /= h;
+        return true;
     }
     std::size_t index(std::int64_t x, std::int64_t y, std::int64_t z) const {
         return static_cast<std::size_t>((z * size_[1] + y) * size_[0] + x);
@@ -138,6 +149,16 @@ private:
             way = (wall.distance * wall.distance - radius * radius) / (2 * closing);
         }
         return std::clamp(way, 0.0f, limit);
+    }
+
+    /// How far along `direction` a center stays in the image; at most `limit`.
+    float wayInside(const Place& x, const Place& direction, float limit) const {
+        for (std::size_t j = 0; j < 3; ++j) {
+            const float room = direction[j] > 0 ? static_cast<float>(size_[j] - 1) - x[j] : x[j];
+            if (std::abs(direction[j]) * limit > room)
+                limit = std::max(room, 0.0f) / std::abs(direction[j]);
+        }
+        return limit;
     }
 
     /// The ball of a voxel of the ridge; false if the voxel is not on it.
@@ -180,7 +201,7 @@ private:
         float radius = own.distance;
         std::uint32_t second = first;
         Place other{};
-        float limit = way;
+        float limit = wayInside(center, u, way);
         for (std::size_t i = 0; i < count; ++i) {
             const Clearance wall = refined(center, walls[i], side);
             const float t = freeWay(wall, radius, u, 1, limit);
@@ -198,7 +219,7 @@ private:
         if (second != first && length > 0.3f) {
             const Place v{sum[0] / length, sum[1] / length, sum[2] / length};
             const float rate = length * 0.5f;  // cosine of half the angle between the two
-            limit = 1;
+            limit = wayInside(center, v, 1);
             for (std::size_t i = 0; i < count; ++i)
                 if (walls[i] != second)
                     limit = freeWay(refined(center, walls[i], side), radius, v, rate, limit);

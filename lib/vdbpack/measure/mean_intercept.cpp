@@ -87,8 +87,9 @@ std::vector<Vec<3>> halfSphereDirections(int count) {
     return directions;
 }
 
-std::vector<double> crossingRates(const std::vector<SurfacePoint>& points,
-                                  const std::vector<Vec<3>>& directions, double voxels) {
+std::vector<double> crossingRates(const SurfaceDistance& surface,
+                                  const std::vector<Vec<3>>& directions) {
+    const std::vector<SurfacePoint>& points = surface.points;
     // Sums of fixed runs of points, added in order: the same for any number of threads.
     constexpr std::size_t kRun = 16384;
     const std::size_t n = directions.size();
@@ -105,15 +106,16 @@ std::vector<double> crossingRates(const std::vector<SurfacePoint>& points,
         sum.assign(n, 0.0);
         for (std::size_t p = run * kRun; p < std::min(points.size(), (run + 1) * kRun); ++p) {
             const SurfacePoint& s = points[p];
-            const float x = s.area * s.normal[0], y = s.area * s.normal[1],
-                        z = s.area * s.normal[2];
+            if (!(s.area > 0)) continue;
+            const auto area = static_cast<float>(double{s.area} / surface.edges[s.axis]);
+            const float x = area * s.normal[0], y = area * s.normal[1], z = area * s.normal[2];
             for (std::size_t i = 0; i < n; ++i)
                 sum[i] += static_cast<double>(std::abs(x * ux[i] + y * uy[i] + z * uz[i]));
         }
     });
     std::vector<double> rates(n, 0.0);
     for (const auto& sum : sums)
-        for (std::size_t i = 0; i < n; ++i) rates[i] += sum[i] / voxels;
+        for (std::size_t i = 0; i < n; ++i) rates[i] += sum[i];
     return rates;
 }
 

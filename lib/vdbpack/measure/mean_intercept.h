@@ -14,10 +14,10 @@ std::vector<Vec<3>> halfSphereDirections(int count);
 
 /// Crossings of the surface a voxel of line, for lines of each direction through the total volume:
 /// sum over the surface of area |n . u| / volume, which is what ever denser parallel lines
-/// converge to (Cauchy, Crofton), without their chance.
-/// @param voxels  of the total volume.
-std::vector<double> crossingRates(const std::vector<SurfacePoint>& points,
-                                  const std::vector<Vec<3>>& directions, double voxels);
+/// converge to (Cauchy, Crofton), without their chance. The volume is that between the voxel
+/// centers, in which the points lie.
+std::vector<double> crossingRates(const SurfaceDistance& surface,
+                                  const std::vector<Vec<3>>& directions);
 
 /// The ellipsoid u' M u = 1 / MIL(u)^2 by least squares of the relative error of that, and what
 /// follows from it; nothing if no direction meets the surface.

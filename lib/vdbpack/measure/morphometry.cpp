@@ -151,8 +151,7 @@ Morphometry measureMorphometry(const VoxelImage& image) {
                 image.voxels()));
         for (const SurfacePoint& p : surface.points) area += static_cast<double>(p.area);
         const auto directions = halfSphereDirections(kDirections);
-        m.anisotropy = fitAnisotropy(
-            directions, crossingRates(surface.points, directions, static_cast<double>(voxels)), h);
+        m.anisotropy = fitAnisotropy(directions, crossingRates(surface, directions), h);
     }
     Phases all;
     for (std::size_t label = 1; label < phases.size(); ++label) {
@@ -243,7 +242,8 @@ std::string summary(const Morphometry& m) {
         for (const auto& length : a.meanInterceptLengths)
             lengths += (lengths.empty() ? "" : ", ") +
                        (length ? fmt::format("{:.4g}", *length) : "infinite");
-        line("MIL", lengths + " mm, the longest along " + text(a.axes[0]));
+        line("MIL", lengths + " mm");
+        line("", "the longest along " + text(a.axes[0]));
     } else {
         line("DA", "none");
     }

@@ -47,7 +47,7 @@ struct Morphometry {
     double totalVolume = 0;    ///< TV, mm³: voxels of the total volume
     double solidVolume = 0;    ///< BV, mm³: those of them that are solid
     double solidFraction = 0;  ///< BV/TV
-    double solidSurface = 0;   ///< BS, mm²: surface inside the total volume
+    double solidSurface = 0;   ///< BS, mm²: surface of the solid in the total volume
     /// Tb.Th: local thickness of the solid; absent without solid or without a surface.
     std::optional<LengthStatistics> thickness;
     /// Tb.Sp: the same of the rest of the total volume.

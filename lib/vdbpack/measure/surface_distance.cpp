@@ -47,14 +47,15 @@ public:
     }
 
     SurfacePoint point(std::size_t axis, std::size_t voxel, std::size_t x, std::size_t y,
-                       std::size_t z, double scale) const {
+                       std::size_t z) const {
         const float* d = image_.distance.data();
         const std::size_t other = voxel + lattice_.stride[axis];
         const float a = d[voxel], b = d[other];
-        const float t = a / (a - b);
-        SurfacePoint p;
-        p.at = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
         const std::array<std::size_t, 3> at{x, y, z};
+        const float t = root(voxel, at[axis], axis);
+        SurfacePoint p;
+        p.axis = static_cast<std::uint32_t>(axis);
+        p.at = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
         double square = 0;
         std::array<double, 3> g{};
         for (std::size_t j = 0; j < 3; ++j) {
@@ -70,7 +71,7 @@ public:
             p.normal[j] = static_cast<float>(g[j] * inverse);
             sum += std::abs(double{p.normal[j]});
         }
-        if (inTotal(voxel) && inTotal(other)) p.area = static_cast<float>(scale / sum);
+        if (inTotal(a < 0 ? voxel : other)) p.area = static_cast<float>(1 / sum);
         return p;
     }
 
@@ -78,23 +79,37 @@ public:
         return image_.label.empty() || image_.label[voxel] != 0;
     }
 
-    /// Voxels of the total volume in a slice, and edges along each axis between two of them.
-    std::array<std::size_t, 4> extent(std::size_t z) const {
+    /// Twice the edges along each axis that belong to the voxels of the total volume in a slice,
+    /// half of an edge to each of its voxels.
+    std::array<std::size_t, 3> extent(std::size_t z) const {
         const auto& n = lattice_.size;
-        std::array<std::size_t, 4> count{};
+        std::array<std::size_t, 3> count{};
         for (std::size_t y = 0; y < n[1]; ++y)
             for (std::size_t x = 0; x < n[0]; ++x) {
-                const std::size_t voxel = z * lattice_.stride[2] + y * lattice_.stride[1] + x;
-                if (!inTotal(voxel)) continue;
+                if (!inTotal(z * lattice_.stride[2] + y * lattice_.stride[1] + x)) continue;
                 const std::array<std::size_t, 3> at{x, y, z};
                 for (std::size_t j = 0; j < 3; ++j)
-                    count[j] += at[j] + 1 < n[j] && inTotal(voxel + lattice_.stride[j]);
-                ++count[3];
+                    count[j] += std::size_t{at[j] > 0} + std::size_t{at[j] + 1 < n[j]};
             }
         return count;
     }
 
 private:
+    /// Where the distance vanishes between a voxel and the next one along an axis, as a share of
+    /// the way: a bent surface lies off the straight interpolation by up to an eighth of its
+    /// curvature.
+    float root(std::size_t voxel, std::size_t at, std::size_t axis) const {
+        const float* d = image_.distance.data() + voxel;
+        const std::size_t step = lattice_.stride[axis];
+        const float a = d[0], b = d[step];
+        const float t = a / (a - b);
+        if (at == 0 || at + 2 >= lattice_.size[axis]) return t;
+        const float bend =
+            boundedBend(*(d - step), a, b, d[2 * step], static_cast<float>(image_.voxelSize));
+        const float shift = 0.5f * t * (1 - t) * bend / (b - a);
+        return std::clamp(t + std::clamp(shift, -0.25f, 0.25f), 0.0f, 1.0f);
+    }
+
     /// Difference of the distances across a voxel along one axis; one-sided at the rim.
     double slope(std::size_t voxel, std::size_t at, std::size_t axis) const {
         const float* d = image_.distance.data();
@@ -232,7 +247,7 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     // How many points each slice has, axis by axis, and how much of the total volume.
     std::array<std::vector<std::size_t>, 3> start;
     for (auto& s : start) s.assign(slices + 1, 0);
-    std::vector<std::array<std::size_t, 4>> extents(slices);
+    std::vector<std::array<std::size_t, 3>> extents(slices);
     tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             std::size_t count = 0;
@@ -243,11 +258,10 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
         extents[z] = crossings.extent(z);
     });
     std::size_t total = 0;
-    std::array<std::size_t, 4> extent{};
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t z = 0; z <= slices; ++z) total = start[axis][z] += total;
     for (const auto& e : extents)
-        for (std::size_t j = 0; j < 4; ++j) extent[j] += e[j];
+        for (std::size_t j = 0; j < 3; ++j) result.edges[j] += 0.5 * static_cast<double>(e[j]);
     if (total == 0) return result;
     if (total >= kNone)
         throw ResourceError(fmt::format(
@@ -262,16 +276,13 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     result.nearest.assign(voxels, kNone);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (start[axis].back() == start[axis].front()) continue;
-        const double scale =
-            extent[axis] > 0 ? static_cast<double>(extent[3]) / static_cast<double>(extent[axis])
-                             : 0;
         tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
             std::fill_n(index.begin() + static_cast<std::ptrdiff_t>(z * lattice.stride[2]),
                         lattice.stride[2], kNone);
             std::size_t next = start[axis][z];
             crossings.forEachInSlice(
                 axis, z, [&](std::size_t voxel, std::size_t x, std::size_t y, std::size_t zz) {
-                    result.points[next] = crossings.point(axis, voxel, x, y, zz, scale);
+                    result.points[next] = crossings.point(axis, voxel, x, y, zz);
                     index[voxel] = static_cast<std::uint32_t>(next++);
                 });
         });

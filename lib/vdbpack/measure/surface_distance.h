@@ -3,6 +3,7 @@
 
 #include "vdbpack/domain/voxel_image.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -20,22 +21,25 @@ inline float dot(const Place& a, const Place& b) {
 /// Where an edge between the centers of two neighboring voxels leaves the solid.
 struct SurfacePoint {
     Place at;
-    Place normal;    ///< unit, out of the solid
-    float area = 0;  ///< surface that the point stands for, voxel faces; 0: not in the total volume
+    Place normal;  ///< unit, out of the solid
+    /// Surface that the point stands for, voxel faces; 0 if its solid is not in the total volume.
+    float area = 0;
+    std::uint32_t axis = 0;  ///< of the edge
 };
 
 /// All surface points of an image, and the nearest one of each voxel.
 struct SurfaceDistance {
     std::vector<SurfacePoint> points;
     std::vector<std::uint32_t> nearest;  ///< one a voxel; empty if there is no surface
+    std::array<double, 3> edges{};       ///< along each axis, of the total volume: half to a voxel
 };
 
-/// The surface by linear interpolation between voxels of opposite sign, its normals by differences
-/// of the distances, and the exact Euclidean feature transform of the points.
+/// The surface where the distances between voxels of opposite sign vanish (a parabola through
+/// four of them), its normals by differences, and the exact Euclidean feature transform of the
+/// points.
 ///
 /// A surface element of normal n is met by |n_x| + |n_y| + |n_z| edges a voxel face of it, hence
-/// the area of a point; it is scaled so that the layer at the rim of the total volume, which has
-/// voxels but no edges across, counts too.
+/// the area of a point.
 ///
 /// Points on edges along one axis share their lines: a pass along that axis finds the nearest
 /// point on each line between lattice places, lower envelopes of parabolas along the two others do
@@ -43,6 +47,13 @@ struct SurfaceDistance {
 /// three axes wins. The same for any number of threads.
 /// @throws ResourceError above 2^32 - 2 points.
 SurfaceDistance surfaceDistance(const VoxelImage& image);
+
+/// Second difference of the distances a, b of two neighbors from those before and after them on
+/// their line. Beyond a radius of curvature of two voxels it is an edge or the next wall.
+inline float boundedBend(float before, float a, float b, float after, float voxelSize) {
+    const float bend = 0.5f * (before - a - b + after);
+    return std::min(std::max(bend, -0.5f * voxelSize), 0.5f * voxelSize);
+}
 
 /// How far a place is from the surface around a surface point, and which way leads off.
 struct Clearance {
