@@ -152,7 +152,9 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
         ->option_text("DOMAIN")
         ->group("Domain");
     addDomainOptions(command, given.domain);
-    command.add_option("--pack-unit", given.packUnit, "unit of the pack, if it says none")
+    command
+        .add_option("--pack-unit", given.packUnit,
+                    "unit of " + std::string(name) + ", if it says none")
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
@@ -341,6 +343,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         exitCode = app.exit(e) == 0 ? 0 : 2;
         return std::nullopt;
     }
+    std::string line;
+    for (int i = 1; i < argc; ++i) line += (line.empty() ? "" : " ") + std::string(argv[i]);
+    options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack
                       : verify->parsed()  ? CliOptions::Command::verify
                       : measure->parsed() ? CliOptions::Command::measure

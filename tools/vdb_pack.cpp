@@ -66,7 +66,8 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
         fmt::print("{}\n", all.dump(2));
     } else if (!options.quiet) {
         fmt::print("{}", summary(result));
-        if (!options.table.empty()) fmt::print("written    {}\n", options.table);
+        if (!options.table.empty() && !result.reports.empty())
+            fmt::print("written    {}\n", options.table);
     }
     if (result.interrupted) return kInterrupted;
     if (result.passed) return kDone;
@@ -89,7 +90,10 @@ int runCommand(const CliOptions& options) {
             }
             if (options.seeds.size() > 1 || !options.table.empty())
                 return study(options, callbacks);
-            const RunResult run = runPack(options.pack, callbacks);
+            PackRecipe recipe = options.pack;
+            for (auto& output : recipe.outputs) output = withSeed(output, recipe.seed);
+            recipe.reportFile = withSeed(recipe.reportFile, recipe.seed);
+            const RunResult run = runPack(recipe, callbacks);
             clearProgress();
             if (options.json)
                 fmt::print("{}\n", toJson(run).dump(2));
@@ -147,8 +151,11 @@ int main(int argc, char** argv) {
     int exitCode = kDone;
     const auto options = parseCommandLine(argc, argv, exitCode);
     if (!options) return exitCode;
-    std::signal(SIGINT, onSignal);
-    std::signal(SIGTERM, onSignal);
+    // The others have nothing to keep.
+    if (options->command == CliOptions::Command::pack) {
+        std::signal(SIGINT, onSignal);
+        std::signal(SIGTERM, onSignal);
+    }
     const auto fail = [](const char* message, int code) {
         clearProgress();
         fmt::print(stderr, "vdb_pack: {}\n", message);

@@ -59,9 +59,14 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
             seeds.push_back(s);
             if (s == last) break;
         }
-        if (at == end) return seeds;
+        if (at == end) break;
         if (*at++ != ',') fail("is no seed");
     }
+    auto sorted = seeds;
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+        fail("names a seed twice");
+    return seeds;
 }
 
 bool isContactList(const std::string& output) {

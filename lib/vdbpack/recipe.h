@@ -31,6 +31,7 @@ struct PackRecipe {
     double contactTolerance = 1e-3;    ///< of the smaller radius
     std::vector<std::string> outputs;  ///< -o
     std::string reportFile;            ///< .json; empty: none
+    std::string command;               ///< for the report; empty: what is packed
 };
 
 /// Refuses before the work what would fail after it: formats, folders, outputs that are inputs.
@@ -42,7 +43,8 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                 const std::vector<std::string>& inputs);
 
 /// "7", "1..50" or "1,4,9..12" as seeds, in that order.
-/// @throws ParameterError for anything else, a range that falls, or more than a million seeds.
+/// @throws ParameterError for anything else, a range that falls, a seed named twice, or more than
+/// a million seeds.
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
 
 /// Whether an output is a list of contacts, "contacts:FILE.csv".

@@ -197,7 +197,8 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     Clock clock;
     Report report;
     report.version = VDBPACK_VERSION;
-    report.command = "pack " + recipe.domain.source;
+    report.task = "pack";
+    report.command = recipe.command.empty() ? "pack " + recipe.domain.source : recipe.command;
     report.threads = effectiveThreads(recipe.threads);
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
@@ -246,21 +247,35 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
     if (!table.empty()) {
         if (table.size() < 5 || table.compare(table.size() - 4, 4, ".csv") != 0)
             throw ParameterError("--table " + table + ": tables are CSV; name it .csv");
+        if (withSeed(table, 1) != table)
+            throw ParameterError("--table " + table + ": one table holds all seeds; leave {seed}");
+        for (const auto& r : recipes) {
+            auto all = r.outputs;
+            all.push_back("contacts:" + table);
+            checkFiles(all, r.reportFile, {r.domain.source, r.existing});
+        }
         file.emplace(table);
     }
     StudyResult study;
-    packAll(recipes, callbacks, [&](RunResult&& run) {
-        study.passed = study.passed && run.passed;
-        study.interrupted = run.report.interrupted;
-        // Of an interrupted run no figure would compare with the others.
-        if (!study.interrupted) study.reports.push_back(std::move(run.report));
-        if (!run.passed) study.failures += failures(run);
-        return !study.interrupted;
-    });
-    if (file && !study.reports.empty()) {
+    const auto writeTable = [&] {
+        if (!file || study.reports.empty()) return;
         file->write(studyTable(study.reports));
         file->commit();
+    };
+    try {
+        packAll(recipes, callbacks, [&](RunResult&& run) {
+            study.passed = study.passed && run.passed;
+            study.interrupted = run.report.interrupted;
+            // Of an interrupted run no figure would compare with the others.
+            if (!study.interrupted) study.reports.push_back(std::move(run.report));
+            if (!run.passed) study.failures += failures(run);
+            return !study.interrupted;
+        });
+    } catch (...) {
+        writeTable();  // the rows that are complete
+        throw;
     }
+    writeTable();
     return study;
 }
 
@@ -299,38 +314,42 @@ std::string studyTable(const std::vector<Report>& reports) {
 }
 
 std::string summary(const StudyResult& study) {
-    std::string text =
-        fmt::format("{:>8} {:>10} {:>8} {:>9} {:>9} {:>9} {:>8}  {}\n", "seed", "spheres", "solid",
-                    "interior", "ks", "contacts", "pack, s", "hash");
+    const char* form = "{:>8} {:>9} {:>7} {:>8} {:>8} {:>8} {:>7} {:>17}\n";
+    std::string text = fmt::format(fmt::runtime(form), "seed", "spheres", "solid", "interior", "ks",
+                                   "contacts", "pack, s", "hash");
     struct Sum {
         double n = 0, sum = 0, squares = 0;
         void add(double v) { n += 1, sum += v, squares += v * v; }
-        double mean() const { return n > 0 ? sum / n : 0; }
-        double sd() const {
-            return n > 1 ? std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1))) : 0;
+        std::string mean(const char* number) const {
+            return n > 0 ? fmt::format(fmt::runtime(number), sum / n) : "-";
+        }
+        std::string sd(const char* number) const {
+            if (n < 2) return "-";
+            const double variance = std::max(0.0, (squares - sum * sum / n) / (n - 1));
+            return fmt::format(fmt::runtime(number), std::sqrt(variance));
         }
     } count, total, interior, ks, contacts;
     for (const Report& r : study.reports) {
-        const auto cell = [](const std::optional<double>& v, Sum& sum, const char* form) {
+        const auto cell = [](const std::optional<double>& v, Sum& sum, const char* number) {
             if (v) sum.add(*v);
-            return v ? fmt::format(fmt::runtime(form), *v) : std::string("-");
+            return v ? fmt::format(fmt::runtime(number), *v) : std::string("-");
         };
         count.add(static_cast<double>(r.count));
-        text +=
-            fmt::format("{:>8} {:>10} {:>8} {:>9} {:>9} {:>9} {:>8.2f}  {}\n", r.seed, r.count,
-                        cell(r.solidFractionTotal, total, "{:.4f}"),
-                        cell(r.solidFractionInterior, interior, "{:.4f}"), cell(r.ks, ks, "{:.5f}"),
-                        cell(r.contacts ? std::make_optional(r.contacts->mean) : std::nullopt,
-                             contacts, "{:.3f}"),
-                        r.seconds.pack, hashText(r.hash));
+        const auto mean = r.contacts ? std::make_optional(r.contacts->mean) : std::nullopt;
+        text += fmt::format(fmt::runtime(form), r.seed, r.count,
+                            cell(r.solidFractionTotal, total, "{:.4f}"),
+                            cell(r.solidFractionInterior, interior, "{:.4f}"),
+                            cell(r.ks, ks, "{:.5f}"), cell(mean, contacts, "{:.3f}"),
+                            fmt::format("{:.2f}", r.seconds.pack), hashText(r.hash));
     }
-    const auto row = [&](const char* name, auto value) {
-        text +=
-            fmt::format("{:>8} {:>10.1f} {:>8.4f} {:>9.4f} {:>9.5f} {:>9.3f}\n", name, value(count),
-                        value(total), value(interior), value(ks), value(contacts));
+    const auto row = [&](const char* name, std::string (Sum::*value)(const char*) const) {
+        text += fmt::format(fmt::runtime(form), name, (count.*value)("{:.1f}"),
+                            (total.*value)("{:.4f}"), (interior.*value)("{:.4f}"),
+                            (ks.*value)("{:.5f}"), (contacts.*value)("{:.3f}"), "", "");
     };
-    row("mean", [](const Sum& s) { return s.mean(); });
-    row("sd", [](const Sum& s) { return s.sd(); });
+    row("mean", &Sum::mean);
+    row("sd", &Sum::sd);
+    if (study.interrupted) text += fmt::format("interrupted after {} runs\n", study.reports.size());
     return text;
 }
 

@@ -78,6 +78,7 @@ struct GivenPack {
     WeightBy weightBy = WeightBy::count;
     double contactTolerance = 1e-3;
     int threads = 0;
+    std::string command;  ///< for the report; empty: what is done to which file
 };
 
 struct VerifyRecipe : GivenPack {

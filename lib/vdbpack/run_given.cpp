@@ -22,13 +22,49 @@ namespace vdbpack {
 
 namespace {
 
-Pack<3> readGiven(const GivenPack& recipe) {
+Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
     Pack<3> pack = readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
+    for (const auto& s : pack.spheres)
+        for (int d = 0; d < 3; ++d) {
+            box.lo[d] = std::min(box.lo[d], s.center[d] - s.radius);
+            box.hi[d] = std::max(box.hi[d], s.center[d] + s.radius);
+        }
+    const double extent = length(box.size());
+    if (extent < 2 || extent > 5000)
+        callbacks.warn(fmt::format(
+            "{}: the pack is {:.3g} mm across, which is no size for a bone; give --pack-unit m, "
+            "cm, mm or um if its lengths are not in mm",
+            recipe.pack, extent));
     return pack;
+}
+
+/// Refuses options that say something of a domain that is not there.
+void requireDomain(const GivenPack& recipe) {
+    const DomainRecipe& d = recipe.domain;
+    if (!d.source.empty()) return;
+    const char* option = d.unit != Unit::millimeter ? "--unit"
+                         : d.scale != 1             ? "--scale"
+                         : !d.slices.empty()        ? "--slice"
+                         : !d.clips.empty()         ? "--clip"
+                                                    : nullptr;
+    if (option)
+        throw ParameterError(fmt::format(
+            "{} is about the domain, and none is given; give one with --domain (the unit of the "
+            "file itself is --pack-unit)",
+            option));
+}
+
+/// Whether a pack is one of circles in a plane.
+bool isPlane(const Pack<3>& pack) {
+    const double z = pack.spheres.front().center[2];
+    return pack.spheres.size() > 2 &&
+           std::all_of(pack.spheres.begin(), pack.spheres.end(),
+                       [z](const Sphere<3>& s) { return s.center[2] == z; });
 }
 
 /// Reads the domain of a pack and takes all measures that every report has; then calls
@@ -39,6 +75,7 @@ RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
                        const std::function<double(const RadiusStatistics&)>& depthFor,
                        const Callbacks& callbacks, const Further& further) {
     Clock clock;
+    requireDomain(recipe);
     std::optional<DomainSource> source;
     if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
     report.seconds.mesh += clock.lap();
@@ -61,7 +98,12 @@ RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
         further(pack, domain, report);
         report.seconds.measure = clock.lap();
     };
-    if (source && source->dim() == 2) {
+    const bool plane = isPlane(given);
+    if (source && source->dim() == 3 && plane)
+        callbacks.warn(recipe.pack +
+                       ": all its spheres lie at one height; give --slice z=V to "
+                       "measure them as circles of a plane");
+    if (source ? source->dim() == 2 : plane) {
         Pack<2> circles = asCircles(given);
         measure(circles, std::integral_constant<int, 2>());
         run.pack = std::move(circles);
@@ -82,13 +124,14 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
     if (recipe.placeSamples > 0 && recipe.domain.source.empty())
         throw ParameterError("--places looks in a domain; give one with --domain");
     Report report;
-    report.command = "verify " + recipe.pack;
+    report.task = "verify";
+    report.command = recipe.command.empty() ? "verify " + recipe.pack : recipe.command;
     report.gapAsked = recipe.gap;
     report.version = VDBPACK_VERSION;
     report.threads = effectiveThreads(recipe.threads);
     return withThreads(recipe.threads, [&] {
         Clock clock;
-        Pack<3> given = readGiven(recipe);
+        Pack<3> given = readGiven(recipe, callbacks);
         report.seconds.mesh = clock.lap();
         std::optional<PlacesLeft> places;
         RunResult run = measureGiven(
@@ -113,6 +156,9 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
 
 namespace {
 
+/// An image narrower than this is warned about.
+constexpr std::int64_t kFewVoxels = 16;
+
 bool endsWith(const std::string& text, const std::string& end) {
     return text.size() >= end.size() &&
            text.compare(text.size() - end.size(), end.size(), end) == 0;
@@ -123,13 +169,14 @@ bool isMesh(const std::string& file) {
 }
 
 /// Whether a file is measured as a solid; `pack` is set to what was read if not.
-bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack) {
+bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack,
+             const Callbacks& callbacks) {
     if (isMesh(recipe.pack)) return true;
     const bool vdb = endsWith(recipe.pack, ".vdb");
     if (vdb && !recipe.domain.gridName.empty() && !endsWith(recipe.domain.source, ".vdb"))
         return true;
     try {
-        pack = readGiven(recipe);
+        pack = readGiven(recipe, callbacks);
         return false;
     } catch (const InputError&) {
         // Without points it may be a level set; if it is neither, the first message is the better.
@@ -167,6 +214,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
                              ": a solid has no contacts to list; measure "
                              "a pack, or leave the output out");
     Clock clock;
+    requireDomain(recipe);
     const double voxel = recipe.domain.voxelSize;
     const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     std::shared_ptr<const VdbGrid> grid;
@@ -175,11 +223,10 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         DomainRecipe solid;
         solid.source = recipe.pack;
         solid.unit = recipe.packUnit;
-        const DomainSource source(solid, callbacks);
-        const Vec<3> size = source.fileBounds().size();
+        const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
         if (!(voxel > 0)) imageVoxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
         solid.voxelSize = imageVoxel;
-        grid = DomainSource(solid, callbacks).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
+        grid = DomainSource(solid).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
     } else {
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
     }
@@ -203,8 +250,18 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel);
     grid.reset();
     if (built.space && (!boxed || recipe.shell > 0)) label(image, *built.space, recipe.shell);
+    const auto fewest = *std::min_element(image.size.begin(), image.size.end());
+    if (fewest < kFewVoxels)
+        callbacks.warn(
+            fmt::format("{}: the total volume is {} voxels of {:.3g} mm across; figures "
+                        "are coarse: give a larger domain or a smaller --voxel",
+                        recipe.pack, fewest, image.voxelSize));
     MeasureResult result;
     result.morphometry = measureMorphometry(image);
+    // One region is the whole.
+    if (result.morphometry->regions.size() == 1) result.morphometry->regions.clear();
+    if (result.morphometry->solidFraction == 0)
+        callbacks.warn(recipe.pack + ": no solid lies in the total volume");
     report.seconds.measure = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();
@@ -225,12 +282,14 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
     Report report;
     report.version = VDBPACK_VERSION;
-    report.command = "measure " + recipe.pack;
+    report.task = "measure";
+    report.command = recipe.command.empty() ? "measure " + recipe.pack : recipe.command;
     report.threads = effectiveThreads(recipe.threads);
     MeasureResult result = withThreads(recipe.threads, [&] {
         Clock clock;
         std::optional<Pack<3>> pack;
-        if (isSolid(recipe, pack)) return measureSolid(recipe, std::move(report), callbacks);
+        if (isSolid(recipe, pack, callbacks))
+            return measureSolid(recipe, std::move(report), callbacks);
         report.seconds.mesh = clock.lap();
         // Three mean diameters for the pair correlation, and a little beyond the shell.
         const auto depthFor = [&](const RadiusStatistics& r) {

@@ -152,16 +152,15 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         report.area = domain->wallMeasure();
         report.protrusion = source->protrusion(pack.spheres);
         report.solidFractionTotal = solidFraction(pack.spheres, *domain);
-        // Of those that stood already, only what stands inside.
-        const auto sampler = domain->sampler();
-        for (std::size_t i = 0; i < report.existing; ++i)
-            if (!sampler->contains(pack.spheres[i].center))
-                *report.solidFractionTotal -=
-                    Measure<Dim>::ball(pack.spheres[i].radius) / domain->measure();
+        // Only what is inside counts.
+        if (report.protrusion->spheres > 0)
+            report.solidFractionTotal = interiorFraction(pack.spheres, *domain, 0);
         const double interior = 3 * report.radius.max;
         if (interior <= domain->fieldDepth())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
         pack.depth = source->depths(pack.spheres, *domain);
+    } else {
+        pack.depth.clear();  // whoever wrote it: nothing is known of that wall
     }
     auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     if (!pack.spheres.empty()) report.contacts = contacts;
@@ -182,6 +181,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
                            double shell) {
     Structure result;
     if (pack.spheres.empty()) return result;
+    result.dim = Dim;
     result.meanDiameter = 2 * report.radius.mean;
     const double known =
         domain ? std::min(domain->fieldDepth(), length(domain->bounds().size())) : 0;
@@ -192,18 +192,17 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
         if (deepest >= width)
             result.profile = densityProfile(pack.spheres, *domain, width, deepest);
-        result.local = localFraction(pack.spheres, *domain, kLocalEdge * result.meanDiameter);
+        const double edge = kLocalEdge * result.meanDiameter;
+        if (domain->bounds().measure() < 1e8 * std::pow(edge, Dim))
+            result.local = localFraction(pack.spheres, *domain, edge);
     }
-    // As far as there are enough centers that deep.
-    const std::optional<BoxDepths<Dim>> box =
-        domain ? std::nullopt : std::make_optional<BoxDepths<Dim>>(pack.spheres);
-    const std::vector<float>& depth = box ? box->depth : pack.depth;
+    // As far as there are enough centers that deep; without a domain the density is not known.
     for (const double diameters : {3.0, 2.25, 1.5}) {
         const double reach = diameters * result.meanDiameter;
-        if (domain && reach > known) continue;
-        const double volume = box ? box->volumeDeeperThan(reach) : domain->measureDeeperThan(reach);
-        result.pairCorrelation = pairCorrelation(pack.spheres, depth, reach, volume,
-                                                 static_cast<int>(diameters * kPairBins));
+        if (!domain || reach > known) continue;
+        result.pairCorrelation =
+            pairCorrelation(pack.spheres, pack.depth, reach, domain->measureDeeperThan(reach),
+                            static_cast<int>(diameters * kPairBins));
         if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
     }
     if (domain && shell > 0) {

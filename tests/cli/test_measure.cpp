@@ -107,12 +107,27 @@ TEST_CASE("measure needs no domain", "[run]") {
     const auto result = runMeasure(recipe);
     CHECK(result.run.report.contacts->pairs == made.report.contacts->pairs);
     CHECK_FALSE(result.structure.profile);
-    REQUIRE(result.structure.pairCorrelation);
+    CHECK_FALSE(result.structure.pairCorrelation);
+    // What a file says of a wall that is not there counts for nothing.
+    CHECK(made.report.contacts->wallContacts > 0);
+    CHECK(result.run.report.contacts->wallContacts == 0);
+    CHECK(result.run.report.contacts->mean == Approx(made.report.contacts->meanOfSpheres));
+    recipe.domain.source = "box:80,80,80";
+    const auto boxed = runMeasure(recipe);
     // Beyond the first shells a random pack has no order.
-    const auto& g = result.structure.pairCorrelation->g;
+    const auto& g = boxed.structure.pairCorrelation->g;
     double tail = 0;
     for (std::size_t b = g.size() * 3 / 4; b < g.size(); ++b) tail += g[b];
     CHECK(tail / static_cast<double>(g.size() - g.size() * 3 / 4) == Approx(1).epsilon(0.04));
+    // In a part of it, what lies in that part counts.
+    recipe.domain.source = "box:40,40,40";
+    const auto part = runMeasure(recipe);
+    CHECK(*part.run.report.solidFractionTotal == Approx(0.64).epsilon(0.02));
+    for (const double f : part.structure.profile->fraction) CHECK(f < 0.8);
+    recipe.domain.source.clear();
+    recipe.domain.unit = Unit::meter;
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("--pack-unit"));
+    recipe.domain.unit = Unit::millimeter;
     recipe.shell = 1;
     CHECK_THROWS_AS(runMeasure(recipe), ParameterError);
     recipe.shell = 0;
@@ -122,6 +137,19 @@ TEST_CASE("measure needs no domain", "[run]") {
     CHECK_THROWS_AS(runMeasure(recipe), IoError);
     recipe.outputs = {"contacts:" + folder.file("p.vtp")};
     CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("input itself"));
+}
+
+TEST_CASE("circles are told from spheres where no domain says so", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe pack = recipeFor("rect:40,40", "uniform:1,2");
+    pack.outputs = {folder.file("p.csv")};
+    const RunResult made = runPack(pack);
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    const auto result = runMeasure(recipe);
+    CHECK(result.run.report.dim == 2);
+    CHECK(result.run.report.contacts->few == 3);
+    CHECK(result.run.report.contacts->pairs == made.report.contacts->pairs);
 }
 
 TEST_CASE("measure takes the morphometry of a level set and of a mesh", "[run]") {
@@ -217,6 +245,15 @@ TEST_CASE("a study makes the packs that single runs make", "[run]") {
     recipe.reportFile = folder.file("r.json");
     CHECK_THROWS_WITH(runStudy(recipe, seeds, ""), Catch::Contains("{seed}"));
     CHECK_NOTHROW(runStudy(recipe, {2}, ""));
+    recipe.reportFile.clear();
+    recipe.outputs = {folder.file("q{seed}.csv")};
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("q3.csv")), Catch::Contains("twice"));
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("t{seed}.csv")),
+                      Catch::Contains("{seed}"));
+    // A run that fails takes no row with it.
+    std::filesystem::create_directory(folder.file("q20.csv"));
+    CHECK_THROWS_AS(runStudy(recipe, seeds, folder.file("kept.csv")), IoError);
+    CHECK(rowsOf(folder.file("kept.csv")).size() == 3);
 }
 
 TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
@@ -239,7 +276,7 @@ TEST_CASE("seeds are numbers, ranges and lists", "[run]") {
     CHECK(parseSeeds("9,1..2,5..5") == Seeds{9, 1, 2, 5});
     CHECK(parseSeeds("18446744073709551615").front() == ~std::uint64_t{0});
     for (const char* text : {"", "-1", "1..", "..3", "4..2", "1,,2", "1.5", "x", "1..5000000",
-                             "99999999999999999999", "1 2", "1,"}) {
+                             "99999999999999999999", "1 2", "1,", "1,2,1", "1..5,3"}) {
         CAPTURE(text);
         CHECK_THROWS_AS(parseSeeds(text), ParameterError);
     }

@@ -139,6 +139,7 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
     }
     const auto total = static_cast<double>(spheres.size());
     result.mean = static_cast<double>(sum + result.wallContacts) / total;
+    result.meanOfSpheres = static_cast<double>(sum) / total;
     result.fewShare = static_cast<double>(few) / total;
     result.components = static_cast<std::uint64_t>(
         std::count_if(members.begin(), members.end(), [](std::uint32_t m) { return m > 0; }));

@@ -15,6 +15,7 @@ namespace vdbpack {
 struct ContactNetwork {
     /// Mean number of spheres and walls that a sphere touches, the coordination number; 0 if empty.
     double mean = 0;
+    double meanOfSpheres = 0;        ///< the same without walls
     std::uint64_t pairs = 0;         ///< touching pairs of spheres
     std::uint64_t wallContacts = 0;  ///< spheres that touch the wall
     /// Smallest gap of the touching pairs, mm; infinity if there are none.

@@ -268,6 +268,7 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
     // Those that a bin may hold a part of.
     Samplers<Dim> samplers(domain);
     const double end = static_cast<double>(count) * width;
+    const double rough = std::max(domain.facts().voxelSize, 1e-9 * width);
     std::vector<unsigned char> near(spheres.size());
     tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
         auto& sampler = samplers.local();
@@ -296,7 +297,9 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
                     const Vec<Dim> x =
                         spheres[i].center + ballPoint<Dim>(spread.next()) * spheres[i].radius;
                     // Where the field takes a hair of a sphere for outside, it is at the wall.
-                    const double d = std::max(0.0, -sampler.signedDistance(x));
+                    double d = -sampler.signedDistance(x);
+                    if (d < -rough) continue;
+                    d = std::max(0.0, d);
                     const double bin = d / width;
                     if (!(bin < static_cast<double>(count))) continue;
                     const auto b = static_cast<std::size_t>(bin);
@@ -332,6 +335,7 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
         outer = inner;
         if (!(part > 1e-9 * domain.measure())) break;
         const bool any = !sum.covered.empty();
+        profile.volume.push_back(part);
         profile.fraction.push_back(any ? sum.covered[b] / part : 0);
         profile.error.push_back(any ? std::sqrt(sum.variance[b]) / part : 0);
     }

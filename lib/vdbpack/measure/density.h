@@ -30,7 +30,8 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
 /// Solid fraction against the distance to the wall.
 struct DensityProfile {
     double width = 0;              ///< of a bin, mm; the first begins at the wall
-    std::vector<double> fraction;  ///< of each bin's part of the domain that spheres cover
+    std::vector<double> volume;    ///< of each bin's part of the domain, mm^dim
+    std::vector<double> fraction;  ///< of that, covered by spheres
     std::vector<double> error;     ///< standard error of each
 };
 

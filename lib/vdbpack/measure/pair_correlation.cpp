@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace vdbpack {
 
@@ -76,34 +75,6 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
     return result;
 }
 
-template <int Dim>
-BoxDepths<Dim>::BoxDepths(const std::vector<Sphere<Dim>>& spheres) : depth(spheres.size()) {
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    box.lo = Box<Dim>::filled(kInfinity);
-    box.hi = Box<Dim>::filled(-kInfinity);
-    for (const auto& s : spheres)
-        for (int d = 0; d < Dim; ++d) {
-            box.lo[d] = std::min(box.lo[d], s.center[d]);
-            box.hi[d] = std::max(box.hi[d], s.center[d]);
-        }
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-        double least = kInfinity;
-        for (int d = 0; d < Dim; ++d)
-            least = std::min(
-                {least, spheres[i].center[d] - box.lo[d], box.hi[d] - spheres[i].center[d]});
-        depth[i] = static_cast<float>(least);
-    }
-}
-
-template <int Dim>
-double BoxDepths<Dim>::volumeDeeperThan(double d) const {
-    double volume = 1;
-    for (int i = 0; i < Dim; ++i) volume *= std::max(0.0, box.hi[i] - box.lo[i] - 2 * d);
-    return volume;
-}
-
-template struct BoxDepths<2>;
-template struct BoxDepths<3>;
 template std::optional<PairCorrelation> pairCorrelation<2>(const std::vector<Sphere<2>>&,
                                                            const std::vector<float>&, double,
                                                            double, int);

@@ -1,7 +1,6 @@
 // How sphere centers are arranged about one another.
 #pragma once
 
-#include "vdbpack/core/box.h"
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
@@ -35,16 +34,5 @@ template <int Dim>
 std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
                                                const std::vector<float>& depth, double reach,
                                                double volume, int bins);
-
-/// Distance of each center to the nearest face of the box around all centers, mm, and that box's
-/// volume deeper than a depth: where no domain is known.
-template <int Dim>
-struct BoxDepths {
-    explicit BoxDepths(const std::vector<Sphere<Dim>>& spheres);
-    std::vector<float> depth;
-    double volumeDeeperThan(double d) const;  ///< mm^dim
-
-    Box<Dim> box;
-};
 
 }  // namespace vdbpack

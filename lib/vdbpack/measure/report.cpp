@@ -68,6 +68,8 @@ Json contactsJson(const Report& r) {
     if (!r.contacts) return json;
     const ContactNetwork& c = *r.contacts;
     json["mean"] = c.mean;
+    json["meanOfSpheres"] = c.meanOfSpheres;
+    json["wallsKnown"] = !r.domain.kind.empty();
     json["pairs"] = c.pairs;
     json["wall"] = c.wallContacts;
     json["histogram"] = c.histogram;
@@ -113,6 +115,8 @@ void addDomain(Summary& out, const Report& r) {
 }
 
 void addChecks(Summary& out, const Report& r, const char* spheres) {
+    // To measure is not to judge.
+    const char* failed = r.task == "measure" ? "" : "CHECK FAILED: ";
     if (r.overlap) {
         const auto& o = *r.overlap;
         out.line("overlap",
@@ -120,23 +124,21 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
                      ? o.pairs > 0
                            ? fmt::format("none but the {} pairs that were given", grouped(o.pairs))
                            : fmt::format("none (largest {:.2g} of a radius)", o.max)
-                     : fmt::format("CHECK FAILED: {}{} pairs, largest {:.3g} of the "
-                                   "smaller radius",
+                     : fmt::format("{}{}{} pairs, largest {:.3g} of the smaller radius", failed,
                                    o.complete ? "" : "more than ", grouped(o.pairs), o.max));
     }
     if (r.gapAsked > 0 && r.smallestGap)
-        out.line("gap",
-                 fmt::format("{}{:.6g} mm asked for, smallest {:.6g} mm",
-                             keepsGap(r) ? "" : "CHECK FAILED: ", r.gapAsked, *r.smallestGap));
+        out.line("gap", fmt::format("{}{:.6g} mm asked for, smallest {:.6g} mm",
+                                    keepsGap(r) ? "" : failed, r.gapAsked, *r.smallestGap));
     if (r.protrusion) {
         const auto& p = *r.protrusion;
-        out.line("protrusion",
-                 p.spheres == r.givenProtrusions
-                     ? p.spheres > 0 ? fmt::format("none but the {} {} that were given",
-                                                   grouped(p.spheres), spheres)
-                                     : fmt::format("none (largest {:.2g} of a radius)", p.max)
-                     : fmt::format("CHECK FAILED: {} {}, largest {:.3g} of the radius",
-                                   grouped(p.spheres), spheres, p.max));
+        out.line("protrusion", p.spheres == r.givenProtrusions
+                                   ? p.spheres > 0
+                                         ? fmt::format("none but the {} {} that were given",
+                                                       grouped(p.spheres), spheres)
+                                         : fmt::format("none (largest {:.2g} of a radius)", p.max)
+                                   : fmt::format("{}{} {}, largest {:.3g} of the radius", failed,
+                                                 grouped(p.spheres), spheres, p.max));
     }
 }
 
@@ -151,6 +153,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     Json json;
     json["version"] = r.version;
     json["command"] = r.command;
+    json["unit"] = "mm";
     json["seed"] = r.seed;
     json["threads"] = r.threads;
     json["hash"] = hashText(r.hash);
@@ -223,12 +226,15 @@ std::string summary(const Report& r) {
         out.line("solid", text);
     }
     if (r.contacts)
-        out.line(
-            "contacts",
-            fmt::format("{:.3g} a {} (gap within {:g} of the smaller radius), {:.3g} % have "
-                        "fewer than {}; {:.4g} % of the {} hang together",
-                        r.contacts->mean, sphere, r.contactTolerance, 100 * r.contacts->fewShare,
-                        r.contacts->few, 100 * r.contacts->largestComponent, spheres));
+        out.line("contacts",
+                 fmt::format("{:.3g} a {}{} (gap within {:g} of the smaller radius), {:.3g} % have "
+                             "fewer than {}; the largest connected set holds {:.4g} %",
+                             r.contacts->mean, sphere,
+                             r.domain.kind.empty()
+                                 ? std::string(", walls unknown")
+                                 : fmt::format(", {:.3g} without walls", r.contacts->meanOfSpheres),
+                             r.contactTolerance, 100 * r.contacts->fewShare, r.contacts->few,
+                             100 * r.contacts->largestComponent));
     if (r.voidCount > 0) {
         std::string text = grouped(r.voidCount);
         if (r.bvtv) text += fmt::format(", BV/TV {:.4f}", *r.bvtv);
@@ -251,7 +257,7 @@ std::string summary(const Report& r) {
     if (r.peakMemoryBytes > 0)
         out.line("memory", fmt::format("{:.0f} MiB at most",
                                        static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
-    if (r.command.rfind("pack", 0) == 0)
+    if (r.task == "pack")
         out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
     else
         out.line("hash", hashText(r.hash));

@@ -18,7 +18,8 @@ namespace vdbpack {
 struct Report {
     int dim = 3;
     std::string version;
-    std::string command;
+    std::string task;     ///< "pack", "verify" or "measure"
+    std::string command;  ///< as it was given
     std::uint64_t seed = 0;
     int threads = 0;
     std::uint64_t hash = 0;  ///< `packHash`

@@ -4,13 +4,19 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <vector>
 
 namespace vdbpack {
 
 using Json = nlohmann::ordered_json;
 
 void addTo(nlohmann::ordered_json& report, const Structure& s) {
+    std::vector<double> depths;
+    for (std::size_t b = 0; s.profile && b < s.profile->fraction.size(); ++b)
+        depths.push_back((static_cast<double>(b) + 0.5) * s.profile->width);
     report["profile"] = s.profile ? Json({{"width", s.profile->width},
+                                          {"depth", depths},
+                                          {"volume", s.profile->volume},
                                           {"fraction", s.profile->fraction},
                                           {"error", s.profile->error}})
                                   : Json();
@@ -51,8 +57,10 @@ std::string summary(const Structure& s) {
             }
         line("depth, mm", depths);
         line("solid", values);
-        line("", fmt::format("error at most {:.1g}",
-                             *std::max_element(s.profile->error.begin(), s.profile->error.end())));
+        std::vector<double> errors = s.profile->error;
+        std::nth_element(errors.begin(), errors.begin() + static_cast<long>(errors.size() / 2),
+                         errors.end());
+        line("", fmt::format("standard error mostly below {:.1g}", errors[errors.size() / 2]));
     }
     if (s.local)
         line("local", fmt::format("{:.4f} ± {:.4f} in {} cells of {:.4g} mm", s.local->mean,
@@ -67,7 +75,9 @@ std::string summary(const Structure& s) {
                                  s.pairCorrelation->references));
     }
     for (const auto& r : s.regions)
-        line(r.name.c_str(), fmt::format("{:.4f} solid in {:.6g} mm³", r.solidFraction, r.volume));
+        line(r.name.c_str(),
+             fmt::format("{:.4f} solid in {:.6g} {}", r.solidFraction, r.volume,
+                         s.dim == 2 ? Measure<2>::kVolumeUnit : Measure<3>::kVolumeUnit));
     return text;
 }
 

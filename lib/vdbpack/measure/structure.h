@@ -23,6 +23,7 @@ struct Structure {
     std::optional<DensityProfile> profile;
     std::optional<LocalFraction> local;
     std::optional<PairCorrelation> pairCorrelation;
+    int dim = 3;
     double meanDiameter = 0;  ///< mm
     double shell = 0;         ///< thickness of the shell that parts the regions, mm; 0: none
     std::vector<RegionFraction> regions;
