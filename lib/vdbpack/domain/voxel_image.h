@@ -32,7 +32,8 @@ struct VoxelImage {
     }
 };
 
-/// The most voxels an image may have; 1300 along each side take 9 GB, morphometry 40.
+/// The most voxels an image may have; 1290 along each side take 9 GB, with
+/// morphometry 54.
 inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
 
 /// A level set as voxels.

@@ -196,7 +196,9 @@ private:
                 for (std::int64_t i = std::max<std::int64_t>(x - 1, 0);
                      i < std::min(x + 2, size_[0]); ++i) {
                     const std::uint32_t wall = surface_.nearest[index(i, j, k)];
-                    if (wall != first) walls[count++] = wall;
+                    const auto end = walls.begin() + static_cast<std::ptrdiff_t>(count);
+                    if (wall != first && std::find(walls.begin(), end, wall) == end)
+                        walls[count++] = wall;
                 }
         float radius = own.distance;
         std::uint32_t second = first;
@@ -231,12 +233,14 @@ private:
         std::array<std::int64_t, 3> low{};
         for (std::size_t j = 0; j < 3; ++j)
             low[j] = static_cast<std::int64_t>(std::floor(center[j]));
+        std::uint32_t last = ~std::uint32_t{0};
         for (int corner = 0; corner < 8; ++corner) {
             const std::int64_t i = low[0] + (corner & 1), j = low[1] + (corner >> 1 & 1),
                                k = low[2] + (corner >> 2);
-            if (inside(i, j, k))
-                radius = std::min(radius,
-                                  refined(center, surface_.nearest[index(i, j, k)], side).distance);
+            if (!inside(i, j, k)) continue;
+            const std::uint32_t wall = surface_.nearest[index(i, j, k)];
+            if (wall != last) radius = std::min(radius, refined(center, wall, side).distance);
+            last = wall;
         }
         ball.center = center;
         ball.radius = radius;

@@ -66,15 +66,20 @@ struct Morphometry {
 
 /// Morphometry by the definitions of the field (Bouxsein et al. 2010, doi:10.1002/jbmr.141; BoneJ).
 ///
-/// Volumes count voxels. The surface, the thicknesses and the intercepts use the distances: where
-/// the solid ends between two voxel centers by linear interpolation. Thickness and separation are
-/// mean local thicknesses, with balls centered in the total volume and limited by the surface
-/// alone: like the faces of BoneJ's stack, neither the faces of the image nor the rim of the total
-/// volume stop a ball. Slabs and rods of 8 voxels come out within 1 % however they lie.
+/// Volumes count voxels. The surface, the thicknesses and the intercepts use the distances: the
+/// solid ends where they vanish between two voxel centers. Thickness and separation are mean local
+/// thicknesses, with balls limited by the surface alone: like the faces of BoneJ's stack, neither
+/// the faces of the image nor the rim of the total volume stop a ball, but its center is in the
+/// image. Walls that a face of the image cuts can read too thin or too thick for that, which made
+/// up to 14 % of the mean in images eight walls wide; a margin of one wall with label 0 avoids it.
+/// With it, slabs 8 voxels wide come out within 0.1 % and rods within 2 % (16 voxels: 0.5 %)
+/// however they lie.
 ///
-/// BoneJ's own figures lie beside these by its voxels: it measures from a voxel center to the
-/// nearest center of the other phase (not to the face between), and centers balls on voxels; a
-/// slab of n voxels gets n if n is even and n + 1 if odd.
+/// BoneJ's own figures lie beside these by its voxels. It measures from a voxel center to the
+/// nearest center of the other phase (not to the face between), and centers balls on voxels: a
+/// slab of n voxels gets n if n is even and n + 1 if odd. From 30 voxels on, the two agree within
+/// 1 %. Its lines from voxel to voxel also cross the steps of the staircase, so that its DA is
+/// lower, by 0.04 at a DA of 0.5 and steps of 2.3 voxels, at any resolution.
 ///
 /// Tensor: 500 directions on a spherical Fibonacci lattice; crossings are the areas of the surface
 /// projected along each (what infinitely many lines would count), so there is no chance in it.
@@ -82,7 +87,8 @@ struct Morphometry {
 /// @throws ParameterError if the arrays do not fit the size or the voxel size is not positive;
 /// InputError for a distance that is not finite, or labels that leave no total volume;
 /// ResourceError if there are more than 4e9 places on the surface.
-/// The same for any number of threads. Cost: 0.3 microseconds and 20 bytes a voxel on two threads.
+/// The same for any number of threads. Cost: 0.5 microseconds a voxel on two threads
+/// and 25 bytes a voxel at the most, the image included; 90 bytes for pure noise.
 Morphometry measureMorphometry(const VoxelImage& image);
 
 /// Keys in the field's symbols (BV/TV, Tb.Th, ...); null where there is no value.
