@@ -185,6 +185,19 @@ bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack,
     }
 }
 
+/// How far beyond the total volume the solid is looked at, mm, so that balls do not grow through
+/// the faces of a box cut from a larger sample: a tenth of its shortest side, if the sample reaches
+/// that far on all sides. Else 0: what ends at those faces was cut there.
+double marginFor(const VdbGrid& grid, const std::optional<Box<3>>& bounds) {
+    if (!bounds) return 0;
+    const Vec<3> size = bounds->size();
+    const double margin = 0.1 * *std::min_element(size.c.begin(), size.c.end());
+    const Box<3> band = bandBounds(grid);
+    for (int d = 0; d < 3; ++d)
+        if (band.lo[d] > bounds->lo[d] - margin || band.hi[d] < bounds->hi[d] + margin) return 0;
+    return margin;
+}
+
 /// Labels the voxels of the total volume by the domain they lie in, a shell apart from the rest.
 void label(VoxelImage& image, const Domain<3>& domain, double shell) {
     image.label.resize(image.voxels());
@@ -247,7 +260,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         bounds = built.space->bounds();
     }
     report.seconds.domain = clock.lap();
-    VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel);
+    VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
     grid.reset();
     if (built.space && (!boxed || recipe.shell > 0)) label(image, *built.space, recipe.shell);
     const auto fewest = *std::min_element(image.size.begin(), image.size.end());

@@ -165,6 +165,18 @@ std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::
     });
 }
 
+Box<3> bandBounds(const VdbGrid& grid) {
+    const auto voxels = grid.grid->evalActiveVoxelBoundingBox();
+    const auto world = grid.grid->transform().indexToWorld(
+        openvdb::BBoxd(voxels.min().asVec3d(), voxels.max().asVec3d()));
+    Box<3> box;
+    for (int d = 0; d < 3; ++d) {
+        box.lo[d] = world.min()[d];
+        box.hi[d] = world.max()[d];
+    }
+    return box;
+}
+
 double voxelSizeOf(const VdbGrid& grid) {
     return grid.grid->voxelSize()[0];
 }

@@ -61,6 +61,8 @@ std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::
 
 /// Edge of a voxel of a level set, mm.
 double voxelSizeOf(const VdbGrid& grid);
+/// The box around the band of a level set, mm.
+Box<3> bandBounds(const VdbGrid& grid);
 
 /// The inside of a level set read from a .vdb file; its zero contour is the wall. As
 /// `levelSetMesh`, then as `meshDomain`.

@@ -119,6 +119,68 @@ std::vector<double> crossingRates(const SurfaceDistance& surface,
     return rates;
 }
 
+std::vector<double> voxelCrossingRates(const VoxelImage& image,
+                                       const std::vector<Vec<3>>& directions) {
+    // Two samples between lines: as close as lines need be to meet each void many times.
+    constexpr double kApart = 2 * kVoxelStep;
+    Vec<3> middle;
+    double reach = 0;
+    for (int d = 0; d < 3; ++d) {
+        middle[d] = 0.5 * static_cast<double>(image.size[static_cast<std::size_t>(d)] - 1);
+        reach += middle[d] * middle[d];
+    }
+    reach = std::sqrt(reach);
+    const auto nx = static_cast<std::size_t>(image.size[0]);
+    const auto ny = static_cast<std::size_t>(image.size[1]);
+    std::vector<double> rates(directions.size());
+    tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
+        const Vec<3>& u = directions[i];
+        const Vec<3> other = std::fabs(u[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
+        const Vec<3> e = normalized(cross(u, other)), g = cross(u, e);
+        std::int64_t steps = 0, changes = 0;
+        for (double a = -reach; a <= reach; a += kApart)
+            for (double b = -reach; b <= reach; b += kApart) {
+                const Vec<3> on = middle + e * a + g * b;
+                // Where the line lies between the outermost voxel centers.
+                double from = -reach, to = reach;
+                for (int d = 0; d < 3; ++d) {
+                    const double hi = 2 * middle[d];
+                    if (std::fabs(u[d]) < 1e-12) {
+                        if (on[d] < 0 || on[d] > hi) to = from - 1;
+                        continue;
+                    }
+                    const double t0 = -on[d] / u[d], t1 = (hi - on[d]) / u[d];
+                    from = std::max(from, std::min(t0, t1));
+                    to = std::min(to, std::max(t0, t1));
+                }
+                bool before = false, started = false;
+                for (double t = from; t <= to; t += kVoxelStep) {
+                    const Vec<3> p = on + u * t;
+                    std::size_t at[3];
+                    for (int d = 0; d < 3; ++d)
+                        at[d] =
+                            static_cast<std::size_t>(std::clamp(p[d], 0.0, 2 * middle[d]) + 0.5);
+                    const std::size_t voxel = (at[2] * ny + at[1]) * nx + at[0];
+                    if (!image.label.empty() && image.label[voxel] == 0) {
+                        started = false;
+                        continue;
+                    }
+                    const bool now = image.distance[voxel] < 0;
+                    if (started) {
+                        ++steps;
+                        changes += now != before;
+                    }
+                    before = now;
+                    started = true;
+                }
+            }
+        rates[i] = steps > 0
+                       ? static_cast<double>(changes) / (kVoxelStep * static_cast<double>(steps))
+                       : 0.0;
+    });
+    return rates;
+}
+
 std::optional<Anisotropy> fitAnisotropy(const std::vector<Vec<3>>& directions,
                                         const std::vector<double>& rates, double voxelSize) {
     double largest = 0;

@@ -20,6 +20,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kDirections = 500;
+/// Along which lines from voxel to voxel are laid.
+constexpr int kVoxelDirections = 100;
 
 void check(const VoxelImage& image) {
     if (!(image.voxelSize > 0) || !std::isfinite(image.voxelSize))
@@ -153,6 +155,10 @@ Morphometry measureMorphometry(const VoxelImage& image) {
         const auto directions = halfSphereDirections(kDirections);
         m.anisotropy = fitAnisotropy(directions, crossingRates(surface, directions), h);
     }
+    if (m.anisotropy) {
+        const auto directions = halfSphereDirections(kVoxelDirections);
+        m.voxelAnisotropy = fitAnisotropy(directions, voxelCrossingRates(image, directions), h);
+    }
     Phases all;
     for (std::size_t label = 1; label < phases.size(); ++label) {
         const Phases& p = phases[label];
@@ -210,6 +216,10 @@ nlohmann::ordered_json toJson(const Morphometry& m) {
                      {"MIL", lengths},
                      {"axes", axes}};
     }
+    out["DAvoxels"] = m.voxelAnisotropy ? Json({{"degree", m.voxelAnisotropy->degree},
+                                                {"ratio", orNull(m.voxelAnisotropy->ratio)},
+                                                {"axis", m.voxelAnisotropy->axes[0].c}})
+                                        : Json();
     out["regions"] = Json::array();
     for (const RegionMorphometry& r : m.regions)
         out["regions"].push_back({{"label", r.label},
@@ -238,6 +248,9 @@ std::string summary(const Morphometry& m) {
         const Anisotropy& a = *m.anisotropy;
         line("DA", fmt::format("{:.4f} as 1 - (short / long)², {} as long / short", a.degree,
                                a.ratio ? fmt::format("{:.4g}", *a.ratio) : "infinite"));
+        if (m.voxelAnisotropy)
+            line("", fmt::format("{:.4f} by lines from voxel to voxel, as BoneJ counts",
+                                 m.voxelAnisotropy->degree));
         std::string lengths;
         for (const auto& length : a.meanInterceptLengths)
             lengths += (lengths.empty() ? "" : ", ") +
