@@ -39,7 +39,7 @@ struct Void {
 /// solid cube, so that exp(-n v) of it stays for n voids a volume of volume v. Distances are those
 /// to each ellipsoid, to first order at its surface.
 VoxelImage trabecularSample(int edge, double voxelSize, double solidFraction) {
-    const double a = 0.45, b = 0.3, volume = 4.0 / 3.0 * kPi * a * b * b;
+    const double a = 0.36, b = 0.24, volume = 4.0 / 3.0 * kPi * a * b * b;
     const double side = edge * voxelSize, window = side + 2 * a;
     const auto count = static_cast<int>(-std::log(solidFraction) / volume * std::pow(window, 3));
     RandomStream random(1, 1);
