@@ -301,7 +301,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
             ->fallthrough();
     addGivenPack(*measure, options.measure, "FILE",
                  std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off)");
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)");
     measure
         ->add_option("-o,--output", options.measure.outputs,
                      "contacts:FILE.csv: the list of touching pairs")

@@ -179,6 +179,7 @@ bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack,
         pack = readGiven(recipe, callbacks);
         return false;
     } catch (const InputError&) {
+        if (endsWith(recipe.pack, ".ply")) return true;  // without radii: a mesh
         // Without points it may be a level set; if it is neither, the first message is the better.
         if (!vdb || !recipe.packGrid.empty() || !holdsLevelSet(recipe.pack)) throw;
         return true;
@@ -232,7 +233,8 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
-    if (isMesh(recipe.pack)) {
+    const bool mesh = !endsWith(recipe.pack, ".vdb");
+    if (mesh) {
         DomainRecipe solid;
         solid.source = recipe.pack;
         solid.unit = recipe.packUnit;
@@ -250,7 +252,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     if (!recipe.domain.source.empty()) {
         DomainRecipe total = recipe.domain;
         total.voxelSize = 0;
-        if (isMesh(recipe.pack) || !endsWith(total.source, ".vdb")) total.gridName.clear();
+        if (mesh || !endsWith(total.source, ".vdb")) total.gridName.clear();
         source.emplace(total, callbacks);
         if (source->dim() != 3)
             throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
@@ -313,6 +315,10 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
             recipe, std::move(*pack), std::move(report), depthFor, callbacks,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
                 found.structure = measureStructure(spheres, domain, measured, recipe.shell);
+                if (recipe.shell > 0 && found.structure.regions.size() == 1)
+                    callbacks.warn(fmt::format(
+                        "--shell {:g} mm: nothing of the domain lies deeper; all of it is shell",
+                        recipe.shell));
             });
         clock.lap();
         for (const auto& output : recipe.outputs) {

@@ -114,6 +114,15 @@ TEST_CASE("measure needs no domain", "[run]") {
     CHECK(result.run.report.contacts->mean == Approx(made.report.contacts->meanOfSpheres));
     recipe.domain.source = "box:80,80,80";
     const auto boxed = runMeasure(recipe);
+    {
+        std::string warned;
+        Callbacks callbacks;
+        callbacks.warning = [&](const std::string& text) { warned += text; };
+        MeasureRecipe thick = recipe;
+        thick.shell = 40;
+        CHECK(runMeasure(thick, callbacks).structure.regions.size() == 1);
+        CHECK_THAT(warned, Catch::Contains("all of it is shell"));
+    }
     // Beyond the first shells a random pack has no order.
     const auto& g = boxed.structure.pairCorrelation->g;
     double tail = 0;
