@@ -106,8 +106,9 @@ nlohmann::ordered_json toJson(const MeasureResult& result);
 /// For people; ends with a newline.
 std::string summary(const MeasureResult& result);
 
-/// All that can be told of any pack, or of a solid as a level set (.vdb) or mesh (.stl .obj .off .ply):
-/// the whole of `vdb_pack measure`. Overlaps and spheres outside are reported, and no failure.
+/// All that can be told of any pack, or of a solid as a level set (.vdb) or mesh (.stl .obj .off
+/// .ply): the whole of `vdb_pack measure`. Overlaps and spheres outside are reported, and no
+/// failure.
 ///
 /// A .vdb that holds points is a pack, unless `domain.gridName` names a level set in it. Of a
 /// solid, the total volume is the domain, else the bounding box of the solid; `shell` parts it
