@@ -1,3 +1,4 @@
+#include "cli/recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
 #include "support/temporary_folder.h"
@@ -15,15 +16,9 @@
 #include <sstream>
 
 using namespace vdbpack;
+using test::recipeFor;
 
 namespace {
-
-PackRecipe recipeFor(const std::string& domain, const std::string& radius) {
-    PackRecipe recipe;
-    recipe.domain.source = domain;
-    recipe.radius = radius;
-    return recipe;
-}
 
 std::vector<std::vector<std::string>> rowsOf(const std::string& file) {
     std::ifstream in(file);

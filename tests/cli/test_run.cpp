@@ -1,3 +1,4 @@
+#include "cli/recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
 #include "support/temporary_folder.h"
@@ -16,15 +17,9 @@
 #include <fstream>
 
 using namespace vdbpack;
+using test::recipeFor;
 
 namespace {
-
-PackRecipe recipeFor(const std::string& domain, const std::string& radius) {
-    PackRecipe recipe;
-    recipe.domain.source = domain;
-    recipe.radius = radius;
-    return recipe;
-}
 
 double total(const RunResult& run) {
     return run.report.solidFractionTotal.value_or(0);

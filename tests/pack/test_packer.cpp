@@ -217,8 +217,8 @@ TEST_CASE("a wide distribution is kept", "[pack]") {
 }
 
 TEST_CASE("more effort is denser", "[pack]") {
-    const auto domain = boxDomain<3>(cube<3>(75));
-    double before = 0.58;
+    const auto domain = boxDomain<3>(cube<3>(120));
+    double before = 0.59;
     for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense}) {
         PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
         options.effort = effort;

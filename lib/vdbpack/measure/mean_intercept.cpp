@@ -1,6 +1,7 @@
 #include "vdbpack/measure/mean_intercept.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/core/symmetric.h"
 
 #include <tbb/parallel_for.h>
 
@@ -36,42 +37,6 @@ std::array<double, 6> solve(System a) {
         x[c] = sum / a[c][c];
     }
     return x;
-}
-
-/// Eigenvalues on the diagonal of the result, eigenvectors in the columns of `vectors`; by Jacobi
-/// rotations.
-Matrix diagonalized(Matrix m, Matrix& vectors) {
-    vectors = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-    for (int sweep = 0; sweep < 50; ++sweep) {
-        double off = 0, on = 0;
-        for (std::size_t i = 0; i < 3; ++i)
-            for (std::size_t j = 0; j < 3; ++j) (i == j ? on : off) += m[i][j] * m[i][j];
-        if (off <= 1e-30 * on) break;
-        for (std::size_t p = 0; p < 2; ++p)
-            for (std::size_t q = p + 1; q < 3; ++q) {
-                if (m[p][q] == 0) continue;
-                const double theta = (m[q][q] - m[p][p]) / (2 * m[p][q]);
-                const double t =
-                    std::copysign(1 / (std::abs(theta) + std::sqrt(theta * theta + 1)), theta);
-                const double c = 1 / std::sqrt(t * t + 1), s = t * c;
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const double a = m[k][p], b = m[k][q];
-                    m[k][p] = c * a - s * b;
-                    m[k][q] = s * a + c * b;
-                }
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const double a = m[p][k], b = m[q][k];
-                    m[p][k] = c * a - s * b;
-                    m[q][k] = s * a + c * b;
-                }
-                for (std::size_t k = 0; k < 3; ++k) {
-                    const double a = vectors[k][p], b = vectors[k][q];
-                    vectors[k][p] = c * a - s * b;
-                    vectors[k][q] = s * a + c * b;
-                }
-            }
-    }
-    return m;
 }
 
 }  // namespace
@@ -204,26 +169,17 @@ std::optional<Anisotropy> fitAnisotropy(const std::vector<Vec<3>>& directions,
             for (std::size_t b = 0; b < 7; ++b) normal[a][b] += weight * weight * row[a] * row[b];
     }
     const auto m = solve(normal);
-    Matrix vectors;
-    const Matrix values =
-        diagonalized({{{m[0], m[3], m[4]}, {m[3], m[1], m[5]}, {m[4], m[5], m[2]}}}, vectors);
-    std::array<std::size_t, 3> order{0, 1, 2};
-    std::sort(order.begin(), order.end(),
-              [&](std::size_t a, std::size_t b) { return values[a][a] < values[b][b]; });
+    const auto eigen =
+        eigenSystem<3>({{{{m[0], m[3], m[4]}}, {{m[3], m[1], m[5]}}, {{m[4], m[5], m[2]}}}});
     Anisotropy result;
     const double unit = largest * largest / (voxelSize * voxelSize);
     for (std::size_t i = 0; i < 3; ++i) {
-        const std::size_t k = order[i];
-        result.eigenvalues[i] = std::max(values[k][k], 0.0) * unit;
+        // The smallest value belongs to the longest intercept.
+        const std::size_t k = 2 - i;
+        result.eigenvalues[i] = std::max(eigen.values.c[k], 0.0) * unit;
         if (result.eigenvalues[i] > 0)
             result.meanInterceptLengths[i] = 1 / std::sqrt(result.eigenvalues[i]);
-        Vec<3> axis{{vectors[0][k], vectors[1][k], vectors[2][k]}};
-        // An axis has no sign: its largest component is positive.
-        int most = 0;
-        for (int j = 1; j < 3; ++j)
-            if (std::abs(axis[j]) > std::abs(axis[most])) most = j;
-        if (axis[most] < 0) axis *= -1.0;
-        result.axes[i] = axis;
+        result.axes[i] = eigen.vectors[k];
     }
     const double low = result.eigenvalues[0], high = result.eigenvalues[2];
     result.degree = 1 - low / high;
