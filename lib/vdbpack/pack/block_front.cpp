@@ -73,8 +73,8 @@ public:
     }
 
     void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
-              RadiusPool& pool, DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-              BlockSpheres<Dim>& placed);
+              RadiusPool& pool, SpeciesQueue* further, DomainSampler<Dim>& sampler,
+              const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 
     std::size_t seeds_ = 0;
 
@@ -125,7 +125,9 @@ private:
     void runFront();
     void grow(std::uint32_t site);
     void giveUp(std::uint32_t index);
-    bool setDown(std::uint32_t site);
+    bool setDown(std::uint32_t site, double radius, double depth);
+    bool placeFurther(std::uint32_t site);
+    void countElement(const Vec<Dim>& center);
     bool centerAt(std::uint32_t site, double radius, Vec<Dim>& center) const;
     Outcome tryPlace(std::uint32_t index, double radius, Vec<Dim> center);
     bool polish(const FrontSite& site, double radius, Vec<Dim>& center);
@@ -135,7 +137,8 @@ private:
     std::uint32_t keepPlane(std::uint32_t sphere, const Plane& plane);
     void learn(std::uint32_t pivot, const Plane& plane);
     int planesOf(std::uint32_t sphere) const;
-    bool placeAt(const Vec<Dim>& center, std::size_t k);
+    bool placeAt(const Vec<Dim>& center, double radius);
+    bool placePending(const Vec<Dim>& center, std::size_t k);
     void fillPlace(Vec<Dim> x);
 
     const Sphere<Dim>& sphere(std::uint32_t i) const { return state_.spheres[i]; }
@@ -144,6 +147,8 @@ private:
     BlockState<Dim> state_;
     float probe_, least_, largest_, common_;
     RadiusPool* pool_ = nullptr;
+    SpeciesQueue* further_ = nullptr;
+    std::vector<std::uint8_t> species_;  ///< beside state_.spheres where there are several
     const std::function<bool()>* cancelled_ = nullptr;
     bool stop_ = false;
     int wideWait_ = 0, widePause_ = 1;  ///< sites to pass before the next of the largest
@@ -166,7 +171,7 @@ private:
 template <int Dim>
 void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
                                  const BlockSpheres<Dim>& around, RadiusPool& pool,
-                                 DomainSampler<Dim>& sampler,
+                                 SpeciesQueue* further, DomainSampler<Dim>& sampler,
                                  const std::function<bool()>& cancelled,
                                  BlockSpheres<Dim>& placed) {
     const FrontSettings<Dim>& settings = state_.settings;
@@ -175,6 +180,8 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     state_.own = {state_.search.lo, own.hi - own.lo};
     state_.sampler = &sampler;
     pool_ = &pool;
+    further_ = further;
+    species_.clear();
     cancelled_ = &cancelled;
     stop_ = false;
     state_.spheres.clear();
@@ -239,6 +246,11 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     for (std::size_t i = standing_; i < state_.spheres.size(); ++i)
         placed.spheres.push_back(
             {state_.spheres[i].center + state_.origin, state_.spheres[i].radius});
+    if (further_) {
+        species_.resize(state_.spheres.size());
+        placed.species.assign(species_.begin() + static_cast<std::ptrdiff_t>(standing_),
+                              species_.end());
+    }
     handOver(placed.sites);
 }
 
@@ -607,10 +619,15 @@ void BlockFront<Dim>::Work::giveUp(std::uint32_t index) {
 template <int Dim>
 void BlockFront<Dim>::Work::grow(std::uint32_t index) {
     const FrontSettings<Dim>& settings = state_.settings;
+    if (further_ && further_->isDue() && placeFurther(index)) {
+        if (!ends_[index].dead) enqueue(index);
+        return;
+    }
     if (pool_->largest() > settings.wideRadius) {
         if (wideWait_ > 0) {
             --wideWait_;
-        } else if (setDown(index)) {
+        } else if (setDown(index, pool_->largest(), 0)) {
+            pool_->take(pool_->size() - 1);
             widePause_ = 1;
             if (!ends_[index].dead) enqueue(index);
             return;
@@ -628,6 +645,7 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
         switch (tryPlace(index, radius, center)) {
             case Outcome::placed:
                 pool_->take(k);
+                countElement(center);
                 return;
             case Outcome::wallLearned:
                 // Queued again where the wall leaves it less room.
@@ -646,19 +664,41 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
     giveUp(index);
 }
 
-/// Places the largest pending radius ahead of the front, as near to a site as there is room: one
-/// far larger than the others would hardly ever fit between three of them.
+/// Places what is due of a further species at a site or ahead of it.
 template <int Dim>
-bool BlockFront<Dim>::Work::setDown(std::uint32_t index) {
+bool BlockFront<Dim>::Work::placeFurther(std::uint32_t index) {
+    const SpeciesQueue::Due due = further_->next();
+    if (!setDown(index, due.radius, due.depth)) return false;
+    species_.resize(state_.spheres.size());
+    species_.back() = due.species;
+    further_->take();
+    return true;
+}
+
+/// Draws which species comes next after a sphere of the first one, where others may be.
+template <int Dim>
+void BlockFront<Dim>::Work::countElement(const Vec<Dim>& center) {
+    if (further_ && -state_.sampler->signedDistance(center + state_.origin) > further_->depth())
+        further_->draw();
+}
+
+/// Places a sphere ahead of the front, as near to a site as there is room: one far larger than the
+/// others would hardly ever fit between three of them.
+/// @param depth  that its surface keeps from the wall, mm.
+template <int Dim>
+bool BlockFront<Dim>::Work::setDown(std::uint32_t index, double radius, double depth) {
     const FrontSettings<Dim>& settings = state_.settings;
-    const std::size_t k = pool_->size() - 1;
-    const double radius = (*pool_)[k];
+    // What snapping takes off must not be missing from the depth.
+    const double room = radius + (depth > 0 ? depth + settings.quantum : 0);
     Vec<Dim> x;
     for (std::size_t d = 0; d < Dim; ++d) x.c[d] = static_cast<double>(ends_[index].center[d]);
     const Vec<Dim> ahead = settings.order == Order::sweep
                                ? settings.sweep
                                : normalized(x - sphere(sites_[index].pivot).center);
     x += ahead * (radius - static_cast<double>(ends_[index].limit));
+    Vec<Dim> resting;
+    if (radius <= static_cast<double>(ends_[index].limit) && centerAt(index, radius, resting))
+        x = resting;
     // Away until it is clear of all; every step leaves some sphere or the wall behind.
     for (int step = 0;; ++step) {
         double most = 0;
@@ -673,17 +713,16 @@ bool BlockFront<Dim>::Work::setDown(std::uint32_t index) {
         });
         Vec<Dim> by = ahead * (most > 0 ? most + settings.quantum : 0.0);
         Plane plane;
-        double distance = radius;
+        double distance = room;
         if (most == 0 &&
-            findPlane(sphere(sites_[index].pivot).center, x, radius, radius, plane, distance))
-            by =
-                plane.normal * (radius + 2 * settings.quantum - dot(x - plane.point, plane.normal));
+            findPlane(sphere(sites_[index].pivot).center, x, room, room, plane, distance))
+            by = plane.normal * (room + 2 * settings.quantum - dot(x - plane.point, plane.normal));
         else if (most == 0)
             break;
         x += by;
         if (step == kSetDownSteps || !state_.owns(x)) return false;
     }
-    return placeAt(state_.snapped(x), k);
+    return placeAt(state_.snapped(x), radius);
 }
 
 /// Where a sphere of `radius` rests at a site, in double.
@@ -891,10 +930,9 @@ bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim
     return true;
 }
 
-/// Places the `k`-th pending radius at `center` if it is free there.
+/// Places a sphere at `center` if it is free there.
 template <int Dim>
-bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, std::size_t k) {
-    const double radius = (*pool_)[k];
+bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, double radius) {
     if (!state_.owns(center)) return false;
     around_.collect(state_.cells, center, reachOf(radius), kNone);
     double distance = 0;
@@ -903,8 +941,16 @@ bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, std::size_t k) {
         !state_.sampler->contains(center + state_.origin))
         return false;
     add({center, radius});
-    pool_->take(k);
     settle(static_cast<std::uint32_t>(state_.spheres.size() - 1));
+    return true;
+}
+
+/// The same with the `k`-th pending radius.
+template <int Dim>
+bool BlockFront<Dim>::Work::placePending(const Vec<Dim>& center, std::size_t k) {
+    if (!placeAt(center, (*pool_)[k])) return false;
+    pool_->take(k);
+    countElement(center);
     return true;
 }
 
@@ -937,8 +983,8 @@ void BlockFront<Dim>::Work::fillPlace(Vec<Dim> x) {
     Vec<Dim> center = state_.snapped(low);
     for (int step = 0; step < 8 && state_.clearance(center, far) < radius; ++step)
         center = state_.snapped(low + settings.sweep * (settings.quantum * (2 << step)));
-    if (placeAt(center, fitting - 1) || placeAt(state_.snapped(x), fitting - 1) ||
-        placeAt(state_.snapped(x), 0)) {
+    if (placePending(center, fitting - 1) || placePending(state_.snapped(x), fitting - 1) ||
+        placePending(state_.snapped(x), 0)) {
         ++seeds_;
         runFront();
     }
@@ -953,10 +999,10 @@ BlockFront<Dim>::~BlockFront() = default;
 
 template <int Dim>
 void BlockFront<Dim>::fill(const Box<Dim>& own, const Box<Dim>& search,
-                           const BlockSpheres<Dim>& around, RadiusPool& pool,
+                           const BlockSpheres<Dim>& around, RadiusPool& pool, SpeciesQueue* further,
                            DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
                            BlockSpheres<Dim>& placed) {
-    work_->fill(own, search, around, pool, sampler, cancelled, placed);
+    work_->fill(own, search, around, pool, further, sampler, cancelled, placed);
 }
 
 template <int Dim>

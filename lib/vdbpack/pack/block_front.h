@@ -6,6 +6,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/block_state.h"
 #include "vdbpack/pack/radius_pool.h"
+#include "vdbpack/pack/species.h"
 
 #include <array>
 #include <cstdint>
@@ -41,6 +42,8 @@ struct BlockSpheres {
     std::vector<HandedSite<Dim>> sites;
     /// Those that no block placed and others may rest on, rising: their sites are yet to be found.
     std::vector<std::uint32_t> unexplored;
+    /// Species of each sphere, see PackOptions::species; empty where there is one.
+    std::vector<std::uint8_t> species;
 
     /// The bit of the neighbor at `offset`, each -1, 0 or 1.
     static std::uint32_t bit(const std::array<int, Dim>& offset) {
@@ -53,6 +56,7 @@ struct BlockSpheres {
         spheres.clear();
         sites.clear();
         unexplored.clear();
+        species.clear();
     }
 };
 
@@ -80,12 +84,13 @@ public:
     /// @param around    spheres that stand within a largest radius of `own` or `search` (others do
     ///                  no harm), in an order fixed by the caller, and the sites on them in `own`.
     /// @param pool      pending radii; filled up and left for the next block.
+    /// @param further   what is due of further species, left for the next block; null: none.
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.
     /// @param placed    is overwritten with the spheres of this block in the order of placement.
     void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
-              RadiusPool& pool, DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-              BlockSpheres<Dim>& placed);
+              RadiusPool& pool, SpeciesQueue* further, DomainSampler<Dim>& sampler,
+              const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 
     /// Fresh fronts that `fill` had to start so far.
     std::size_t seeds() const;

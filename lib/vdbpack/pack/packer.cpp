@@ -136,6 +136,7 @@ private:
         BlockSpheres<Dim> existing;
         BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
+        std::unique_ptr<SpeciesQueue> further;
     };
     struct Thread {
         std::unique_ptr<BlockFront<Dim>> front;
@@ -171,6 +172,8 @@ private:
         s.maxRadius = std::max(sizes.max(), sizes.quantile(1)) + shell;
         s.commonRadius = std::min(s.maxRadius, kCommon * s.meanRadius);
         s.wideRadius = kWide * s.commonRadius;
+        for (const Species& species : options.species)
+            s.maxRadius = std::max(s.maxRadius, species.sizes.quantile(1) + shell);
         // The probe finds all sites where it is the smallest radius; for wide distributions most
         // spheres are larger, and what only the smallest could reach is not worth the time.
         s.probe = std::max(s.minRadius, kProbe * s.meanRadius);
@@ -213,14 +216,20 @@ private:
         Block& block = blocks_[b];
         for (const std::uint32_t donor : lattice_.poolDonors(b)) {
             if (!blocks_[donor].pool) return;  // interrupted there
-            if (!block.pool)
+            if (!block.pool) {
                 block.pool = std::move(blocks_[donor].pool);
-            else
+                block.further = std::move(blocks_[donor].further);
+            } else {
                 block.pool->absorb(*blocks_[donor].pool);
+                if (block.further) block.further->absorb(*blocks_[donor].further);
+            }
         }
         if (!block.pool)
             block.pool = std::make_unique<RadiusPool>(
                 options_.sizes, options_.seed, b, poolCapacity(options_.effort), shellOf(options_));
+        if (!block.further && !options_.species.empty())
+            block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
+                                                           shellOf(options_));
         block.pool->setCapacity(
             lattice_.endsPool(b) ? lastCapacity(options_.effort) : poolCapacity(options_.effort),
             settings_.wideRadius);
@@ -250,8 +259,8 @@ private:
                 u + static_cast<std::uint32_t>(thread.around.spheres.size()));
         thread.around.spheres.insert(thread.around.spheres.end(), block.existing.spheres.begin(),
                                      block.existing.spheres.end());
-        thread.front->fill(own, search, thread.around, *block.pool, *thread.sampler, cancelled_,
-                           block.placed);
+        thread.front->fill(own, search, thread.around, *block.pool, block.further.get(),
+                           *thread.sampler, cancelled_, block.placed);
         if (stopped_) return;
         block.complete = true;
         report(block.placed.spheres.size());
@@ -279,9 +288,12 @@ private:
         for (const auto& block : blocks_) total += block.complete ? block.placed.spheres.size() : 0;
         spheres.reserve(total);
         for (const std::uint32_t b : lattice_.order()) {
-            if (blocks_[b].complete)
-                spheres.insert(spheres.end(), blocks_[b].placed.spheres.begin(),
-                               blocks_[b].placed.spheres.end());
+            const BlockSpheres<Dim>& placed = blocks_[b].placed;
+            if (blocks_[b].complete) {
+                spheres.insert(spheres.end(), placed.spheres.begin(), placed.spheres.end());
+                result.species.insert(result.species.end(), placed.species.begin(),
+                                      placed.species.end());
+            }
             blocks_[b].placed = {};
         }
         if (const double shell = shellOf(options_); shell > 0)
@@ -290,6 +302,7 @@ private:
                 s.radius = static_cast<double>(static_cast<float>(s.radius - shell));
         if (options_.maxCount > 0 && spheres.size() > static_cast<std::size_t>(options_.maxCount))
             spheres.resize(static_cast<std::size_t>(options_.maxCount));
+        if (!options_.species.empty()) result.species.resize(spheres.size());
         result.pack.order.resize(spheres.size());
         for (std::size_t i = 0; i < spheres.size(); ++i)
             result.pack.order[i] = static_cast<std::int64_t>(i);
@@ -321,6 +334,16 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     if (!(options.gap >= 0 && std::isfinite(options.gap)))
         throw ParameterError(
             fmt::format("gap {} mm: must be finite and not negative", options.gap));
+    double further = 0;
+    for (const Species& s : options.species) {
+        if (!(s.probability >= 0 && s.depth >= 0)) further = 2;
+        further += s.probability;
+    }
+    if (!(further < 1) || options.species.size() > 255)
+        throw ParameterError(
+            fmt::format("{} further species of probability {} in all: probabilities must not be "
+                        "negative and add up to less than 1",
+                        options.species.size(), further));
     std::unique_ptr<Domain<Dim>> inset;
     if (options.gap > 0) inset = insetDomain(outer, 0.5 * options.gap);
     const Domain<Dim>& domain = inset ? *inset : outer;

@@ -7,6 +7,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/order.h"
 #include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/pack/species.h"
 
 #include <cstdint>
 #include <vector>
@@ -28,11 +29,16 @@ struct PackOptions {
     double gap = 0;             ///< least distance between spheres, and of spheres to the wall, mm
     std::int64_t maxCount = 0;  ///< stop at this many spheres; 0: when full
     double blockSide = 0;       ///< edge of a block, mm; 0: from radii, domain and order
+    /// Further species beside `sizes`, drawn with their probability for each new sphere that lies
+    /// deep enough for them. They go ahead of the front where they don't fit at it.
+    std::vector<Species> species;
 };
 
 template <int Dim>
 struct PackResult {
     Pack<Dim> pack;  ///< what was placed, with `order` set
+    /// Of each sphere: 0 for PackOptions::sizes, s + 1 for `species[s]`; empty without such.
+    std::vector<std::uint8_t> species;
     std::size_t blocks = 0;
     Box<Dim> firstBlock;           ///< all are as large and lie edge to edge, mm
     std::size_t longestChain = 0;  ///< blocks that have to wait for one another
@@ -52,7 +58,8 @@ struct PackResult {
 /// @param existing  spheres that stand already, anywhere and of any radius, mm; they may overlap
 /// one
 ///                  another and the wall. What is placed keeps off them.
-/// @throws ParameterError for a gap that is negative or not finite. InputError if the smallest
+/// @throws ParameterError for a gap that is negative or not finite, or probabilities of species
+/// that are negative or add up to 1 or more. InputError if the smallest
 /// radius fits nowhere (with the largest place), or the domain is empty. ResourceError if the count
 /// would be absurd. Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583;
 /// sites, pools and wavefront as described in the README.

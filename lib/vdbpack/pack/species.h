@@ -1,0 +1,55 @@
+// Further kinds of spheres that take part in the front, such as holes.
+#pragma once
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/pack/size_distribution.h"
+
+#include <cstdint>
+#include <deque>
+#include <vector>
+
+namespace vdbpack {
+
+/// Spheres of another kind than most: each new sphere is one with some probability.
+struct Species {
+    SizeDistribution sizes;  ///< radii, mm
+    double probability = 0;  ///< that a sphere is of this species, 0 to below 1
+    double depth = 0;        ///< its spheres lie wholly deeper than this below the wall, mm
+};
+
+/// Spheres of further species that are due. After each sphere of the first species it is drawn
+/// which one comes next; what is drawn of the others is due until it finds room.
+class SpeciesQueue {
+public:
+    /// A sphere that is due.
+    struct Due {
+        std::uint8_t species = 1;  ///< place in PackOptions::species + 1
+        double radius = 0;         ///< mm
+        double depth = 0;          ///< see Species::depth
+    };
+
+    /// @param shell  added to every radius drawn, mm.
+    SpeciesQueue(const std::vector<Species>& species, std::uint64_t seed, std::uint64_t stream,
+                 double shell);
+
+    /// Draws what comes between the sphere of the first species just placed and the next one.
+    void draw();
+    bool isDue() const { return !due_.empty(); }
+    const Due& next() const { return due_.front(); }
+    /// The next one was placed.
+    void take() { due_.pop_front(); }
+    /// Depth beyond which some of these may lie, mm.
+    double depth() const { return depth_; }
+    /// Moves what is due in `other` to the end of this queue.
+    void absorb(SpeciesQueue& other);
+
+private:
+    std::vector<Species> species_;
+    double shell_;
+    double depth_;
+    RandomStream random_;
+    std::vector<std::uint64_t> shares_;  ///< of each species, along the golden-ratio sequence
+    std::deque<Due> due_;
+};
+
+}  // namespace vdbpack
