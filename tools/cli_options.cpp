@@ -202,8 +202,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
     pack->add_option(
             "-o,--output", options.pack.outputs,
-            "file to write: .vdb .vtp .ply .csv yade:FILE.txt, contacts:FILE.csv for the list "
-            "of touching pairs; may be repeated")
+            "file to write: .vdb .vtp .ply .csv yade:FILE.txt, .svg for circles, contacts:FILE.csv "
+            "for the list of touching pairs; may be repeated")
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);

@@ -104,6 +104,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
     if (prepared.built.mesh) write.surface = prepared.built.mesh->grid();
+    if constexpr (Dim == 2) write.frame = domain.bounds();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     write.pointVoxel =
         std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
@@ -205,6 +206,9 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     withThreads(recipe.threads, [&] {
         const DomainSource source(recipe.domain, callbacks);
         report.seconds.mesh = clock.lap();
+        for (const auto& r : recipes)
+            for (const auto& output : r.outputs)
+                if (!isContactList(output)) checkPackFormat(output, source.dim());
         if (source.dim() == 3)
             packDomain<3>(recipes, source, report, clock, callbacks, done);
         else

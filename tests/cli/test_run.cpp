@@ -231,6 +231,9 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
     auto unknown = recipeFor("ball:10", "uniform:1,2");
     unknown.outputs = {folder.file("o.docx")};
     refuse(unknown, parameter);
+    auto picture = recipeFor("ball:10", "uniform:1,2");
+    picture.outputs = {out, folder.file("o.svg")};
+    refuse(picture, parameter);
     auto twice = recipeFor("ball:10", "uniform:1,2");
     twice.outputs = {out, out};
     refuse(twice, parameter);

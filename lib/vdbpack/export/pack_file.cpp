@@ -17,11 +17,11 @@ namespace vdbpack {
 
 namespace {
 
-constexpr const char* kWritten = "use .vdb, .vtp, .ply, .csv or yade:FILE";
+constexpr const char* kWritten = "use .vdb, .vtp, .ply, .csv, yade:FILE, or .svg for circles";
 constexpr const char* kRead =
     "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, yade:FILE";
 
-enum class Format { vdb, vtp, ply, csv, yade, lammpsData, lammpsDump };
+enum class Format { vdb, vtp, ply, csv, svg, yade, lammpsData, lammpsDump };
 
 /// A prefix ("yade:f.txt") or extension and what it stands for.
 struct FormatName {
@@ -34,6 +34,7 @@ constexpr FormatName kFormatNames[] = {
     {"vtp", Format::vtp},
     {"ply", Format::ply},
     {"csv", Format::csv},
+    {"svg", Format::svg},
     {"yade", Format::yade, false},
     {"data", Format::lammpsData},
     {"lammps", Format::lammpsData, false},
@@ -76,10 +77,13 @@ Target target(const std::string& file, const char* formats) {
                          "' is not a pack format; " + formats);
 }
 
-Target targetToWrite(const std::string& file) {
+Target targetToWrite(const std::string& file, int dim) {
     Target t = target(file, kWritten);
     if (t.format == Format::lammpsData || t.format == Format::lammpsDump)
         throw ParameterError(file + ": LAMMPS files are read but not written; " + kWritten);
+    if (t.format == Format::svg && dim == 3)
+        throw ParameterError(
+            file + ": is a picture of circles; for spheres write .vtp, .vdb or --slice z=V");
     return t;
 }
 
@@ -123,19 +127,26 @@ double pointVoxelSize(double count, double measure, int dim) {
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
 }
 
-void checkPackFormat(const std::string& file) {
-    targetToWrite(file);
+void checkPackFormat(const std::string& file, int dim) {
+    targetToWrite(file, dim);
 }
 
 template <int Dim>
 void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options) {
-    const Target t = targetToWrite(file);
+    const Target t = targetToWrite(file, Dim);
     checkPack(pack);
     if (!(options.pointVoxel >= 0) || !std::isfinite(options.pointVoxel))
         throw ParameterError(
             fmt::format("voxel edge of the point grid is {} mm; give a positive "
                         "length, or 0 to derive it",
                         options.pointVoxel));
+    if (options.frame) {
+        const Vec<2> size = options.frame->size();
+        if (!(size[0] > 0 && size[0] < 1e30 && size[1] > 0 && size[1] < 1e30))
+            throw ParameterError(
+                fmt::format("the frame of the picture is {} x {} mm; give two positive lengths",
+                            size[0], size[1]));
+    }
     const PackView view(pack, options.unit);
     OutputFile out(t.path);
     switch (t.format) {
@@ -150,6 +161,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             break;
         case Format::csv:
             writeCsv(view, out);
+            break;
+        case Format::svg:
+            writeSvg(view, options, out);
             break;
         case Format::yade:
             writeYade(view, options, out);
@@ -181,13 +195,15 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
             case Format::lammpsDump:
                 return readLammpsDump(t.path, options);
             case Format::yade:
+                return readYade(t.path, options);
+            case Format::svg:
                 break;
         }
-        return readYade(t.path, options);
     } catch (const std::bad_alloc&) {
         throw ResourceError(t.path +
                             ": does not fit into memory; read it on a machine that has more");
     }
+    throw ParameterError(file + ": pictures are written but not read; " + kRead);
 }
 
 Pack<2> asCircles(const Pack<3>& pack) {
@@ -234,6 +250,29 @@ std::string oneLine(std::string text) {
     for (char& c : text)
         if (static_cast<unsigned char>(c) < 0x20) c = ' ';
     return text;
+}
+
+std::string escapedXml(const std::string& text) {
+    std::string out;
+    for (const char c : oneLine(text)) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+        }
+    }
+    return out;
 }
 
 bool parseUnitComment(std::string_view comment, Unit& unit) {

@@ -1,10 +1,12 @@
 // Pack files: written and read by the extension of their name.
 #pragma once
 
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace vdbpack {
@@ -26,28 +28,33 @@ struct PackWriteOptions {
     /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
+    /// Drawn around the circles of an .svg and shown whole: the bounds of the domain, mm.
+    std::optional<Box<2>> frame;
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv. Whole or absent: a former file stays as it is until the new one is complete.
+/// .csv, and .svg for circles. Whole or absent: a former file stays as it is until the new one is
+/// complete.
 ///
 /// .csv and .vtp keep every double and every column. .vdb keeps positions to 2^-26 of a voxel (in
 /// mm those of a packer exactly) and radii as float; points lie sorted by place, and `readPack`
 /// gives them back by id. .ply (float positions, radius, id) and YADE (positions, radius, region)
-/// hold no further attributes. Columns of attributes that are empty are left out. The unit is
+/// hold no further attributes. .svg is a picture: y up, so cy = -y, numbers to six digits of its
+/// extent, colors by region. Columns of attributes that are empty are left out. The unit is
 /// recorded in every format but .csv, which has no place for it. 2D: z = `sliceHeight`.
 ///
-/// @throws ParameterError (unknown format; attributes of the wrong length; a sphere that is not
-/// finite or has no positive radius), IoError
+/// @throws ParameterError (unknown format; spheres as .svg; attributes of the wrong length; a
+/// sphere that is not finite or has no positive radius; an empty frame), IoError
 template <int Dim>
 void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options);
 
 extern template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
 extern template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
 
-/// Whether `file` names a format that `writePack` knows. @throws ParameterError if not,
-/// with the list of formats: ask before hours of work.
-void checkPackFormat(const std::string& file);
+/// Whether `file` names a format that `writePack` knows, and one for packs of `dim` dimensions (0:
+/// not known yet). @throws ParameterError if not, with the list of formats: ask before hours of
+/// work.
+void checkPackFormat(const std::string& file, int dim = 0);
 
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own

@@ -15,6 +15,7 @@ namespace vdbpack {
 /// Each writes into `out`, which the caller commits. @throws IoError
 void writeCsv(const PackView& pack, OutputFile& out);
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
@@ -35,6 +36,9 @@ void writeRows(OutputFile& out, std::size_t rows,
 
 /// `text` as one line of a comment: control characters become blanks.
 std::string oneLine(std::string text);
+
+/// The same as text or attribute of an XML file.
+std::string escapedXml(const std::string& text);
 
 /// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
 /// @return false if it names a unit that is not known.

@@ -26,29 +26,6 @@ namespace {
 
 // ---- writing -----------------------------------------------------------------------------------
 
-std::string escaped(const std::string& text) {
-    std::string out;
-    for (const char c : oneLine(text)) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
-
 /// A text as VTK writes strings in ASCII: character codes, ended by 0.
 std::string asCodes(const std::string& text) {
     std::string out;
@@ -90,7 +67,7 @@ public:
     }
     template <typename T, typename Get>
     void numbers(const char* type, const std::string& name, std::size_t count, const Get& get) {
-        array("DataArray", fmt::format("type=\"{}\" Name=\"{}\"", type, escaped(name)),
+        array("DataArray", fmt::format("type=\"{}\" Name=\"{}\"", type, escapedXml(name)),
               block<T>(count, get));
     }
     void finish() {
@@ -779,7 +756,7 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
                     file.write(clean.c_str(), clean.size() + 1);
                 }
             };
-            xml.array("Array", fmt::format("type=\"String\" Name=\"{}\"", escaped(column.name)),
+            xml.array("Array", fmt::format("type=\"String\" Name=\"{}\"", escapedXml(column.name)),
                       std::move(texts));
         }
     }
