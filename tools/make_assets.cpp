@@ -1,6 +1,6 @@
-// Makes the bundled bones: the same files, byte for byte, on every run.
+// Makes the bundled meshes: the same files, byte for byte, on every run.
 
-#include "assets/bones.h"
+#include "assets/catalog.h"
 #include "assets/surfacing.h"
 
 #include "vdbpack/core/error.h"
@@ -19,10 +19,10 @@
 namespace {
 
 constexpr const char* kUsage =
-    "usage: make_assets [--check] [--bone NAME] FOLDER\n"
-    "Writes the bundled bones (femur, mandible, hip, skull) to FOLDER as .ply files.\n"
+    "usage: make_assets [--check] [--mesh NAME] FOLDER\n"
+    "Writes the bundled meshes (femur, mandible, hip, skull, irregular) to FOLDER as .ply files.\n"
     "  --check      write nothing; exit 1 if a file differs from what would be written\n"
-    "  --bone NAME  this one only; may be repeated\n";
+    "  --mesh NAME  this one only; may be repeated\n";
 
 std::string contentOf(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
@@ -43,7 +43,7 @@ int run(const std::vector<std::string>& arguments) {
     for (std::size_t i = 0; i < arguments.size(); ++i) {
         if (arguments[i] == "--check")
             check = true;
-        else if (arguments[i] == "--bone" && i + 1 < arguments.size())
+        else if (arguments[i] == "--mesh" && i + 1 < arguments.size())
             wanted.push_back(arguments[++i]);
         else if (folder.empty() && arguments[i].substr(0, 1) != "-")
             folder = arguments[i];
@@ -54,32 +54,32 @@ int run(const std::vector<std::string>& arguments) {
     if (folder.empty()) throw vdbpack::ParameterError(std::string("no FOLDER given\n") + kUsage);
     for (const std::string& name : wanted) {
         bool known = false;
-        for (const vdbpack::Bone& bone : vdbpack::bones()) known = known || bone.name == name;
-        if (!known) throw vdbpack::ParameterError(fmt::format("no bone '{}'\n{}", name, kUsage));
+        for (const vdbpack::Asset& asset : vdbpack::assets()) known = known || asset.name == name;
+        if (!known) throw vdbpack::ParameterError(fmt::format("no mesh '{}'\n{}", name, kUsage));
     }
 
     int failures = 0;
-    fmt::print("{:<10}{:>10}{:>10}{:>7}{:>11}{:>11}  {}\n", "bone", "triangles", "vertices",
+    fmt::print("{:<10}{:>10}{:>10}{:>7}{:>11}{:>11}  {}\n", "mesh", "triangles", "vertices",
                "Euler", "cm3", "cm2", "size, mm");
-    for (const vdbpack::Bone& bone : vdbpack::bones()) {
-        if (!wanted.empty() && !contains(wanted, bone.name)) continue;
+    for (const vdbpack::Asset& asset : vdbpack::assets()) {
+        if (!wanted.empty() && !contains(wanted, asset.name)) continue;
         const auto start = std::chrono::steady_clock::now();
-        const vdbpack::TriangleMesh mesh = vdbpack::surfaceOf(bone.sculpt(), bone.voxelSize);
+        const vdbpack::TriangleMesh mesh = vdbpack::surfaceOf(asset.sculpt(), asset.voxelSize);
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - start;
         const vdbpack::SurfaceCheck c = vdbpack::checkSurface(mesh);
         const vdbpack::Vec<3> size = mesh.bounds().size();
         fmt::print(
             "{:<10}{:>10}{:>10}{:>7}{:>11.2f}{:>11.2f}  {:.1f} x {:.1f} x {:.1f}  ({:.1f} s)\n",
-            bone.name, c.triangles, c.vertices, c.eulerNumber, c.volume / 1e3, c.area / 1e2,
+            asset.name, c.triangles, c.vertices, c.eulerNumber, c.volume / 1e3, c.area / 1e2,
             size[0], size[1], size[2], seconds.count());
-        if (!c.sound() || c.eulerNumber != bone.eulerNumber)
+        if (!c.sound() || c.eulerNumber != asset.eulerNumber)
             throw vdbpack::InputError(fmt::format(
                 "{}: not the surface expected: {} bad edges, {} bad vertices, {} slivers, {} "
                 "pieces, Euler number {} instead of {}; change the sculpture or its voxel size",
-                bone.name, c.badEdges, c.badVertices, c.slivers, c.pieces, c.eulerNumber,
-                bone.eulerNumber));
-        const std::string bytes = vdbpack::plyBytes(mesh, bone.what);
-        const std::string path = folder + "/" + bone.name + ".ply";
+                asset.name, c.badEdges, c.badVertices, c.slivers, c.pieces, c.eulerNumber,
+                asset.eulerNumber));
+        const std::string bytes = vdbpack::plyBytes(mesh, asset.what);
+        const std::string path = folder + "/" + asset.name + ".ply";
         if (!check) {
             vdbpack::OutputFile file(path);
             file.write(bytes);

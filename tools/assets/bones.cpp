@@ -440,14 +440,4 @@ Sculpture skull() {
     return s;
 }
 
-const std::vector<Bone>& bones() {
-    static const std::vector<Bone> all{
-        {"femur", "right femur, sculpted; mm, +x left +y back +z up", femur, 1.6, 2},
-        {"mandible", "mandible, sculpted; mm, +x left +y back +z up", mandible, 1.0, 2},
-        {"hip", "right hip bone, sculpted; mm, +x left +y back +z up", hip, 1.5, 0},
-        {"skull", "cranium, sculpted; mm, +x left +y back +z up", skull, 1.9, -10},
-    };
-    return all;
-}
-
 }  // namespace vdbpack

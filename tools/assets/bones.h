@@ -3,9 +3,6 @@
 
 #include "sculpture.h"
 
-#include <string>
-#include <vector>
-
 namespace vdbpack {
 
 /// Coordinates as in CT (LPS): +x to the person's left, +y to the back, +z up; mm.
@@ -13,16 +10,5 @@ Sculpture femur();     ///< right thigh bone, 430 mm
 Sculpture mandible();  ///< lower jaw with teeth, 118 mm wide
 Sculpture hip();       ///< right hip bone (os coxae), 210 mm
 Sculpture skull();     ///< cranium without lower jaw, its cavity open at the foramen magnum
-
-struct Bone {
-    std::string name;
-    std::string what;  ///< one line for the file's header
-    Sculpture (*sculpt)();
-    double voxelSize;  ///< mm
-    long eulerNumber;  ///< the bone's own: 2 - 2 x tunnels
-};
-
-/// All four, with the voxel size their mesh is made at.
-const std::vector<Bone>& bones();
 
 }  // namespace vdbpack
