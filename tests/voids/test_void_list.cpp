@@ -1,0 +1,184 @@
+#include "voids/text_file.h"
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/voids/void_list.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <iterator>
+#include <sstream>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+using Catch::Matchers::StartsWith;
+
+namespace {
+
+template <int Dim>
+std::vector<Ellipsoid<Dim>> randomVoids(int count, std::uint64_t seed) {
+    RandomStream random(seed, Dim);
+    std::vector<Ellipsoid<Dim>> voids;
+    for (int n = 0; n < count; ++n) {
+        Ellipsoid<Dim> e;
+        for (int d = 0; d < Dim; ++d) e.center[d] = 800 * random.uniform() - 400;
+        e.a = 0.1 + random.uniform();
+        e.b = n % 7 == 0 ? e.a : 0.1 + random.uniform();
+        if constexpr (Dim == 3)
+            e.axis = axisOf(7 * random.uniform(), 7 * random.uniform());
+        else
+            e.axis = axisOf(7 * random.uniform());
+        if (n < Dim) {  // along the axes of coordinates, where angles are on an edge
+            e.axis = {};
+            e.axis[n] = n % 2 == 0 ? 1 : -1;
+        }
+        voids.push_back(e);
+    }
+    return voids;
+}
+
+/// The rows of a table as numbers.
+std::vector<std::vector<double>> rowsOf(const std::string& text) {
+    std::vector<std::vector<double>> rows;
+    std::istringstream in(text);
+    std::string line, cell;
+    std::getline(in, line);
+    while (std::getline(in, line)) {
+        std::istringstream cells(line);
+        rows.emplace_back();
+        while (std::getline(cells, cell, ',')) rows.back().push_back(std::stod(cell));
+    }
+    return rows;
+}
+
+template <int Dim>
+std::string failure(const std::string& content) {
+    const TextFile file(content, "list.csv");
+    return messageOf<InputError>([&] { readVoidList<Dim>(file.path()); });
+}
+
+template <int Dim>
+Ellipsoid<Dim> onlyVoid(const std::string& content, double scale = 1) {
+    const TextFile file(content);
+    const auto voids = readVoidList<Dim>(file.path(), scale);
+    REQUIRE(voids.size() == 1);
+    return voids[0];
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("a void list that is written and read is the same to the last bit",
+                       "[voids]", ((int Dim), Dim), 2, 3) {
+    const auto voids = randomVoids<Dim>(500, 3);
+    const TemporaryFolder folder;
+    const std::string path = folder.file("list.csv");
+    writeVoidList(voids, path, Unit::millimeter, 12.5);
+    const auto back = readVoidList<Dim>(path);
+    REQUIRE(back.size() == voids.size());
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        CAPTURE(Dim, i);
+        REQUIRE(back[i].center == voids[i].center);
+        REQUIRE(back[i].a == voids[i].a);
+        REQUIRE(back[i].b == voids[i].b);
+        REQUIRE(back[i].axis == voids[i].axis);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("angles in a void list are those of the axis, in the plane too", "[voids]",
+                       ((int Dim), Dim), 2, 3) {
+    const auto voids = randomVoids<Dim>(100, 4);
+    const std::string text = voidListText(voids, Unit::millimeter, 12.5);
+    REQUIRE_THAT(text, StartsWith("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n"));
+    const auto rows = rowsOf(text);
+    REQUIRE(rows.size() == voids.size());
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        CAPTURE(Dim, i);
+        REQUIRE(rows[i].size() == 10);
+        Vec<3> axis;
+        for (int d = 0; d < Dim; ++d) axis[d] = voids[i].axis[d];
+        CHECK(length(axisOf(rows[i][5], rows[i][6]) - axis) < 1e-14);
+        if (Dim == 2) {
+            CHECK(rows[i][2] == 12.5);
+            CHECK(rows[i][6] == Approx(kPi / 2));
+            CHECK(rows[i][9] == 0);
+        }
+    }
+}
+
+TEST_CASE("a list in another unit is the same list", "[voids]") {
+    const auto voids = randomVoids<3>(50, 5);
+    const TextFile file(voidListText(voids, Unit::meter));
+    const auto back = readVoidList<3>(file.path(), 1000);
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        CHECK(length(back[i].center - voids[i].center) < 1e-12);
+        CHECK(back[i].a == Approx(voids[i].a));
+        CHECK(back[i].axis == voids[i].axis);
+    }
+}
+
+TEST_CASE("columns of a void list stand in any order, under any of their names", "[voids]") {
+    const auto e = onlyVoid<3>("# from a scanner\nid;B;A;Z;Y;X;uz;uy;ux\n7;1;2;5;4;3;0;-3;0\n");
+    CHECK(e.center == Vec<3>{{3, 4, 5}});
+    CHECK(e.a == 2);
+    CHECK(e.b == 1);
+    CHECK(e.axis == Vec<3>{{0, -1, 0}});
+    const auto turned = onlyVoid<3>("# x y z a b tz tx\n\n3 4 5 2 1 0.5 0.25\n", 10);
+    CHECK(turned.axis == axisOf(0.5, 0.25));
+    CHECK(turned.center == Vec<3>{{30, 40, 50}});
+    CHECK(turned.b == 10);
+    const auto flat = onlyVoid<2>("x,y,a,b,ux,uy\n1,2,3,1,0.6,0.8\n");
+    CHECK(flat.center == Vec<2>{{1, 2}});
+    CHECK(length(flat.axis - Vec<2>{{0.6, 0.8}}) < 1e-15);
+}
+
+TEST_CASE("an axis is told by angles or direction, and by neither where it does not matter",
+          "[voids]") {
+    CHECK(onlyVoid<3>("x,y,z,a,b\n0,0,0,2,2\n").axis == Vec<3>{{0, 0, 1}});
+    CHECK(onlyVoid<2>("x,y,a,b\n0,0,2,2\n").axis == Vec<2>{{1, 0}});
+    CHECK(onlyVoid<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,2,,,\n").axis == Vec<3>{{0, 0, 1}});
+    CHECK(onlyVoid<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,2,0,0,0\n").axis == Vec<3>{{0, 0, 1}});
+    // The direction is the finer of the two; its sign and its length mean nothing.
+    const auto e = onlyVoid<3>("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n0,0,0,2,1,0,0.5,0,479,-878\n");
+    CHECK(length(e.axis - normalized(Vec<3>{{0, 479, -878}})) < 1e-15);
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,2,2\n1,1,1,3,2\n"),
+               Contains("list.csv: line 3: a = 3 and b = 2 differ") && Contains("ux,uy,uz"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n0,0,0,2,1,0,0.5,0,0.484,-0.878\n"),
+               Contains("line 2: direction (0, 0.48") && Contains("theta_x 0.5"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,1,0,0,0\n"),
+               Contains("line 2: direction (0, 0, 0)"));
+}
+
+TEST_CASE("a void of the plane may lie at any height but not stand out of it", "[voids]") {
+    CHECK(onlyVoid<2>("x,y,z,a,b,ux,uy,uz\n1,2,99,3,1,0,2,0.0001\n").axis[1] == 1);
+    CHECK(length(onlyVoid<2>("x,y,a,b,theta_z,theta_x\n0,0,3,1,1.5707963,1.5707963\n").axis -
+                 Vec<2>{{1, 0}}) < 1e-7);
+    CHECK_THAT(failure<2>("x,y,z,a,b,ux,uy,uz\n1,2,0,3,1,0,1,0.1\n"),
+               Contains("list.csv: line 2: axis (0, 0.995037, 0.0995037) leaves the plane"));
+    CHECK_THAT(failure<2>("x,y,a,b,theta_z,theta_x\n0,0,3,1,0,1.5\n"),
+               Contains("leaves the plane"));
+}
+
+TEST_CASE("a void list without sense is refused with its line", "[voids]") {
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1,1\n0,0,0,-2,1\n"),
+               Contains("list.csv: line 3: half-axes a = -2 and b = 1 must be positive"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n\n0,0,0,1,0\n"),
+               Contains("line 3: half-axes a = 1 and b = 0"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,nan,0,1,1\n"), Contains("line 2: 'nan' in column 'y'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,inf,1\n"), Contains("line 2: 'inf' in column 'a'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1 mm,1\n"), Contains("line 2: '1 mm' in column 'a'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1\n"),
+               Contains("line 2: has 4 cells where line 1 names 5 columns"));
+    CHECK_THAT(
+        failure<3>("x,y,a,b\n0,0,1,1\n"),
+        Contains("list.csv: line 1: no column 'z' among x,y,a,b; name the columns x,y,z,a,b"));
+    CHECK_THAT(failure<3>("x,y,z,a\n0,0,0,1\n"), Contains("no column 'b'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,X\n"), Contains("columns 'x' and 'X' mean the same"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,theta_z\n"), Contains("only one of 'theta_z' and 'theta_x'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,ux,uy\n"), Contains("no column 'uz'"));
+    CHECK_THAT(failure<3>("0,0,0,1,1\n"), Contains("line 1: holds numbers where the columns"));
+    CHECK_THAT(failure<3>("# nothing\n"), Contains("list.csv: is empty"));
+    CHECK(failure<3>("x,y,z,a,b\n").empty());
+    CHECK_THAT(messageOf<ParameterError>([] { readVoidList<3>("list.csv", -1); }),
+               Contains("list.csv: scale -1"));
+    CHECK_THROWS_AS(readVoidList<3>("/nowhere/list.csv"), IoError);
+}
