@@ -93,7 +93,7 @@ bool NumberTable::takeHeader(std::string_view line) {
     return words;
 }
 
-std::optional<std::size_t> NumberTable::find(std::initializer_list<std::string_view> names) const {
+std::optional<std::size_t> NumberTable::find(const std::vector<std::string>& names) const {
     std::optional<std::size_t> found;
     for (std::size_t c = 0; c < canonical_.size(); ++c) {
         if (std::find(names.begin(), names.end(), canonical_[c]) == names.end()) continue;
@@ -105,9 +105,9 @@ std::optional<std::size_t> NumberTable::find(std::initializer_list<std::string_v
     return found;
 }
 
-std::size_t NumberTable::require(std::initializer_list<std::string_view> names) const {
+std::size_t NumberTable::require(const std::vector<std::string>& names) const {
     const auto found = find(names);
-    if (!found) failColumns(fmt::format("no column '{}'", *names.begin()));
+    if (!found) failColumns(fmt::format("no column '{}'", names.front()));
     return *found;
 }
 

@@ -5,7 +5,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,9 +25,9 @@ public:
 
     /// The column that goes by one of `names`, if there is one.
     /// @throws InputError if there are two.
-    std::optional<std::size_t> find(std::initializer_list<std::string_view> names) const;
+    std::optional<std::size_t> find(const std::vector<std::string>& names) const;
     /// The same where it has to be there. @throws InputError naming the first of `names`.
-    std::size_t require(std::initializer_list<std::string_view> names) const;
+    std::size_t require(const std::vector<std::string>& names) const;
 
     /// Moves on to the next row. @return false after the last.
     /// @throws InputError if it has more or fewer cells than there are columns.
