@@ -1,0 +1,229 @@
+#include "vdbpack/voids/orientation.h"
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/numbers.h"
+#include "vdbpack/voids/angle_distribution.h"
+#include "vdbpack/voids/direction_field.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// The parts of a text between separators.
+std::vector<std::string> parts(const std::string& text, char separator) {
+    std::vector<std::string> found;
+    for (std::size_t at = 0;;) {
+        const std::size_t end = std::min(text.find(separator, at), text.size());
+        found.emplace_back(trimmed(std::string_view(text).substr(at, end - at)));
+        if (end == text.size()) return found;
+        at = end + 1;
+    }
+}
+
+/// Directions about the first axis of the frame: z in space, x in the plane.
+template <int Dim>
+class Scatter {
+public:
+    explicit Scatter(const std::string& angles) {
+        if (trimmed(angles).empty()) return;
+        isotropic_ = trimmed(angles) == "isotropic";
+        if (isotropic_) return;
+        std::vector<std::string> seen;
+        for (const auto& part : parts(angles, ';')) {
+            const auto equals = part.find('=');
+            const std::string name(trimmed(std::string_view(part).substr(0, equals)));
+            AngleDistribution* angle = find(name);
+            if (angle == nullptr || equals == std::string::npos)
+                fail(angles, fmt::format("'{}' turns nothing", part));
+            if (std::find(seen.begin(), seen.end(), name) != seen.end())
+                fail(angles, fmt::format("'{}' is there twice", name));
+            seen.push_back(name);
+            *angle = AngleDistribution::parse(part.substr(equals + 1));
+        }
+    }
+
+    bool isotropic() const { return isotropic_; }
+
+    Vec<Dim> draw(RandomStream& random) const {
+        if constexpr (Dim == 3) {
+            const double first = random.uniform(), second = random.uniform();
+            if (!isotropic_) return axisOf(thetaZ_.quantile(first), thetaX_.quantile(second));
+            // Slices of a sphere have areas as their heights (Archimedes).
+            const double z = 2 * first - 1, across = std::sqrt(1 - z * z);
+            const double turn = 2 * kPi * second;
+            return {{across * std::cos(turn), across * std::sin(turn), z}};
+        } else {
+            const double share = random.uniform();
+            return axisOf(isotropic_ ? kPi * share : phi_.quantile(share));
+        }
+    }
+
+private:
+    AngleDistribution* find(const std::string& name) {
+        if (Dim == 2) return name == "phi" ? &phi_ : nullptr;
+        return name == "tz" ? &thetaZ_ : name == "tx" ? &thetaX_ : nullptr;
+    }
+    [[noreturn]] static void fail(const std::string& angles, const std::string& what) {
+        throw ParameterError(fmt::format("void angles '{}': {} in {}; write {} or isotropic",
+                                         angles, what, Dim == 3 ? "space" : "the plane",
+                                         Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
+    }
+
+    bool isotropic_ = false;
+    AngleDistribution thetaZ_, thetaX_, phi_;
+};
+
+/// Lays z on the direction `onto`, of whatever sign, by the shortest turn, and `v` along with it.
+Vec<3> carried(const Vec<3>& v, const Vec<3>& onto) {
+    const Vec<3> d = onto[2] < 0 ? -onto : onto;
+    const Vec<3> k{{-d[1], d[0], 0}};  // z x d
+    return normalized(v * d[2] + cross(k, v) + k * (dot(k, v) / (1 + d[2])));
+}
+/// Lays x on `onto`.
+Vec<2> carried(const Vec<2>& v, const Vec<2>& onto) {
+    return normalized(Vec<2>{{onto[0] * v[0] - onto[1] * v[1], onto[1] * v[0] + onto[0] * v[1]}});
+}
+
+template <int Dim>
+class Free : public Orientation<Dim> {
+public:
+    explicit Free(Scatter<Dim> scatter) : scatter_(std::move(scatter)) {}
+    Vec<Dim> axis(const Vec<Dim>&, RandomStream& random) const override {
+        return scatter_.draw(random);
+    }
+
+private:
+    Scatter<Dim> scatter_;
+};
+
+template <int Dim>
+class AboutAxis : public Orientation<Dim> {
+public:
+    AboutAxis(Scatter<Dim> scatter, const Vec<Dim>& axis)
+        : scatter_(std::move(scatter)), axis_(axis) {}
+    Vec<Dim> axis(const Vec<Dim>&, RandomStream& random) const override {
+        return carried(scatter_.draw(random), axis_);
+    }
+
+private:
+    Scatter<Dim> scatter_;
+    Vec<Dim> axis_;
+};
+
+template <int Dim>
+class AboutField : public Orientation<Dim> {
+public:
+    AboutField(Scatter<Dim> scatter, std::shared_ptr<const DirectionField> field,
+               double sliceHeight)
+        : scatter_(std::move(scatter)), field_(std::move(field)), sliceHeight_(sliceHeight) {}
+
+    Vec<Dim> axis(const Vec<Dim>& at, RandomStream& random) const override {
+        const Vec<Dim> turned = scatter_.draw(random);
+        if constexpr (Dim == 3) {
+            return carried(turned, field_->at(at));
+        } else {
+            const Vec<3> u = field_->at({{at[0], at[1], sliceHeight_}});
+            const Vec<2> inPlane{{u[0], u[1]}};
+            // Below this the projection is rounding.
+            if (!(length(inPlane) > 1e-6)) return turned;
+            return carried(turned, normalized(inPlane));
+        }
+    }
+
+private:
+    Scatter<Dim> scatter_;
+    std::shared_ptr<const DirectionField> field_;
+    double sliceHeight_;
+};
+
+template <int Dim>
+Vec<Dim> parseAxis(const std::string& text) {
+    const auto fail = [&](const std::string& what) {
+        throw ParameterError(
+            fmt::format("void axis '{}': {}; write {} with finite numbers that "
+                        "are not all zero",
+                        text, what, Dim == 3 ? "X,Y,Z" : "X,Y"));
+    };
+    const auto numbers = parts(text, ',');
+    if (numbers.size() != 3 && numbers.size() != Dim)
+        fail(fmt::format("has {} components", numbers.size()));
+    Vec<3> axis;
+    double most = 0;
+    for (std::size_t d = 0; d < numbers.size(); ++d) {
+        if (!parseNumber(numbers[d], axis.c[d]) || !std::isfinite(axis.c[d]))
+            fail(fmt::format("'{}' is not a finite number", numbers[d]));
+        most = std::max(most, std::fabs(axis.c[d]));
+    }
+    Vec<Dim> result;
+    for (int d = 0; d < Dim; ++d) result[d] = most > 0 ? axis[d] / most : 0;
+    if (!(length(result) > 1e-6))
+        fail(Dim == 3 ? "points nowhere" : "points nowhere within the plane");
+    return normalized(result);
+}
+
+std::string describe(const Box<3>& box) {
+    return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) mm", box.lo[0],
+                       box.lo[1], box.lo[2], box.hi[0], box.hi[1], box.hi[2]);
+}
+
+template <int Dim>
+void requireCovered(const std::string& file, const DirectionField& field, const Box<Dim>& bounds,
+                    double sliceHeight) {
+    Box<3> needed{{{0, 0, sliceHeight}}, {{0, 0, sliceHeight}}};
+    for (int d = 0; d < Dim; ++d) {
+        needed.lo[d] = bounds.lo[d];
+        needed.hi[d] = bounds.hi[d];
+    }
+    const Box<3> covered = field.bounds();
+    // Both may come from the same numbers in different ways.
+    const double rounding = 1e-9 * length(needed.size());
+    if (covered.grown(rounding).contains(needed.lo) && covered.grown(rounding).contains(needed.hi))
+        return;
+    throw InputError(fmt::format(
+        "{}: the field of directions covers {}, but the domain reaches from {}; check the unit and "
+        "the origin of the field, or extend it over the domain",
+        file, describe(covered), describe(needed)));
+}
+
+}  // namespace
+
+template <int Dim>
+std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe& recipe,
+                                                        const Box<Dim>& bounds,
+                                                        double sliceHeight) {
+    const bool fixed = !recipe.axis.empty(), varying = !recipe.field.empty();
+    if (fixed && varying)
+        throw ParameterError(fmt::format(
+            "void axis '{}' and void field '{}' both tell the direction; leave one of them out",
+            recipe.axis, recipe.field));
+    Scatter<Dim> scatter(recipe.angles);
+    if (scatter.isotropic() && (fixed || varying))
+        throw ParameterError(fmt::format(
+            "void angles 'isotropic' leave nothing of void {} '{}'; write the scatter about it as "
+            "{}, or leave one of them out",
+            fixed ? "axis" : "field", fixed ? recipe.axis : recipe.field,
+            Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
+    if (fixed)
+        return std::make_shared<AboutAxis<Dim>>(std::move(scatter), parseAxis<Dim>(recipe.axis));
+    if (!varying) return std::make_shared<Free<Dim>>(std::move(scatter));
+    auto field = readDirectionField(recipe.field, recipe.fieldScale);
+    requireCovered(recipe.field, *field, bounds, sliceHeight);
+    return std::make_shared<AboutField<Dim>>(std::move(scatter), std::move(field), sliceHeight);
+}
+
+template std::shared_ptr<const Orientation<2>> makeOrientation<2>(const OrientationRecipe&,
+                                                                  const Box<2>&, double);
+template std::shared_ptr<const Orientation<3>> makeOrientation<3>(const OrientationRecipe&,
+                                                                  const Box<3>&, double);
+
+}  // namespace vdbpack

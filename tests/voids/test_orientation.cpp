@@ -1,0 +1,258 @@
+#include "voids/text_file.h"
+#include "voids/turning.h"
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/symmetric.h"
+#include "vdbpack/voids/angle_distribution.h"
+#include "vdbpack/voids/orientation.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+template <int Dim>
+Box<Dim> unitBox() {
+    return {Box<Dim>::filled(0), Box<Dim>::filled(1)};
+}
+
+OrientationRecipe recipeOf(const std::string& angles, const std::string& axis = "",
+                           const std::string& field = "") {
+    OrientationRecipe recipe;
+    recipe.angles = angles;
+    recipe.axis = axis;
+    recipe.field = field;
+    return recipe;
+}
+
+template <int Dim>
+std::vector<Vec<Dim>> drawn(const OrientationRecipe& recipe, int count) {
+    const auto orientation = makeOrientation<Dim>(recipe, unitBox<Dim>());
+    RandomStream random(14, Dim);
+    std::vector<Vec<Dim>> axes;
+    for (int i = 0; i < count; ++i) {
+        axes.push_back(orientation->axis({}, random));
+        REQUIRE(length(axes.back()) == Approx(1));
+    }
+    return axes;
+}
+
+template <int Dim>
+Vec<Dim> first(const OrientationRecipe& recipe) {
+    return drawn<Dim>(recipe, 1)[0];
+}
+
+template <int Dim>
+std::string failure(const OrientationRecipe& recipe) {
+    return messageOf<ParameterError>([&] { makeOrientation<Dim>(recipe, unitBox<Dim>()); });
+}
+
+/// Largest distance between the shares of `values` and `cdf`.
+template <class Cdf>
+double kolmogorov(std::vector<double> values, const Cdf& cdf) {
+    std::sort(values.begin(), values.end());
+    const double n = static_cast<double>(values.size());
+    double worst = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const double share = cdf(values[i]), at = static_cast<double>(i);
+        worst = std::max({worst, std::fabs(share - at / n), std::fabs(share - (at + 1) / n)});
+    }
+    return worst;
+}
+
+}  // namespace
+
+TEST_CASE("without a word voids point along z, in the plane along x", "[voids]") {
+    CHECK(first<3>(recipeOf("")) == Vec<3>{{0, 0, 1}});
+    CHECK(first<2>(recipeOf("")) == Vec<2>{{1, 0}});
+}
+
+TEMPLATE_TEST_CASE_SIG("isotropic means all directions alike", "[voids]", ((int Dim), Dim), 2, 3) {
+    constexpr int kCount = 40000;
+    Matrix<Dim> mean{};
+    std::vector<double> lastComponent;
+    for (const auto& u : drawn<Dim>(recipeOf("isotropic"), kCount)) {
+        for (std::size_t i = 0; i < Dim; ++i) mean[i] += u * (u.c[i] / kCount);
+        lastComponent.push_back(std::fabs(u[Dim - 1]));
+    }
+    for (int i = 0; i < Dim; ++i)
+        for (int j = 0; j < Dim; ++j)
+            CHECK(mean[static_cast<std::size_t>(i)][j] ==
+                  Approx(i == j ? 1.0 / Dim : 0.0).margin(0.01));
+    // On a sphere heights are uniform, on a circle angles are.
+    const auto cdf = [](double h) { return Dim == 3 ? h : 2 / kPi * std::asin(h); };
+    CHECK(kolmogorov(lastComponent, cdf) < 1.63 / std::sqrt(kCount));
+}
+
+TEST_CASE("angles turn the axis about x, then about z", "[voids]") {
+    CHECK(first<3>(recipeOf("tz=constant:0.7;tx=0.3")) == axisOf(0.7, 0.3));
+    CHECK(first<3>(recipeOf(" tx = 0.3 ; tz = 0.7 ")) == axisOf(0.7, 0.3));
+    CHECK(first<3>(recipeOf("tx=-0.3")) == axisOf(0, -0.3));
+    CHECK(first<2>(recipeOf("phi=-0.4")) == axisOf(-0.4));
+    CHECK(length(first<3>(recipeOf("tz=90deg;tx=constant:-30deg")) - axisOf(kPi / 2, -kPi / 6)) <
+          1e-12);
+    for (const auto& u : drawn<3>(recipeOf("tx=uniform:0,20deg;tz=uniform:-180deg,180deg"), 1000))
+        CHECK(u[2] >= std::cos(kPi / 9) - 1e-12);
+}
+
+TEST_CASE("angles are spread as they were asked for", "[voids]") {
+    constexpr int kCount = 20000;
+    const double bound = 1.63 / std::sqrt(kCount);
+    const auto angles = [](const std::string& spec) {
+        std::vector<double> values;
+        for (const auto& u : drawn<2>(recipeOf("phi=" + spec), kCount))
+            values.push_back(std::atan2(u[1], u[0]));
+        return values;
+    };
+    CHECK(kolmogorov(angles("uniform:-10deg,0.5"), [](double x) {
+              const double lo = -kPi / 18;
+              return (x - lo) / (0.5 - lo);
+          }) < bound);
+    const auto normal = [](double x) { return 0.5 * std::erfc(-(x - 0.1) / 0.2 / std::sqrt(2.0)); };
+    CHECK(kolmogorov(angles("normal:0.1,0.2,-0.1,0.6"), [&](double x) {
+              return (normal(x) - normal(-0.1)) / (normal(0.6) - normal(-0.1));
+          }) < bound);
+    const auto cut = AngleDistribution::parse("normal:0,1,-1deg,2deg");
+    CHECK(cut.quantile(0) == Approx(-kPi / 180));
+    CHECK(cut.quantile(1) == Approx(kPi / 90));
+}
+
+TEST_CASE("with an axis the angles are scatter about it", "[voids]") {
+    const Vec<3> axis = normalized(Vec<3>{{1, -2, 0.5}});
+    CHECK(degreesBetween(first<3>(recipeOf("", "1,-2,0.5")), axis) < 1e-9);
+    Vec<3> mean;
+    constexpr int kCount = 20000;
+    for (const auto& u : drawn<3>(recipeOf("tx=0.3;tz=uniform:0,360deg", "1,-2,0.5"), kCount)) {
+        REQUIRE(std::fabs(dot(u, axis)) == Approx(std::cos(0.3)));
+        mean += u * (1.0 / kCount);
+    }
+    // On all sides of it.
+    CHECK(degreesBetween(normalized(mean), axis) < 0.5);
+    CHECK(length(first<2>(recipeOf("phi=0.4", "0,-3")) - axisOf(0.4 - kPi / 2)) < 1e-12);
+    CHECK(length(first<2>(recipeOf("", "3,4,100")) - Vec<2>{{0.6, 0.8}}) < 1e-12);
+    // Its length may be anything, its sign means nothing.
+    CHECK(degreesBetween(first<3>(recipeOf("tx=0.3;tz=1", "1e300,-2e300,0.5e300")),
+                         first<3>(recipeOf("tx=0.3;tz=1", "-1e-200,2e-200,-0.5e-200"))) < 1e-9);
+    CHECK(first<3>(recipeOf("tx=0.3;tz=1", "0,0,-1")) == first<3>(recipeOf("tx=0.3;tz=1")));
+}
+
+TEST_CASE("z is laid on an axis by the shortest turn", "[voids]") {
+    RandomStream random(15, 1);
+    for (int i = 0; i < 100; ++i) {
+        Vec<3> d = normalized(randomPoint(random, 2) - Vec<3>{{1, 1, 1}});
+        if (d[2] < 0) d *= -1;
+        const auto spec =
+            std::to_string(d[0]) + "," + std::to_string(d[1]) + "," + std::to_string(d[2]);
+        CAPTURE(spec);
+        // What lies along the hinge, z x d, stays: with tx = 90 degrees the axis is (sin tz, -cos
+        // tz, 0).
+        const double tz = std::atan2(-d[1], -d[0]);
+        const auto u = first<3>(recipeOf("tx=90deg;tz=" + std::to_string(tz), spec));
+        CHECK(length(u - normalized(Vec<3>{{-d[1], d[0], 0}})) < 1e-4);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("every orientation draws as many numbers", "[voids]", ((int Dim), Dim), 2,
+                       3) {
+    const TextFile field("x,y,ux,uy\n0,0,1,0\n1,1,0,1\n");
+    const std::string angles = Dim == 3 ? "tx=normal:0,0.1,-1,1" : "phi=normal:0,0.1,-1,1";
+    for (const auto& recipe :
+         {recipeOf(""), recipeOf("isotropic"), recipeOf(angles), recipeOf("", "1,1,0"),
+          recipeOf(angles, "1,1,0"), recipeOf(angles, "", field.path())}) {
+        CAPTURE(Dim, recipe.angles, recipe.axis, recipe.field);
+        RandomStream random(16, 1), same(16, 1);
+        makeOrientation<Dim>(recipe, unitBox<Dim>())->axis({}, random);
+        for (int i = 0; i < Dim - 1; ++i) same.bits();
+        CHECK(random.bits() == same.bits());
+    }
+}
+
+TEST_CASE("with a field the angles are scatter about the direction there", "[voids]") {
+    const TextFile field(
+        "x,y,z,ux,uy,uz\n0,0,0,1,0,0\n1,0,0,0,-1,0\n0,1,0,0,0,5\n0,0,1,-1,1,1\n1,1,1,0,0,1\n");
+    const auto plain = makeOrientation<3>(recipeOf("", "", field.path()), unitBox<3>());
+    RandomStream random(17, 1);
+    CHECK(degreesBetween(plain->axis({{1, 0, 0}}, random), {{0, 1, 0}}) < 1e-9);
+    CHECK(degreesBetween(plain->axis({{0, 1, 0}}, random), {{0, 0, 1}}) < 1e-9);
+    const auto scattered =
+        makeOrientation<3>(recipeOf("tx=0.2;tz=uniform:0,6", "", field.path()), unitBox<3>());
+    for (int i = 0; i < 100; ++i)
+        CHECK(std::fabs(scattered->axis({{0, 0, 0}}, random)[0]) == Approx(std::cos(0.2)));
+    // In a slice at height 1 the direction is projected into the plane.
+    const auto planar = makeOrientation<2>(recipeOf("phi=0.1", "", field.path()), unitBox<2>(), 1);
+    const Vec<2> u = planar->axis({{0, 0}}, random);
+    CHECK(std::fabs(dot(u, axisOf(0.1 + 0.75 * kPi))) == Approx(1));
+    // Where it stands across the plane, x counts.
+    CHECK(length(planar->axis({{1, 1}}, random) - axisOf(0.1)) < 1e-9);
+}
+
+TEST_CASE("a field that does not cover the domain is refused with both boxes", "[voids]") {
+    const TextFile field("x,y,z,ux,uy,uz\n0,0,0,1,0,0\n10,20,30,0,1,0\n", "field.csv");
+    const auto fit = [&](const Box<3>& bounds, double scale = 1) {
+        auto recipe = recipeOf("", "", field.path());
+        recipe.fieldScale = scale;
+        return messageOf<InputError>([&] { makeOrientation<3>(recipe, bounds); });
+    };
+    CHECK(fit({{{-1, -2, -3}}, {{11, 22, 33}}}).empty());
+    CHECK_THAT(fit({{{-1, -2, -3}}, {{11, 22, 34}}}),
+               Contains("field.csv: the field of directions covers (-1, -2, -3) to (11, 22, 33) "
+                        "mm, but the domain reaches from (-1, -2, -3) to (11, 22, 34) mm") &&
+                   Contains("check the unit"));
+    CHECK_FALSE(fit({{{0, 0, 0}}, {{10, 20, 30}}}, 0.001).empty());
+    CHECK(fit({{{0, 0, 0}}, {{10000, 20000, 30000}}}, 1000).empty());
+    const auto slice = [&](double height) {
+        return messageOf<InputError>([&] {
+            makeOrientation<2>(recipeOf("", "", field.path()), {{{0, 0}}, {{5, 5}}}, height);
+        });
+    };
+    CHECK(slice(15).empty());
+    CHECK_THAT(slice(40), Contains("(0, 0, 40) to (5, 5, 40) mm"));
+}
+
+TEST_CASE("an orientation without sense is refused with what to write", "[voids]") {
+    CHECK_THAT(failure<3>(recipeOf("", "1,0,0", "f.csv")),
+               Contains("void axis '1,0,0' and void field 'f.csv' both tell the direction"));
+    CHECK_THAT(failure<3>(recipeOf("isotropic", "1,0,0")),
+               Contains("leave nothing of void axis '1,0,0'; write the scatter about it as tz="));
+    CHECK_THAT(failure<2>(recipeOf("isotropic", "", "f.csv")),
+               Contains("leave nothing of void field 'f.csv'") && Contains("phi=SPEC"));
+    CHECK_THAT(failure<3>(recipeOf("phi=1")),
+               Contains("void angles 'phi=1': 'phi=1' turns nothing in space; write "
+                        "tz=SPEC;tx=SPEC or isotropic"));
+    CHECK_THAT(failure<2>(recipeOf("tz=1;tx=2")),
+               Contains("'tz=1' turns nothing in the plane; write phi=SPEC or isotropic"));
+    CHECK_THAT(failure<3>(recipeOf("tz=1;tz=2")), Contains("'tz' is there twice"));
+    CHECK_THAT(failure<3>(recipeOf("tz=1;")), Contains("'' turns nothing"));
+    CHECK_THAT(failure<3>(recipeOf("tz")), Contains("'tz' turns nothing"));
+    CHECK_THAT(failure<3>(recipeOf("everywhere")), Contains("'everywhere' turns nothing"));
+
+    const auto angle = [](const std::string& spec) { return failure<2>(recipeOf("phi=" + spec)); };
+    CHECK_THAT(angle("uniform:1"), Contains("angle 'uniform:1': is malformed; write constant:V"));
+    CHECK_THAT(angle("lognormal:1,2"), Contains("angle 'lognormal:1,2': is malformed"));
+    CHECK_THAT(angle("uniform:1,x"), Contains("'x' is not a finite number; write constant:V"));
+    CHECK_THAT(angle("1 rad"), Contains("'1 rad' is not a finite number"));
+    CHECK_THAT(angle("nan"), Contains("'nan' is not a finite number"));
+    CHECK_THAT(angle(""), Contains("'' is not a finite number"));
+    CHECK_THAT(angle("uniform:0.5,-0.5"), Contains("bounds 0.5 and -0.5 rad are out of order"));
+    CHECK_THAT(angle("uniform:0,30"), Contains("30 rad is beyond two full turns; write degrees"));
+    CHECK_THAT(angle("800deg"), Contains("800 deg is beyond two full turns"));
+    CHECK_THAT(angle("normal:0,0,-1,1"), Contains("SD 0 rad") && Contains("write constant:V"));
+    CHECK_THAT(angle("normal:0,1,1,1"), Contains("the range from 1 to 1 must be positive"));
+    CHECK_THAT(angle("normal:0,0.1,2,3"), Contains("from 2 to 3 rad holds none of it; widen"));
+    CHECK(angle("uniform:-360deg,360deg").empty());
+
+    CHECK_THAT(failure<3>(recipeOf("", "1,0")),
+               Contains("void axis '1,0': has 2 components; write X,Y,Z"));
+    CHECK_THAT(failure<3>(recipeOf("", "0,0,0")), Contains("points nowhere; write X,Y,Z"));
+    CHECK_THAT(failure<3>(recipeOf("", "1,inf,0")), Contains("'inf' is not a finite number"));
+    CHECK_THAT(failure<3>(recipeOf("", "1,,0")), Contains("'' is not a finite number"));
+    CHECK_THAT(failure<2>(recipeOf("", "0,0,1")),
+               Contains("points nowhere within the plane; write X,Y"));
+}
