@@ -1,7 +1,7 @@
 #include "vdbpack/pack/block_front.h"
 
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/pack/bucket_queue.h"
-#include "vdbpack/pack/lanes.h"
 #include "vdbpack/pack/place_search.h"
 #include "vdbpack/pack/resting.h"
 #include "vdbpack/pack/touching.h"

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/pack/lanes.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 #include "vdbpack/pack/place_search.h"
 
-#include "vdbpack/pack/lanes.h"
+#include "vdbpack/core/lanes.h"
 
 #include <limits>
 

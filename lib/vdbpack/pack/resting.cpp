@@ -1,6 +1,6 @@
 #include "vdbpack/pack/resting.h"
 
-#include "vdbpack/pack/lanes.h"
+#include "vdbpack/core/lanes.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-// Private to pack: eight floats at a time.
+// Eight floats at a time.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@ namespace vdbpack {
 
 namespace stdx = std::experimental;
 
-/// Eight lanes on every machine, in one register where there is one: the same pack everywhere.
+/// Eight lanes on every machine, in one register where there is one: the same result everywhere.
 inline constexpr std::size_t kLanes = 8;
 using Lanes = stdx::simd<float, stdx::simd_abi::deduce_t<float, kLanes>>;
 

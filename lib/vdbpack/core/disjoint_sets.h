@@ -1,0 +1,34 @@
+// Sets that are joined one after the other.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// Members 0 to n - 1, each in a set of its own until sets are joined; a set is named by its
+/// smallest member. For one thread.
+class DisjointSets {
+public:
+    explicit DisjointSets(std::size_t n) : parent_(n) {
+        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    }
+    std::uint32_t find(std::uint32_t i) {
+        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+        return i;
+    }
+    void join(std::uint32_t i, std::uint32_t j) {
+        i = find(i);
+        j = find(j);
+        if (j < i) std::swap(i, j);
+        parent_[j] = i;
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+};
+
+}  // namespace vdbpack
