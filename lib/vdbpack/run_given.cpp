@@ -2,6 +2,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/domain/voxel_image.h"
 #include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
@@ -11,8 +12,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <functional>
@@ -199,29 +198,6 @@ double marginFor(const VdbGrid& grid, const std::optional<Box<3>>& bounds) {
     return margin;
 }
 
-/// Labels the voxels of the total volume by the domain they lie in, a shell apart from the rest.
-void label(VoxelImage& image, const Domain<3>& domain, double shell) {
-    image.label.resize(image.voxels());
-    const auto rows = static_cast<std::size_t>(image.size[1] * image.size[2]);
-    const auto row = static_cast<std::size_t>(image.size[0]);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
-        const auto sampler = domain.sampler();
-        for (std::size_t r = block.begin(); r < block.end(); ++r)
-            for (std::size_t i = 0; i < row; ++i) {
-                const std::array<double, 3> at{
-                    static_cast<double>(i),
-                    static_cast<double>(r % static_cast<std::size_t>(image.size[1])),
-                    static_cast<double>(r / static_cast<std::size_t>(image.size[1]))};
-                Vec<3> x = image.origin;
-                for (int d = 0; d < 3; ++d)
-                    x[d] += at[static_cast<std::size_t>(d)] * image.voxelSize;
-                const double depth = -sampler->signedDistance(x);
-                image.label[r * row + i] =
-                    depth <= 0 ? 0 : static_cast<std::uint8_t>(depth >= shell && shell > 0 ? 2 : 1);
-            }
-    });
-}
-
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
     if (!recipe.outputs.empty())
         throw ParameterError(recipe.outputs.front() +
@@ -264,7 +240,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     report.seconds.domain = clock.lap();
     VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
     grid.reset();
-    if (built.space && (!boxed || recipe.shell > 0)) label(image, *built.space, recipe.shell);
+    if (built.space && (!boxed || recipe.shell > 0)) labelVoxels(image, *built.space, recipe.shell);
     const auto fewest = *std::min_element(image.size.begin(), image.size.end());
     if (fewest < kFewVoxels)
         callbacks.warn(

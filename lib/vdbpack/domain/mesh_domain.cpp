@@ -42,6 +42,24 @@ void checkMeshIsUsable(const TriangleMesh& mesh, const std::string& name) {
                                 corner, mesh.vertices.size()));
 }
 
+/// Active voxels of a field, about.
+double voxelsOf(double area, double voxelSize, double depth) {
+    return area * (depth + 5 * voxelSize) / (voxelSize * voxelSize * voxelSize);
+}
+
+/// Refuses voxels that are a slip of the units.
+void requireVoxels(const std::string& name, const TriangleMesh& mesh, double area, double voxelSize,
+                   double depth) {
+    const Vec<3> size = mesh.bounds().size();
+    const double longest = *std::max_element(size.c.begin(), size.c.end());
+    const double voxels = voxelsOf(area, voxelSize, depth);
+    if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
+        throw ResourceError(fmt::format(
+            "{}: voxels of {:.4g} mm would take about {:.2g} of them for a surface of {:.4g} mm² "
+            "and {:.4g} mm across; give larger voxels, or check the unit of the mesh",
+            name, voxelSize, voxels, area, longest));
+}
+
 /// Area and volume, about a vertex so that digits survive far from zero.
 std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
     double area = 0;
@@ -101,6 +119,8 @@ struct Parts {
     TriangleMesh mesh;
     std::unique_ptr<const VdbField> field;
     std::vector<std::int8_t> facing;
+    std::vector<std::uint8_t> depthOfTriangle;  // empty: no shell lies in another
+    std::string name;
     double volume = 0;
     double area = 0;
     DomainFacts facts;
@@ -137,6 +157,11 @@ public:
     }
     DomainFacts facts() const override { return parts_.facts; }
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
+    std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const override {
+        if (std::abs(voxelSize - parts_.field->voxelSize()) < 1e-9 * voxelSize) return grid();
+        requireVoxels(parts_.name, parts_.mesh, parts_.area, voxelSize, 0);
+        return VdbField(parts_.mesh, parts_.depthOfTriangle, voxelSize, 0).surface();
+    }
     const TriangleMesh& wall() const override { return parts_.mesh; }
     std::shared_ptr<const Domain<2>> slice(double height) const override {
         return meshSlice(shared_from_this(), parts_.facing, height);
@@ -229,16 +254,7 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
 
     double voxelSize =
         options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(mesh, options.detail);
-    const Vec<3> size = mesh.bounds().size();
-    const double longest = *std::max_element(size.c.begin(), size.c.end());
-    const auto voxelsAt = [&](double h) {
-        return health.area * (options.depth + 5 * h) / (h * h * h);
-    };
-    if (!(voxelsAt(voxelSize) < kMostVoxels) || !(longest / voxelSize < 1e6))
-        throw ResourceError(fmt::format(
-            "{}: voxels of {:.4g} mm would take about {:.2g} of them for a surface of {:.4g} mm² "
-            "and {:.4g} mm across; give a larger --voxel, or check the unit of the mesh",
-            name, voxelSize, voxelsAt(voxelSize), health.area, longest));
+    requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
     callbacks.report("domain", 0, 0);
     parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
@@ -248,7 +264,7 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
         // Thin walls in coarse voxels are no fault of the mesh; a hole shows at any size.
         const double coarseVolume = verdict.fieldVolume;
         const double half = 0.5 * voxelSize;
-        if (voxelsAt(half) < kMostDefaultVoxels) {
+        if (voxelsOf(health.area, half, options.depth) < kMostDefaultVoxels) {
             auto finer = std::make_unique<VdbField>(mesh, depthOfTriangle, half, options.depth);
             verdict = judge(*finer, health);
             if (verdict.sound) {
@@ -278,6 +294,8 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
     parts.facts.boundaryEdges = health.boundaryEdges;
     parts.facts.nonManifoldEdges = health.nonManifoldEdges;
     parts.mesh = std::move(mesh);
+    parts.depthOfTriangle = std::move(depthOfTriangle);
+    parts.name = name;
     return parts;
 }
 

@@ -28,6 +28,9 @@ struct FieldOptions {
 class MeshDomain : public Domain<3> {
 public:
     virtual std::shared_ptr<const VdbGrid> grid() const = 0;
+    /// The same in voxels of another size (mm), made anew unless they are those of `grid`.
+    /// @throws as `meshDomain` for sizes that cannot be.
+    virtual std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const = 0;
     /// The wall itself: the triangles that distances are exact for, mm.
     virtual const TriangleMesh& wall() const = 0;
 };

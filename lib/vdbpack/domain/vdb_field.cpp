@@ -1,6 +1,7 @@
 #include "vdbpack/domain/vdb_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/vdb_init.h"
 
@@ -99,9 +100,7 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
         std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / voxelSize) + 1);
     impl_->voxelSize = voxelSize;
     impl_->depth = (insideVoxels - 1) * voxelSize;
-    // Off the middle by fractions without meaning: faces of meshes made from voxels would
-    // otherwise fall on the lattice, where inside and outside tie.
-    impl_->origin = mesh.bounds().center() + Vec<3>{{0.123, 0.234, 0.345}} * voxelSize;
+    impl_->origin = fieldOrigin(mesh.bounds(), voxelSize);
 
     const int deepest = depthOfTriangle.empty()
                             ? 0

@@ -114,6 +114,70 @@ void addDomain(Summary& out, const Report& r) {
                              grouped(r.domain.boundaryEdges), grouped(r.domain.nonManifoldEdges)));
 }
 
+Json voidsJson(const Report& r) {
+    const VoidReport v = r.voids.value_or(VoidReport());
+    Json json = {{"count", v.count}, {"bvtv", orNull(v.bvtv)}, {"culled", v.culled}};
+    if (!r.voids) return json;
+    json["method"] = v.method.empty() ? Json() : Json(v.method);
+    json["shell"] = v.shell;
+    json["voxelSize"] = v.voxelSize > 0 ? Json(v.voxelSize) : Json();
+    json["totalVolume"] = v.totalVolume;
+    json["bvtvOf"] = v.ofSpheres ? "spheres" : "solid";
+    json["amount"] = orNull(v.amount);
+    json["reachedShare"] = orNull(v.reachedShare);
+    json["radius"] = v.radius.empty() ? Json() : Json(v.radius);
+    json["tbth"] = orNull(v.thickness);
+    json["solidAttached"] = orNull(v.solidAttached);
+    json["solidPieces"] = v.solidPieces;
+    json["spheresAttached"] = orNull(v.spheresAttached);
+    json["dropped"] = v.dropped;
+    json["cortical"] = v.cortical;
+    json["across"] = orNull(v.across);
+    return json;
+}
+
+void addVoids(Summary& out, const Report& r, const char* spheres) {
+    const VoidReport& v = *r.voids;
+    const char* root = v.shell > 0 ? "the shell" : "the largest piece";
+    if (!v.method.empty()) {
+        std::string text = v.method;
+        if (v.count > 0) text += fmt::format(": {}", grouped(v.count));
+        if (v.bvtv)
+            text +=
+                fmt::format(", {} {:.4f}",
+                            v.ofSpheres ? "share of the spheres' volume left" : "BV/TV", *v.bvtv);
+        if (v.amount)
+            text += fmt::format(", {} {:.5g}",
+                                v.method == "boolean"   ? "a mm³"
+                                : v.method == "overlay" ? "number"
+                                : v.ofSpheres           ? "D ="
+                                                        : "probability",
+                                *v.amount);
+        if (v.reachedShare) text += fmt::format(" (share of holes {:.4g})", *v.reachedShare);
+        if (v.culled > 0) text += fmt::format(", {} {} culled", grouped(v.culled), spheres);
+        out.line("voids", text);
+        if (v.thickness)
+            out.line("", fmt::format("Tb.Th {:.4g} mm with void radii {}", *v.thickness, v.radius));
+        if (v.voxelSize > 0)
+            out.line("", fmt::format("level set in voxels of {:.4g} mm", v.voxelSize));
+        if (v.solidAttached)
+            out.line("", fmt::format("{:.4g} % of the solid hangs together with {}; {} {}",
+                                     100 * *v.solidAttached, root, grouped(v.solidPieces),
+                                     v.solidPieces == 1 ? "piece" : "pieces"));
+        if (v.spheresAttached)
+            out.line("", fmt::format(
+                             "contacts join {:.4g} % of the {} with {}{}", 100 * *v.spheresAttached,
+                             spheres, v.shell > 0 ? root : "the largest set",
+                             v.dropped > 0 ? fmt::format("; {} others dropped", grouped(v.dropped))
+                                           : std::string()));
+    }
+    if (v.shell > 0 && r.count > 0)
+        out.line("shell",
+                 fmt::format(
+                     "{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), spheres,
+                     v.across ? fmt::format("; {:.3g} lie across it", *v.across) : std::string()));
+}
+
 void addChecks(Summary& out, const Report& r, const char* spheres) {
     // To measure is not to judge.
     const char* failed = r.task == "measure" ? "" : "CHECK FAILED: ";
@@ -191,7 +255,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
     json["protrusion"] = {{"max", r.protrusion ? Json(r.protrusion->max) : Json()},
                           {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()}};
-    json["voids"] = {{"count", r.voidCount}, {"bvtv", orNull(r.bvtv)}, {"culled", r.culled}};
+    json["voids"] = voidsJson(r);
     json["seconds"] = {{"mesh", r.seconds.mesh},       {"domain", r.seconds.domain},
                        {"pack", r.seconds.pack},       {"voids", r.seconds.voids},
                        {"measure", r.seconds.measure}, {"write", r.seconds.write},
@@ -235,11 +299,7 @@ std::string summary(const Report& r) {
                                  : fmt::format(", {:.3g} without walls", r.contacts->meanOfSpheres),
                              r.contactTolerance, 100 * r.contacts->fewShare, r.contacts->few,
                              100 * r.contacts->largestComponent));
-    if (r.voidCount > 0) {
-        std::string text = grouped(r.voidCount);
-        if (r.bvtv) text += fmt::format(", BV/TV {:.4f}", *r.bvtv);
-        out.line("voids", text + fmt::format(", {} {} culled", grouped(r.culled), spheres));
-    }
+    if (r.voids) addVoids(out, r, spheres);
     addChecks(out, r, spheres);
     std::string seconds;
     const std::pair<const char*, double> stages[] = {

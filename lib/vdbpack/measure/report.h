@@ -14,6 +14,31 @@
 
 namespace vdbpack {
 
+/// What is told of voids and the shell.
+struct VoidReport {
+    std::string method;          ///< as asked for; empty: a shell alone
+    std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
+    double shell = 0;            ///< mm
+    double voxelSize = 0;        ///< of the level set, mm; 0: none
+    double totalVolume = 0;      ///< of the domain deeper than the shell, mm^dim
+    std::optional<double> bvtv;  ///< BV/TV there, of the solid
+    bool ofSpheres = false;      ///< BV/TV is the share of the spheres' volume that is left instead
+    /// What was solved for or given: voids a mm^dim (boolean), their number (overlay), probability
+    /// (grid, mixed, ellipses) or D (concentric, threshold).
+    std::optional<double> amount;
+    std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
+    std::string radius;                   ///< SPEC of b that gave the wanted thickness, mm
+    std::optional<double> thickness;      ///< Tb.Th where one was asked for, mm
+    std::optional<double> solidAttached;  ///< share of the solid that hangs together with the shell
+    std::uint64_t solidPieces = 0;
+    std::uint64_t culled = 0;               ///< spheres that the voids removed
+    std::optional<double> spheresAttached;  ///< share that contacts join with the shell
+    std::uint64_t dropped = 0;              ///< spheres taken out since they are not
+    std::uint64_t cortical = 0;             ///< spheres with centers in the shell
+    std::optional<double> across;           ///< mean diameters of those across the shell
+    std::vector<std::string> chosen;        ///< what was chosen by default, a sentence each
+};
+
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
 struct Report {
     int dim = 3;
@@ -57,9 +82,7 @@ struct Report {
     std::optional<double> smallestGap;  ///< between spheres, two that stood already apart; mm
     std::optional<ProtrusionCheck> protrusion;
 
-    std::uint64_t voidCount = 0;
-    std::optional<double> bvtv;
-    std::uint64_t culled = 0;
+    std::optional<VoidReport> voids;  ///< nothing where neither voids nor a shell were asked for
 
     struct Seconds {
         double mesh = 0, domain = 0, pack = 0, voids = 0, measure = 0, write = 0, total = 0;

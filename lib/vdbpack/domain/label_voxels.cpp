@@ -1,0 +1,29 @@
+#include "vdbpack/domain/label_voxels.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+namespace vdbpack {
+
+void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell) {
+    if (image.label.empty()) image.label.assign(image.voxels(), 1);
+    const auto rows = static_cast<std::size_t>(image.size[1] * image.size[2]);
+    const auto row = static_cast<std::size_t>(image.size[0]);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
+        const auto sampler = domain.sampler();
+        for (std::size_t r = block.begin(); r < block.end(); ++r)
+            for (std::size_t i = 0; i < row; ++i) {
+                std::uint8_t& label = image.label[r * row + i];
+                if (label == 0) continue;
+                const std::array<std::size_t, 3> at{i, r % static_cast<std::size_t>(image.size[1]),
+                                                    r / static_cast<std::size_t>(image.size[1])};
+                Vec<3> x = image.origin;
+                for (std::size_t d = 0; d < 3; ++d)
+                    x.c[d] += static_cast<double>(at[d]) * image.voxelSize;
+                const double depth = -sampler->signedDistance(x);
+                label = depth <= 0 ? 0 : depth >= shell && shell > 0 ? 2 : 1;
+            }
+    });
+}
+
+}  // namespace vdbpack

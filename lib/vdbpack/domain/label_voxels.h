@@ -1,0 +1,13 @@
+// Which voxels of an image lie in a domain, and how deep.
+#pragma once
+
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/voxel_image.h"
+
+namespace vdbpack {
+
+/// Labels voxels by where their centers lie: 0 outside of the domain, 1 inside; with a shell, 1 in
+/// the layer of that thickness (mm) along the wall and 2 deeper. Those labeled 0 before stay so.
+void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell);
+
+}  // namespace vdbpack

@@ -1,0 +1,70 @@
+// Private to runs: voids, from what is asked for to what is cut.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/measure/report.h"
+#include "vdbpack/pack/packer.h"
+#include "vdbpack/voids/solid.h"
+#include "vdbpack/voids/stamp.h"
+#include "vdbpack/voids/void_field.h"
+#include "vdbpack/voids/void_recipe.h"
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace vdbpack {
+
+/// What voids are cut into, and for which spheres.
+template <int Dim>
+struct VoidSetting {
+    const VoidRecipe& recipe;
+    const Domain<Dim>& domain;
+    double sliceHeight = 0;  ///< mm
+    std::uint64_t seed = 1;
+    double largestRadius = 0;  ///< of the spheres there are or will be, mm; 0: none
+    const Callbacks& callbacks;
+};
+
+/// Voids as they were made. Without such as can be stamped (thinning, or none) all is empty.
+template <int Dim>
+struct MadeVoids {
+    std::vector<Ellipsoid<Dim>> list;
+    std::shared_ptr<const StampedVoids<Dim>> stamped;
+    /// 3D, once they are cut: `surface`, `voids` and `solid`, on one lattice.
+    std::shared_ptr<const VdbGrid> surface, voids;
+    Solid solid;
+    VoidReport report;
+
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
+};
+
+/// Depth below the wall up to which the field must know distances for the shell, mm.
+double depthForShell(const VoidRecipe& recipe);
+
+/// Refuses what the domain has no room for: a shell without anything inside, voids larger than it
+/// is. @throws InputError, ParameterError
+template <int Dim>
+void checkRoom(const VoidSetting<Dim>& setting);
+
+/// The voids of a method that needs no sphere (grid, overlay, boolean, list), as many as hit the
+/// target where there is one. @throws ParameterError if it cannot be hit, with what can.
+template <int Dim>
+MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& setting);
+
+/// Packs with holes among the spheres (mixed, ellipses), with the probability that hits the target
+/// where there is one. What is returned holds no holes.
+/// @param options  without further species.
+template <int Dim>
+PackResult<Dim> packWithHoles(const VoidSetting<Dim>& setting, const PackOptions& options,
+                              const std::vector<Sphere<Dim>>& existing, MadeVoids<Dim>& made);
+
+/// Sets `region`, and takes out of a pack what the voids remove and, if asked for, what does not
+/// hang together with the shell. The first `standing` spheres stay in any case.
+template <int Dim>
+void cullPack(const VoidSetting<Dim>& setting, double contactTolerance, std::size_t standing,
+              MadeVoids<Dim>& made, Pack<Dim>& pack);
+
+}  // namespace vdbpack

@@ -1,0 +1,500 @@
+#include "vdbpack/voids/stamp.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/vdb_grid.h"
+#include "vdbpack/domain/vdb_init.h"
+#include "vdbpack/voids/tile.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tree/LeafManager.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <string>
+#include <tuple>
+
+namespace vdbpack {
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+
+static_assert(Leaf::DIM == kTileSide);
+
+constexpr double kBandVoxels = 3;
+/// Bytes of a leaf in a tree, of a void listed at a tile, and level sets made from one.
+constexpr double kBytesPerLeaf = 2300, kBytesPerEntry = 24, kLevelSets = 4;
+/// Tiles along each axis that fit a key.
+constexpr std::int64_t kMostTiles = std::int64_t{1} << 21;
+
+/// A void at a tile it reaches: sorted by tile, then the nearest first, since it spares the others.
+struct Entry {
+    std::uint64_t tile;
+    float lower;
+    std::uint32_t ellipsoid;
+
+    friend bool operator<(const Entry& a, const Entry& b) {
+        return std::tie(a.tile, a.lower, a.ellipsoid) < std::tie(b.tile, b.lower, b.ellipsoid);
+    }
+};
+
+/// The tiles that cover a domain.
+template <int Dim>
+class TileLattice {
+public:
+    TileLattice(const Box<Dim>& bounds, const StampOptions<Dim>& options)
+        : h_(options.voxelSize), origin_(options.origin) {
+        const double margin = 2 * kBandVoxels * h_;
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            const double lo = tileOf(bounds.lo[d] - margin, d);
+            const double hi = tileOf(bounds.hi[d] + margin, d);
+            if (!(hi - lo < static_cast<double>(kMostTiles) &&
+                  std::max(std::fabs(lo), std::fabs(hi)) < 1e8))
+                throw ResourceError(fmt::format(
+                    "voxels of {:.4g} mm would take {:.3g} tiles of eight along a domain of {:.4g} "
+                    "mm; give a larger --void-voxel",
+                    h_, hi - lo, bounds.hi[d] - bounds.lo[d]));
+            first_[at] = static_cast<std::int64_t>(lo);
+            count_[at] = static_cast<std::int64_t>(hi - lo) + 1;
+        }
+    }
+
+    /// From the middle of a tile to its farthest voxel center, mm.
+    double radius() const { return 0.5 * (kTileSide - 1) * h_ * std::sqrt(double{Dim}); }
+    /// Calls `visit(tile, its middle)` for the tiles that meet a box.
+    template <class Visit>
+    void forEach(const Box<Dim>& box, const Visit& visit) const {
+        std::array<std::int64_t, 3> lo{}, hi{};
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            const double last = static_cast<double>(count_[at] - 1);
+            const auto place = [&](double x) {
+                return static_cast<std::int64_t>(
+                    std::clamp(tileOf(x, d) - static_cast<double>(first_[at]), -1.0, last + 1));
+            };
+            lo[at] = std::max<std::int64_t>(place(box.lo[d]), 0);
+            hi[at] = std::min(place(box.hi[d]), count_[at] - 1);
+        }
+        std::array<std::int64_t, 3> t{};
+        for (t[0] = lo[0]; t[0] <= hi[0]; ++t[0])
+            for (t[1] = lo[1]; t[1] <= hi[1]; ++t[1])
+                for (t[2] = lo[2]; t[2] <= hi[2]; ++t[2]) visit(key(t), middle(t));
+    }
+    Vec<Dim> middleOf(std::uint64_t tile) const { return middle(placeOf(tile)); }
+    Vec<Dim> firstCenterOf(std::uint64_t tile) const {
+        Vec<Dim> x = middleOf(tile);
+        for (int d = 0; d < Dim; ++d) x[d] -= 0.5 * (kTileSide - 1) * h_;
+        return x;
+    }
+    /// The leaf's first voxel.
+    Coord coordOf(std::uint64_t tile) const {
+        const auto t = placeOf(tile);
+        Coord at(0);
+        for (std::size_t d = 0; d < Dim; ++d)
+            at[static_cast<int>(d)] = static_cast<int>((first_[d] + t[d]) * kTileSide);
+        return at;
+    }
+
+private:
+    double tileOf(double x, int d) const {
+        return std::floor(((x - origin_[d]) / h_ + 0.5) / kTileSide);
+    }
+    std::uint64_t key(const std::array<std::int64_t, 3>& t) const {
+        std::uint64_t k = 0;
+        for (std::size_t d = 0; d < Dim; ++d)
+            k = k * static_cast<std::uint64_t>(kMostTiles) + static_cast<std::uint64_t>(t[d]);
+        return k;
+    }
+    std::array<std::int64_t, 3> placeOf(std::uint64_t tile) const {
+        std::array<std::int64_t, 3> t{};
+        for (std::size_t d = Dim; d-- > 0;) {
+            t[d] = static_cast<std::int64_t>(tile % static_cast<std::uint64_t>(kMostTiles));
+            tile /= static_cast<std::uint64_t>(kMostTiles);
+        }
+        return t;
+    }
+    Vec<Dim> middle(const std::array<std::int64_t, 3>& t) const {
+        Vec<Dim> x;
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            x[d] = origin_[d] +
+                   (static_cast<double>((first_[at] + t[at]) * kTileSide) + 0.5 * (kTileSide - 1)) *
+                       h_;
+        }
+        return x;
+    }
+
+    double h_;
+    Vec<Dim> origin_;
+    std::array<std::int64_t, 3> first_{}, count_{};
+};
+
+/// How far below the domain's wall points lie, as far as it matters to voids.
+template <int Dim>
+class Core {
+public:
+    Core(const Domain<Dim>& domain, const StampOptions<Dim>& options)
+        : sampler_(domain.sampler()),
+          shell_(options.shell),
+          h_(options.voxelSize),
+          error_(domain.facts().voxelSize) {}
+
+    /// Distance to the part deeper than the shell, negative in it: an estimate.
+    double estimate(const Vec<Dim>& x) { return sampler_->signedDistance(x) + shell_; }
+    /// The same; where a void could come too near to the wall for it, from the wall itself.
+    double operator()(const Vec<Dim>& x, double toVoid) {
+        const double outside = estimate(x);
+        if (shell_ > 0 && error_ > 0 && std::fabs(outside) < error_ && toVoid < h_ &&
+            outside < shell_) {
+            WallPoint<Dim> wall;
+            if (sampler_->nearestWall(x, shell_ + error_, wall)) return shell_ - wall.distance;
+        }
+        return outside;
+    }
+
+private:
+    std::unique_ptr<DomainSampler<Dim>> sampler_;
+    double shell_, h_, error_;
+};
+
+/// Which voids reach which tiles, sorted.
+template <int Dim>
+std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
+                               const TileLattice<Dim>& lattice, double outside) {
+    tbb::enumerable_thread_specific<std::vector<Entry>> found;
+    const double radius = lattice.radius();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), 64), [&](const auto& range) {
+        auto& mine = found.local();
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            lattice.forEach(
+                voids[i].bounds().grown(outside), [&](std::uint64_t tile, const Vec<Dim>& middle) {
+                    const double lower = boundsAt(voids[i], middle, radius).lower;
+                    if (lower < outside)
+                        mine.push_back(
+                            {tile, static_cast<float>(lower), static_cast<std::uint32_t>(i)});
+                });
+    });
+    std::vector<Entry> all;
+    std::size_t count = 0;
+    for (const auto& part : found) count += part.size();
+    all.reserve(count);
+    for (auto& part : found) {
+        all.insert(all.end(), part.begin(), part.end());
+        part = {};
+    }
+    tbb::parallel_sort(all.begin(), all.end());
+    return all;
+}
+
+/// What stamping made of one tile.
+struct Stamped {
+    std::unique_ptr<Leaf> leaf;  ///< null: uniform
+    bool inside = false;         ///< uniform and inside
+    std::uint32_t voxels = 0;    ///< with centers in the domain's core and in voids
+};
+
+template <int Dim>
+std::unique_ptr<Leaf> makeLeaf(const Coord& at, const Tile<Dim>& tile, float inside,
+                               float outside) {
+    auto leaf = std::make_unique<Leaf>(at, outside, false);
+    float* values = leaf->buffer().data();
+    Leaf::NodeMaskType active;
+    for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
+        // 2D: the plane of the leaf's first voxels.
+        const std::size_t n = Dim == 3 ? i : i * kTileSide;
+        const float v = tile.values()[i];
+        values[n] = v;
+        if (v > -inside && v < outside) active.setOn(static_cast<openvdb::Index>(n));
+    }
+    leaf->setValueMask(active);
+    return leaf;
+}
+
+template <int Dim>
+void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim>& options) {
+    if (!(options.voxelSize > 0 && std::isfinite(options.voxelSize)))
+        throw ParameterError(fmt::format("--void-voxel {} mm must be positive", options.voxelSize));
+    if (!(options.shell >= 0 && std::isfinite(options.shell)))
+        throw ParameterError(fmt::format("--shell {} mm must be 0 or more", options.shell));
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        const auto& e = voids[i];
+        if (!(e.a > 0 && e.b > 0 && std::isfinite(e.a) && std::isfinite(e.b)) ||
+            !isFinite(e.center) || !(std::fabs(squaredLength(e.axis) - 1) < 1e-6))
+            throw ParameterError(fmt::format(
+                "void {} has half-axes {} and {} mm; they must be positive, its center finite and "
+                "its axis of length one",
+                i, e.a, e.b));
+    }
+    if (voids.size() >= 0xffffffffu)
+        throw ResourceError(fmt::format("{} voids are more than 2^32", voids.size()));
+}
+
+/// Tiles that the box of a void meets.
+template <int Dim>
+double entriesOf(const Ellipsoid<Dim>& e, const Box<Dim>& within, double reach, double side) {
+    const Box<Dim> box = intersection(e.bounds().grown(reach), within);
+    if (box.empty()) return 0;
+    double tiles = 1;
+    for (int d = 0; d < Dim; ++d) tiles *= box.size()[d] / side + 1;
+    return tiles;
+}
+
+/// @param entries(within, reach, side)  voids listed at tiles, all together.
+template <int Dim, class Entries>
+double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
+                const Entries& entriesIn) {
+    const double side = kTileSide * options.voxelSize, tile = std::pow(side, Dim);
+    const double reach = std::max(kBandVoxels * options.voxelSize, options.reach);
+    const double entries = entriesIn(domain.bounds().grown(reach), reach, side);
+    // No more leaves than the domain has.
+    const double leaves =
+        std::min(entries, domain.measure() / tile + 2 * domain.wallMeasure() * side / tile + 27);
+    return entries * kBytesPerEntry + leaves * kBytesPerLeaf * kLevelSets;
+}
+
+/// Bytes of memory that this process may still take.
+double availableMemory() {
+    std::ifstream info("/proc/meminfo");
+    std::string key;
+    double value = 0;
+    for (std::string rest; info >> key >> value && std::getline(info, rest);)
+        if (key == "MemAvailable:") return value * 1024;
+    return std::numeric_limits<double>::infinity();  // not told
+}
+
+void requireMemory(double voids, double needed, double voxelSize) {
+    const double there = availableMemory();
+    if (!(needed > there)) return;
+    throw ResourceError(fmt::format(
+        "{:.0f} voids in voxels of {:.4g} mm would take up to {:.3g} GB, and {:.3g} GB are there; "
+        "give a larger --void-voxel, or --clip the domain",
+        voids, voxelSize, needed * 1e-9, there * 1e-9));
+}
+
+}  // namespace
+
+template <int Dim>
+struct StampedVoids<Dim>::Impl {
+    FloatGrid::Ptr grid = FloatGrid::create();
+    Vec<Dim> origin;
+    double voxelSize = 0;
+    double measure = 0;
+    double inside = 0, outside = 0;  // widths of the band, mm
+};
+
+template <int Dim>
+StampedVoids<Dim>::StampedVoids() : impl_(std::make_unique<Impl>()) {}
+template <int Dim>
+StampedVoids<Dim>::~StampedVoids() = default;
+template <int Dim>
+double StampedVoids<Dim>::voxelSize() const {
+    return impl_->voxelSize;
+}
+template <int Dim>
+double StampedVoids<Dim>::measure() const {
+    return impl_->measure;
+}
+template <int Dim>
+std::uint64_t StampedVoids<Dim>::activeVoxels() const {
+    return impl_->grid->activeVoxelCount();
+}
+
+template <int Dim>
+std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& voids,
+                                                    const Domain<Dim>& domain,
+                                                    const StampOptions<Dim>& options,
+                                                    const Callbacks& callbacks) {
+    checkStamp(voids, options);
+    initializeOpenVdb();
+    requireMemory(static_cast<double>(voids.size()), stampBytes(voids, domain, options),
+                  options.voxelSize);
+    auto stamped = std::make_shared<StampedVoids<Dim>>();
+    auto& impl = *stamped->impl_;
+    const double h = options.voxelSize;
+    impl.voxelSize = h;
+    impl.origin = options.origin;
+    impl.inside = kBandVoxels * h;
+    impl.outside = std::max(kBandVoxels * h, options.reach);
+    const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
+
+    const TileLattice<Dim> lattice(domain.bounds(), options);
+    const double radius = lattice.radius();
+    callbacks.report("voids", 0, 0);
+    const std::vector<Entry> entries = listEntries(voids, lattice, impl.outside);
+    std::vector<std::size_t> starts;
+    for (std::size_t i = 0; i < entries.size(); ++i)
+        if (i == 0 || entries[i].tile != entries[i - 1].tile) starts.push_back(i);
+    const std::size_t tiles = starts.size();
+    starts.push_back(entries.size());
+
+    std::vector<Stamped> made(tiles);
+    tbb::enumerable_thread_specific<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles, 8), [&](const auto& range) {
+        Core<Dim>& core = cores.local();
+        for (std::size_t n = range.begin(); n < range.end(); ++n) {
+            const std::uint64_t at = entries[starts[n]].tile;
+            const Vec<Dim> middle = lattice.middleOf(at);
+            const double wall = core.estimate(middle);
+            if (wall - radius > kBandVoxels * h) continue;  // no part of the domain's core
+            // Whether the wall or the shell passes through the tile.
+            const bool cut = wall + radius > -impl.inside;
+            Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
+            bool filled = false;
+            for (std::size_t i = starts[n]; i < starts[n + 1] && !filled; ++i) {
+                const auto& e = voids[entries[i].ellipsoid];
+                if (boundsAt(e, middle, radius).upper < -impl.inside)
+                    filled = true;
+                else
+                    tile.stamp(e);
+            }
+            if (filled) tile.fillInside();
+            Stamped& result = made[n];
+            for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
+                float& v = tile.values()[i];
+                if (v >= outside) continue;
+                float depth = v;
+                if (cut) {
+                    depth = std::max(
+                        v, static_cast<float>(core(tile.centerOf(i), static_cast<double>(v))));
+                    if (options.shell > 0) v = std::min(depth, outside);
+                }
+                result.voxels += depth < 0;
+            }
+            if (tile.isOutside()) continue;
+            result.inside = tile.isInside();
+            if (!result.inside) result.leaf = makeLeaf(lattice.coordOf(at), tile, inside, outside);
+        }
+    });
+
+    auto& tree = impl.grid->tree();
+    openvdb::tools::changeBackground(tree, outside);
+    std::uint64_t voxels = 0;
+    for (std::size_t n = 0; n < tiles; ++n) {
+        voxels += made[n].voxels;
+        if (made[n].leaf)
+            tree.addLeaf(made[n].leaf.release());
+        else if (made[n].inside)
+            tree.addTile(1, lattice.coordOf(entries[starts[n]].tile), -inside, false);
+    }
+    openvdb::tools::prune(tree);
+    impl.measure = static_cast<double>(voxels) * std::pow(h, Dim);
+    impl.grid->setName("voids");
+    impl.grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    const auto transform = openvdb::math::Transform::createLinearTransform(h);
+    if constexpr (Dim == 3)
+        transform->postTranslate(
+            openvdb::Vec3d(options.origin[0], options.origin[1], options.origin[2]));
+    impl.grid->setTransform(transform);
+    callbacks.report("voids", 1, static_cast<double>(voids.size()));
+    return stamped;
+}
+
+template <int Dim>
+std::shared_ptr<const VdbGrid> StampedVoids<Dim>::grid() const {
+    static_assert(Dim == 2 || Dim == 3);
+    if (Dim == 2) throw ParameterError("voids of a plane are no level set of space; write .svg");
+    if (impl_->outside <= impl_->inside) return std::make_shared<VdbGrid>(impl_->grid);
+    // As wide outside as inside.
+    const auto band = static_cast<float>(impl_->inside);
+    const FloatGrid::Ptr grid = impl_->grid->deepCopy();
+    openvdb::tree::LeafManager<FloatGrid::TreeType> leafs(grid->tree());
+    leafs.foreach ([&](Leaf& leaf, std::size_t) {
+        for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
+            if (leaf.getValue(i) >= band) leaf.setValueOff(i, band);
+    });
+    openvdb::tools::changeLevelSetBackground(grid->tree(), band);
+    openvdb::tools::pruneLevelSet(grid->tree());
+    return std::make_shared<VdbGrid>(grid);
+}
+
+template <int Dim>
+struct StampedVoids<Dim>::Sampler::Impl {
+    explicit Impl(const StampedVoids<Dim>::Impl& voids)
+        : accessor(voids.grid->getConstAccessor()),
+          origin(voids.origin),
+          inverse(1 / voids.voxelSize),
+          outside(voids.outside) {}
+    FloatGrid::ConstAccessor accessor;
+    Vec<Dim> origin;
+    double inverse, outside;
+};
+
+template <int Dim>
+StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
+    : impl_(std::make_unique<Impl>(*voids.impl_)) {}
+template <int Dim>
+StampedVoids<Dim>::Sampler::~Sampler() = default;
+
+template <int Dim>
+double StampedVoids<Dim>::Sampler::operator()(const Vec<Dim>& x) {
+    std::array<double, Dim> w;
+    Coord corner(0);
+    for (std::size_t d = 0; d < Dim; ++d) {
+        const double place = (x.c[d] - impl_->origin.c[d]) * impl_->inverse;
+        const double floor = std::floor(place);
+        if (!(std::fabs(floor) < 1e9)) return impl_->outside;
+        w[d] = place - floor;
+        corner[static_cast<int>(d)] = static_cast<int>(floor);
+    }
+    double sum = 0;
+    for (unsigned n = 0; n < (1u << Dim); ++n) {
+        Coord at = corner;
+        double share = 1;
+        for (unsigned d = 0; d < Dim; ++d) {
+            const bool upper = (n >> d & 1u) != 0;
+            if (upper) ++at[static_cast<int>(d)];
+            share *= upper ? w[d] : 1 - w[d];
+        }
+        sum += share * static_cast<double>(impl_->accessor.getValue(at));
+    }
+    return sum;
+}
+
+template <int Dim>
+double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
+                  const StampOptions<Dim>& options) {
+    return bytesFor(domain, options, [&](const Box<Dim>& within, double reach, double side) {
+        double entries = 0;
+        for (const auto& e : voids) entries += entriesOf(e, within, reach, side);
+        return entries;
+    });
+}
+
+template <int Dim>
+void requireStampMemory(double count, const Ellipsoid<Dim>& one, const Domain<Dim>& domain,
+                        const StampOptions<Dim>& options) {
+    const auto bytes =
+        bytesFor(domain, options, [&](const Box<Dim>& within, double reach, double side) {
+            return count * entriesOf(one, within, reach, side);
+        });
+    requireMemory(count, bytes, options.voxelSize);
+}
+
+template class StampedVoids<2>;
+template class StampedVoids<3>;
+template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,
+                                                           const Domain<2>&, const StampOptions<2>&,
+                                                           const Callbacks&);
+template std::shared_ptr<const StampedVoids<3>> stampVoids(const std::vector<Ellipsoid<3>>&,
+                                                           const Domain<3>&, const StampOptions<3>&,
+                                                           const Callbacks&);
+template double stampBytes(const std::vector<Ellipsoid<2>>&, const Domain<2>&,
+                           const StampOptions<2>&);
+template double stampBytes(const std::vector<Ellipsoid<3>>&, const Domain<3>&,
+                           const StampOptions<3>&);
+template void requireStampMemory(double, const Ellipsoid<2>&, const Domain<2>&,
+                                 const StampOptions<2>&);
+template void requireStampMemory(double, const Ellipsoid<3>&, const Domain<3>&,
+                                 const StampOptions<3>&);
+
+}  // namespace vdbpack

@@ -1,0 +1,117 @@
+// Many ellipsoids as one narrow-band level set.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdbpack {
+
+class VdbGrid;
+
+template <int Dim>
+struct StampOptions {
+    double voxelSize = 0;  ///< mm
+    Vec<Dim> origin;       ///< center of a voxel, mm: fixes the lattice
+    /// Distances outside of voids must be known up to this, mm; three voxels at the least.
+    double reach = 0;
+    /// Voids stay deeper than this below the wall, mm; 0: they may open it.
+    double shell = 0;
+};
+
+/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), and with a
+/// shell cut back to what lies deeper. Immutable.
+template <int Dim>
+class StampedVoids {
+public:
+    StampedVoids();
+    ~StampedVoids();
+    StampedVoids(const StampedVoids&) = delete;
+    StampedVoids& operator=(const StampedVoids&) = delete;
+
+    double voxelSize() const;
+    /// Volume (2D: area) of the voids inside the domain and deeper than the shell, mm^Dim: the
+    /// voxels whose centers lie there. Shares of voxels would make too little of thin walls.
+    double measure() const;
+    /// Voxels in the band.
+    std::uint64_t activeVoxels() const;
+    /// 3D: the band cut to three voxels on both sides, class level set, named `voids`.
+    std::shared_ptr<const VdbGrid> grid() const;
+
+    /// Looks distances up; one per thread.
+    class Sampler {
+    public:
+        explicit Sampler(const StampedVoids& voids);
+        ~Sampler();
+        /// Linear in each direction between the voxels, mm; clamped to the band.
+        double operator()(const Vec<Dim>& x);
+
+    private:
+        struct Impl;
+        std::unique_ptr<Impl> impl_;
+    };
+
+    struct Impl;
+
+private:
+    template <int D>
+    friend std::shared_ptr<const StampedVoids<D>> stampVoids(const std::vector<Ellipsoid<D>>&,
+                                                             const Domain<D>&,
+                                                             const StampOptions<D>&,
+                                                             const Callbacks&);
+    std::unique_ptr<Impl> impl_;
+};
+
+/// Stamps all ellipsoids at once: tile by tile in parallel, each voxel taking the least of the
+/// distances to the ellipsoids that reach it, which is what unions one by one would give.
+///
+/// Outside of all voids the distances are exact to 1e-3 of the shorter half-axis; inside
+/// overlapping ones they are those to the farther of the surfaces. With a shell the wall itself
+/// decides which voxels lie deeper, not the field alone.
+///
+/// @param domain  what the voids are cut into; tiles beyond it are left out. Its field should be
+///                as deep as the shell and ten voxels.
+/// @throws ParameterError for a voxel size, shell or half-axis that is not positive and finite
+/// (the shell may be 0); ResourceError if the memory it would take is not there.
+/// The same for any number of threads.
+template <int Dim>
+std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& voids,
+                                                    const Domain<Dim>& domain,
+                                                    const StampOptions<Dim>& options,
+                                                    const Callbacks& callbacks = {});
+
+/// Bytes that stamping takes at most, and the level sets `voids` and `solid` with it.
+template <int Dim>
+double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
+                  const StampOptions<Dim>& options);
+
+/// The same for `count` voids like one, known before they are drawn.
+/// @throws ResourceError with the numbers if there is not as much memory.
+template <int Dim>
+void requireStampMemory(double count, const Ellipsoid<Dim>& one, const Domain<Dim>& domain,
+                        const StampOptions<Dim>& options);
+
+extern template class StampedVoids<2>;
+extern template class StampedVoids<3>;
+extern template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,
+                                                                  const Domain<2>&,
+                                                                  const StampOptions<2>&,
+                                                                  const Callbacks&);
+extern template std::shared_ptr<const StampedVoids<3>> stampVoids(const std::vector<Ellipsoid<3>>&,
+                                                                  const Domain<3>&,
+                                                                  const StampOptions<3>&,
+                                                                  const Callbacks&);
+extern template double stampBytes(const std::vector<Ellipsoid<2>>&, const Domain<2>&,
+                                  const StampOptions<2>&);
+extern template double stampBytes(const std::vector<Ellipsoid<3>>&, const Domain<3>&,
+                                  const StampOptions<3>&);
+extern template void requireStampMemory(double, const Ellipsoid<2>&, const Domain<2>&,
+                                        const StampOptions<2>&);
+extern template void requireStampMemory(double, const Ellipsoid<3>&, const Domain<3>&,
+                                        const StampOptions<3>&);
+
+}  // namespace vdbpack

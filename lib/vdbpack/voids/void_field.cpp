@@ -1,0 +1,225 @@
+#include "vdbpack/voids/void_field.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <string>
+
+namespace vdbpack {
+
+namespace {
+
+/// Streams of random numbers, apart from those of packs.
+constexpr std::uint64_t kPlaces = std::uint64_t{1} << 56, kBoxes = std::uint64_t{2} << 56,
+                        kShapes = std::uint64_t{3} << 56, kOrder = std::uint64_t{4} << 56;
+/// Voids drawn at once in parallel.
+constexpr std::size_t kBatch = 4096;
+
+/// Leaves out, in place, what cannot reach the part of the domain deeper than the shell.
+template <int Dim>
+void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
+    std::vector<std::uint8_t> reaches(voids.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), kBatch),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                          const auto sampler = region.domain.sampler();
+                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                              const auto& e = voids[i];
+                              reaches[i] = sampler->signedDistance(e.center) + region.shell <
+                                           std::max(e.a, e.b);
+                          }
+                      });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < voids.size(); ++i)
+        if (reaches[i]) voids[kept++] = voids[i];
+    voids.resize(kept);
+}
+
+}  // namespace
+
+template <int Dim>
+double VoidShape<Dim>::meanMeasure() const {
+    // a b^(Dim-1) = aspect b^Dim, drawn independently.
+    return aspect.mean() * radius.meanBall(Dim);
+}
+
+template <int Dim>
+std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
+                                         std::uint64_t seed, double density) {
+    const Box<Dim> window = region.domain.bounds().grown(shape.reach());
+    const double expected = density * window.measure();
+    if (!(expected < 4e9))
+        throw ResourceError(fmt::format(
+            "{:.3g} voids would have to be drawn; ask for fewer or larger ones", expected));
+    const auto drawn = static_cast<std::size_t>(std::llround(expected));
+    std::vector<Ellipsoid<Dim>> voids, batch;
+    // In parts, since most of the box around a bone is empty.
+    for (std::size_t first = 0; first < drawn; first += 256 * kBatch) {
+        batch.resize(std::min<std::size_t>(256 * kBatch, drawn - first));
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batch.size(), kBatch),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                                  RandomStream random(seed, kPlaces + first + i);
+                                  Ellipsoid<Dim>& e = batch[i];
+                                  for (int d = 0; d < Dim; ++d)
+                                      e.center[d] =
+                                          window.lo[d] + random.uniform() * window.size()[d];
+                                  e.b = shape.radius.quantile(random.uniform());
+                                  e.a = e.b * shape.aspect.quantile(random.uniform());
+                                  e.axis = shape.orientation->axis(e.center, random);
+                              }
+                          });
+        keepReaching(region, batch);
+        voids.insert(voids.end(), batch.begin(), batch.end());
+    }
+    return voids;
+}
+
+template <int Dim>
+VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
+                             const VoidMatrix* matrix) {
+    VoidLattice<Dim> lattice;
+    const Vec<Dim> size = bounds.size();
+    if (cell.empty()) {
+        lattice.origin = bounds.lo;
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            // One layer stands for all.
+            if (Dim == 3 && d == 2 && matrix->size[2] == 1) {
+                lattice.cell[2] = std::min(lattice.cell[0], lattice.cell[1]);
+                lattice.count[2] =
+                    std::max<std::int64_t>(1, std::llround(size[2] / lattice.cell[2]));
+            } else {
+                lattice.count[at] = matrix->size[at];
+            }
+            lattice.cell[d] = size[d] / static_cast<double>(lattice.count[at]);
+        }
+        return lattice;
+    }
+    std::vector<double> sides;
+    const char* at = cell.data();
+    const char* const end = at + cell.size();
+    for (;;) {
+        double side = 0;
+        const auto [next, failed] = std::from_chars(at, end, side);
+        if (failed != std::errc() || !(side > 0) || !std::isfinite(side) ||
+            (next != end && *next != ','))
+            throw ParameterError(
+                fmt::format("--void-cell {}: write the side of a box in mm, or {} of them", cell,
+                            Dim == 3 ? "X,Y,Z" : "X,Y"));
+        sides.push_back(side);
+        if (next == end) break;
+        at = next + 1;
+    }
+    if (sides.size() == 1) sides.assign(Dim, sides[0]);
+    if (sides.size() != Dim)
+        throw ParameterError(fmt::format("--void-cell {}: holds {} sides; write one or {}", cell,
+                                         sides.size(), Dim));
+    double boxes = 1;
+    for (int d = 0; d < Dim; ++d) {
+        const auto i = static_cast<std::size_t>(d);
+        const double n = std::max(1.0, std::ceil(size[d] / sides[i] * (1 - 1e-9)));
+        boxes *= n;
+        if (!(boxes < 4e9))
+            throw ResourceError(fmt::format("--void-cell {}: makes more than 4e9 boxes", cell));
+        lattice.count[i] = static_cast<std::int64_t>(n);
+        lattice.cell[d] = sides[i];
+        lattice.origin[d] = bounds.center()[d] - 0.5 * n * sides[i];
+    }
+    return lattice;
+}
+
+namespace {
+
+/// The largest ellipsoid of revolution with its axes along the sides of a box.
+template <int Dim>
+Ellipsoid<Dim> inscribed(const Vec<Dim>& sides) {
+    Ellipsoid<Dim> best;
+    for (int along = 0; along < Dim; ++along) {
+        double across = std::numeric_limits<double>::infinity();
+        for (int d = 0; d < Dim; ++d)
+            if (d != along) across = std::min(across, sides[d]);
+        Ellipsoid<Dim> e;
+        e.a = 0.5 * sides[along];
+        e.b = 0.5 * across;
+        e.axis[along] = 1;
+        if (e.measure() > best.measure() * (1 + 1e-12)) best = e;
+    }
+    return best;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>& region,
+                                         const VoidLattice<Dim>& lattice, const VoidMatrix* matrix,
+                                         double probability, std::uint64_t seed) {
+    Ellipsoid<Dim> e = inscribed(lattice.cell);
+    std::vector<Ellipsoid<Dim>> voids;
+    std::uint64_t number = 0;
+    std::array<std::int64_t, 3> at{};
+    for (at[0] = 0; at[0] < lattice.count[0]; ++at[0])
+        for (at[1] = 0; at[1] < lattice.count[1]; ++at[1])
+            for (at[2] = 0; at[2] < lattice.count[2]; ++at[2], ++number) {
+                if (matrix && !matrix->at(static_cast<int>(at[0] % matrix->size[0]),
+                                          static_cast<int>(at[1] % matrix->size[1]),
+                                          static_cast<int>(at[2] % matrix->size[2])))
+                    continue;
+                if (RandomStream(seed, kBoxes + number).uniform() >= probability) continue;
+                for (int d = 0; d < Dim; ++d)
+                    e.center[d] = lattice.origin[d] +
+                                  (static_cast<double>(at[static_cast<std::size_t>(d)]) + 0.5) *
+                                      lattice.cell[d];
+                voids.push_back(e);
+            }
+    keepReaching(region, voids);
+    return voids;
+}
+
+template <int Dim>
+std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>& spheres, bool inside,
+                                           const VoidShape<Dim>& shape, std::uint64_t seed) {
+    std::vector<Ellipsoid<Dim>> voids(spheres.size());
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        RandomStream random(seed, kShapes + i);
+        const double aspect = shape.aspect.quantile(random.uniform());
+        Ellipsoid<Dim>& e = voids[i];
+        e.center = spheres[i].center;
+        e.b = inside ? spheres[i].radius / std::max(1.0, aspect) : spheres[i].radius;
+        e.a = e.b * aspect;
+        e.axis = shape.orientation->axis(e.center, random);
+    }
+    return voids;
+}
+
+template <int Dim>
+void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
+    RandomStream random(seed, kOrder);
+    for (std::size_t n = voids.size(); n > 1; --n) {
+        const auto pick = static_cast<std::size_t>(random.uniform() * static_cast<double>(n));
+        std::swap(voids[n - 1], voids[pick]);
+    }
+}
+
+#define VDBPACK_INSTANTIATE(Dim)                                                                   \
+    template struct VoidShape<Dim>;                                                                \
+    template std::vector<Ellipsoid<Dim>> booleanVoids(                                             \
+        const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double);                     \
+    template VoidLattice<Dim> voidLattice(const Box<Dim>&, const std::string&, const VoidMatrix*); \
+    template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                      \
+                                                      const VoidLattice<Dim>&, const VoidMatrix*,  \
+                                                      double, std::uint64_t);                      \
+    template std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>&, bool,     \
+                                                        const VoidShape<Dim>&, std::uint64_t);     \
+    template void shuffle(std::vector<Ellipsoid<Dim>>&, std::uint64_t);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
+
+}  // namespace vdbpack

@@ -1,0 +1,84 @@
+// Lists of voids: where they lie, how large they are and which way they point.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/voids/orientation.h"
+#include "vdbpack/voids/void_matrix.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// How voids are shaped: half-axis b, a / b, and the direction of a.
+template <int Dim>
+struct VoidShape {
+    SizeDistribution radius;  ///< b, mm
+    SizeDistribution aspect;  ///< a / b
+    std::shared_ptr<const Orientation<Dim>> orientation;
+
+    /// The longest half-axis there can be, mm.
+    double reach() const { return radius.max() * std::max(1.0, aspect.max()); }
+    double meanMeasure() const;  ///< mean volume (2D: area), mm^Dim
+};
+
+/// Where in the domain voids may lie: a box around it, and how deep.
+template <int Dim>
+struct VoidRegion {
+    const Domain<Dim>& domain;
+    double shell = 0;  ///< mm
+    double measure() const {
+        return shell > 0 ? domain.measureDeeperThan(shell) : domain.measure();
+    }
+};
+
+/// Ellipsoids at independent random places, uniform over the box around the domain grown by the
+/// longest half-axis; those that cannot reach the part deeper than the shell are left out.
+///
+/// The first voids of a denser list are those of a thinner one. A Poisson process in the plane or
+/// in space leaves the share exp(-density * mean measure) outside of all voids.
+/// @param density  centers per mm^Dim.
+/// Source: Chiu, Stoyan, Kendall, Mecke (2013), Stochastic Geometry, 3.1: the Boolean model.
+template <int Dim>
+std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
+                                         std::uint64_t seed, double density);
+
+/// Boxes laid over a domain: which of them hold a void.
+template <int Dim>
+struct VoidLattice {
+    Vec<Dim> origin;  ///< low corner of the first box, mm
+    Vec<Dim> cell;    ///< sides of a box, mm
+    std::array<std::int64_t, 3> count{1, 1, 1};
+};
+
+/// A lattice of boxes of the given sides, centered on the domain and covering it; with a matrix and
+/// no sides, as many boxes as the matrix has. @throws ParameterError for sides that are none.
+template <int Dim>
+VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
+                             const VoidMatrix* matrix);
+
+/// The largest ellipsoid of revolution in each selected box, its axes along the sides.
+/// @param matrix       selects boxes, repeated where it is smaller; null: by chance.
+/// @param probability  that a box is selected, beside what the matrix says. The boxes of a smaller
+///                     probability are among those of a larger one.
+template <int Dim>
+std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>& region,
+                                         const VoidLattice<Dim>& lattice, const VoidMatrix* matrix,
+                                         double probability, std::uint64_t seed);
+
+/// An ellipsoid at each sphere: inside it (a = radius, b = radius / aspect) or about it
+/// (b = radius, a = radius * aspect).
+template <int Dim>
+std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>& spheres, bool inside,
+                                           const VoidShape<Dim>& shape, std::uint64_t seed);
+
+/// Puts a list into a random order, the same for the same seed.
+template <int Dim>
+void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed);
+
+}  // namespace vdbpack
