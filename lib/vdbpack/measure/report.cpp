@@ -19,13 +19,6 @@ Json orNull(const std::optional<T>& value) {
     return value ? Json(*value) : Json(nullptr);
 }
 
-/// 1234567 as "1,234,567".
-std::string grouped(std::uint64_t n) {
-    std::string text = std::to_string(n);
-    for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
-    return text;
-}
-
 /// Columns on a terminal of UTF-8 text.
 std::size_t columns(const std::string& text) {
     std::size_t n = 0;
@@ -207,6 +200,12 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
 }
 
 }  // namespace
+
+std::string grouped(std::uint64_t n) {
+    std::string text = std::to_string(n);
+    for (std::size_t at = text.size(); at > 3; at -= 3) text.insert(at - 3, ",");
+    return text;
+}
 
 bool keepsGap(const Report& r) {
     return !(r.gapAsked > 0) || !r.smallestGap ||

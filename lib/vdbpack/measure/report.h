@@ -90,9 +90,11 @@ struct Report {
     std::uint64_t peakMemoryBytes = 0;
 
     /// Not in the JSON: what was chosen by default, a sentence each ("radius uniform:0.3,0.6, so
-    /// that about 100,000 spheres fill the domain"), and the files that were written.
+    /// that about 100,000 spheres fill the domain"), the files that were written, and what was
+    /// warned of.
     std::vector<std::string> chosen;
     std::vector<std::string> files;
+    std::vector<std::string> warnings;
 };
 
 /// Whether the spheres keep the gap asked for, to 10⁻⁶ of the smallest radius.
@@ -100,6 +102,9 @@ bool keepsGap(const Report& report);
 
 /// The keys that scripts rely on; null where there is no value.
 nlohmann::ordered_json toJson(const Report& report);
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t n);
 
 /// For people: lines of at most 80 columns (unless a word is longer), ending with a newline.
 std::string summary(const Report& report);

@@ -1,0 +1,58 @@
+// Small charts as inline SVG, readable at the width of a phone.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// What is drawn in one color. Points that are not finite are left out.
+struct ChartSeries {
+    /// A line through points, points alone, or bars and an outline of steps over intervals.
+    enum class Form { line, points, bars, steps };
+    std::string name;  ///< in the legend; empty: not there
+    Form form = Form::line;
+    std::vector<double> x;  ///< one a point; bars and steps: the ends of intervals, one more
+    std::vector<double> y;
+    std::vector<double> error;  ///< half of each error bar, of points and lines; empty: none
+};
+
+/// A level to compare with.
+struct ChartLevel {
+    std::string name;
+    double y = 0;
+};
+
+struct Chart {
+    std::string id;  ///< of the element in the page
+    std::string title, xLabel, yLabel;
+    std::string note;  ///< a sentence below, and what a screen reader says
+    std::string none;  ///< why there is nothing, said where there is nothing to draw
+    std::vector<ChartSeries> series;
+    std::optional<ChartLevel> level;  ///< a dashed line across
+    bool fromZero = false;            ///< the x axis starts at 0, as the y axis does
+    bool wholeTicks = false;          ///< x counts something
+};
+
+/// Bars side by side under each other, each with its name and value.
+struct BarChart {
+    std::string id, title, note, none;
+    std::string unit;  ///< after each value
+    std::vector<std::pair<std::string, double>> bars;
+};
+
+/// The chart as a <figure> of well-formed XML with its title, legend and note. The y axis starts
+/// at 0; ticks are at round numbers. Colors and sizes come from `chartStyle`.
+std::string figure(const Chart& chart);
+std::string figure(const BarChart& chart);
+
+/// CSS that figures need, once a page.
+std::string chartStyle();
+
+/// Multiples of 1, 2 or 5 times a power of ten within [low, high], at most `most` + 1 of them.
+/// @param whole  whole numbers alone.
+std::vector<double> roundTicks(double low, double high, int most, bool whole = false);
+
+}  // namespace vdbpack
