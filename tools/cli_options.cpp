@@ -172,6 +172,16 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
         ->group("Run");
 }
 
+/// A word as a shell takes it for one, so that a command in a report can be run again.
+std::string shellQuoted(const std::string& word) {
+    const char* plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
 }  // namespace
 
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
@@ -273,8 +283,10 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("T [0.001]")
         ->check(notNegative())
         ->group("Run");
-    pack->add_option("--report", options.pack.reportFile, "write the report as JSON")
-        ->option_text("FILE.json")
+    pack->add_option("--report", options.pack.reportFile,
+                     "write the report: .json for programs, .html as a page with charts for the "
+                     "browser (measures more, as measure does)")
+        ->option_text("FILE.json|FILE.html")
         ->group("Run");
     pack->add_flag("--json", options.json, "print the report as JSON instead of the summary")
         ->group("Run");
@@ -317,8 +329,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
-    measure->add_option("--report", options.measure.reportFile, "write all figures as JSON")
-        ->option_text("FILE.json")
+    measure
+        ->add_option("--report", options.measure.reportFile,
+                     "write all figures: .json for programs, .html as a page with charts for the "
+                     "browser")
+        ->option_text("FILE.json|FILE.html")
         ->group("Run");
     measure->add_flag("--json", options.json, "print all figures as JSON")->group("Run");
 
@@ -344,7 +359,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         return std::nullopt;
     }
     std::string line;
-    for (int i = 1; i < argc; ++i) line += (line.empty() ? "" : " ") + std::string(argv[i]);
+    for (int i = 1; i < argc; ++i) line += (line.empty() ? "" : " ") + shellQuoted(argv[i]);
     options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack
                       : verify->parsed()  ? CliOptions::Command::verify

@@ -85,10 +85,12 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                                  "FILE.csv");
     }
     if (!reportFile.empty()) {
-        const std::string& f = reportFile;
-        if (f.size() < 6 || f.compare(f.size() - 5, 5, ".json") != 0)
-            throw ParameterError("--report " + f + ": reports are JSON; name it .json");
-        files.push_back(f);
+        const std::string extension = fs::path(reportFile).extension().string();
+        if (extension != ".json" && extension != ".html")
+            throw ParameterError("--report " + reportFile +
+                                 ": reports are JSON or a page for the browser; name it .json or "
+                                 ".html");
+        files.push_back(reportFile);
     }
     for (std::size_t i = 0; i < files.size(); ++i) {
         const fs::path parent = fs::path(files[i]).parent_path();

@@ -30,7 +30,7 @@ struct PackRecipe {
     Unit outUnit = Unit::millimeter;
     double contactTolerance = 1e-3;    ///< of the smaller radius
     std::vector<std::string> outputs;  ///< -o
-    std::string reportFile;            ///< .json; empty: none
+    std::string reportFile;            ///< .json or .html; empty: none
     std::string command;               ///< for the report; empty: what is packed
 };
 

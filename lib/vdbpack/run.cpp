@@ -5,6 +5,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/report_file.h"
 #include "vdbpack/run_stages.h"
 
 #include <fmt/format.h>
@@ -67,6 +68,7 @@ template <int Dim>
 RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                        const Prepared<Dim>& prepared, Report report, Clock& clock,
                        const Callbacks& callbacks) {
+    const Callbacks heard = keepingWarnings(callbacks, report.warnings);
     const Domain<Dim>& domain = prepared.domain();
     const double target = prepared.requested.targetCount;
     const std::vector<Sphere<Dim>>& standing = prepared.existing.spheres;
@@ -76,18 +78,18 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
     PackResult<Dim> result;
     if (target > 0) {
-        result = packToCount(domain, options, target, callbacks, standing);
+        result = packToCount(domain, options, target, heard, standing);
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
     } else {
-        result = packSpheres(domain, options, callbacks, standing);
+        result = packSpheres(domain, options, heard, standing);
     }
     result.pack.sliceHeight = prepared.built.sliceHeight;
     result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
     report.interrupted = result.interrupted;
     if (!recipe.existing.empty()) {
         if (result.pack.spheres.empty() && !result.interrupted)
-            callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
+            heard.warn(recipe.existing + ": leaves no room for spheres of these radii");
         report.existing = standing.size();
         report.givenOverlaps = prepared.givenOverlaps;
         report.givenProtrusions = prepared.givenProtrusions;
@@ -98,6 +100,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
 
     callbacks.report("measure", 0, 0);
     measurePack(result.pack, &source, &domain, &options.sizes, recipe.contactTolerance, report);
+    PageDetails details;
+    if (isPage(recipe.reportFile))
+        details = pageDetails(result.pack, source, domain, options.sizes, report);
     report.seconds.measure = clock.lap();
 
     PackWriteOptions write;
@@ -128,11 +133,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     if (!recipe.reportFile.empty()) report.files.push_back(recipe.reportFile);
     run.report = std::move(report);
     run.pack = std::move(result.pack);
-    if (!recipe.reportFile.empty()) {
-        OutputFile file(recipe.reportFile);
-        file.write(toJson(run).dump(2) + "\n");
-        file.commit();
-    }
+    if (!recipe.reportFile.empty()) writeReport(run, details, recipe);
     return run;
 }
 
@@ -144,7 +145,8 @@ void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& sour
                 const std::function<bool(RunResult&&)>& done) {
     Report first = report;
     clock.lap();
-    const Prepared<Dim> prepared = prepare<Dim>(recipes.front(), source, callbacks);
+    const Prepared<Dim> prepared =
+        prepare<Dim>(recipes.front(), source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
     for (const PackRecipe& recipe : recipes) {
         if (!done(packPrepared(recipe, source, prepared, first, clock, callbacks))) return;
@@ -204,7 +206,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     withThreads(recipe.threads, [&] {
-        const DomainSource source(recipe.domain, callbacks);
+        const DomainSource source(recipe.domain, keepingWarnings(callbacks, report.warnings));
         report.seconds.mesh = clock.lap();
         for (const auto& r : recipes)
             for (const auto& output : r.outputs)

@@ -93,7 +93,7 @@ struct MeasureRecipe : GivenPack {
     double shell = 0;  ///< thickness of the layer along the wall that is told apart, mm; 0: none
     std::vector<std::string> outputs;  ///< contact lists of a pack: "contacts:FILE.csv"
     Unit outUnit = Unit::millimeter;   ///< of those
-    std::string reportFile;            ///< .json; empty: none
+    std::string reportFile;            ///< .json or .html; empty: none
 };
 
 struct MeasureResult {

@@ -1,12 +1,12 @@
 // Runs on what exists already: verify and measure.
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/domain/voxel_image.h"
 #include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_stages.h"
 
@@ -276,23 +276,23 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     report.task = "measure";
     report.command = recipe.command.empty() ? "measure " + recipe.pack : recipe.command;
     report.threads = effectiveThreads(recipe.threads);
+    std::vector<std::string> warnings;
+    const Callbacks heard = keepingWarnings(callbacks, warnings);
     MeasureResult result = withThreads(recipe.threads, [&] {
         Clock clock;
         std::optional<Pack<3>> pack;
-        if (isSolid(recipe, pack, callbacks))
-            return measureSolid(recipe, std::move(report), callbacks);
+        if (isSolid(recipe, pack, heard)) return measureSolid(recipe, std::move(report), heard);
         report.seconds.mesh = clock.lap();
-        // Three mean diameters for the pair correlation, and a little beyond the shell.
         const auto depthFor = [&](const RadiusStatistics& r) {
-            return std::max({3 * r.max, 6.05 * r.mean, 1.05 * recipe.shell});
+            return structureDepth(r, recipe.shell);
         };
         MeasureResult found;
         found.run = measureGiven(
-            recipe, std::move(*pack), std::move(report), depthFor, callbacks,
+            recipe, std::move(*pack), std::move(report), depthFor, heard,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
                 found.structure = measureStructure(spheres, domain, measured, recipe.shell);
                 if (recipe.shell > 0 && found.structure.regions.size() == 1)
-                    callbacks.warn(fmt::format(
+                    heard.warn(fmt::format(
                         "--shell {:g} mm: nothing of the domain lies deeper; all of it is shell",
                         recipe.shell));
             });
@@ -310,11 +310,10 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
         found.run.report.seconds.total = clock.total();
         return found;
     });
+    result.run.report.warnings = std::move(warnings);
     if (!recipe.reportFile.empty()) {
         result.run.report.files.push_back(recipe.reportFile);
-        OutputFile file(recipe.reportFile);
-        file.write(toJson(result).dump(2) + "\n");
-        file.commit();
+        writeReport(result, recipe);
     }
     return result;
 }

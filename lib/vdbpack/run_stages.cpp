@@ -176,6 +176,10 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     pack.contacts = std::move(contacts.counts);
 }
 
+double structureDepth(const RadiusStatistics& radius, double shell) {
+    return std::max({3 * radius.max, 6.05 * radius.mean, 1.05 * shell});
+}
+
 template <int Dim>
 Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
                            double shell) {

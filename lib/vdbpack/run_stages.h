@@ -65,6 +65,10 @@ template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report);
 
+/// How deep the field must know distances for all that `measureStructure` tells of such radii, mm:
+/// three mean diameters for the pair correlation, and a little beyond the shell.
+double structureDepth(const RadiusStatistics& radius, double shell);
+
 /// How spheres fill a domain and lie about one another; `pack.depth` as `measurePack` leaves it.
 /// @param domain  null: only what needs none.
 /// @param shell   thickness of the layer along the wall that is told apart, mm; 0: none.

@@ -1,4 +1,5 @@
 #include "support/temporary_folder.h"
+#include "support/well_formed.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -55,6 +56,50 @@ TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
     const auto verified = vdbPack("verify " + folder.file("p.vtp") + " --domain ball:10 --json");
     CHECK(verified.code == 0);
     CHECK(nlohmann::json::parse(verified.text)["hash"] == report["hash"]);
+}
+
+TEST_CASE("a report is a page for the browser if its name says so", "[cli][report]") {
+    const TemporaryFolder folder;
+    const auto pageOf = [&](const std::string& name) {
+        std::ifstream file(folder.file(name));
+        std::stringstream text;
+        text << file.rdbuf();
+        const std::string page = text.str();
+        CHECK(vdbpack::test::flawIn(page) == "");
+        return page;
+    };
+    const std::string odd = folder.file("a <b> & 'c'.csv");
+    const std::string quoted = "\"" + odd + "\"";
+    const auto out = vdbPack("pack ball:10 --radius uniform:1,2 -o " + quoted + " --report " +
+                             folder.file("p.html"));
+    CAPTURE(out.text);
+    REQUIRE(out.code == 0);
+    CHECK_THAT(out.text, Catch::Contains("p.html"));
+    CHECK_THAT(pageOf("p.html"), Catch::Contains("ball:10, packed with spheres") &&
+                                     Catch::Contains("chart-profile") &&
+                                     Catch::Contains("uniform:1,2") &&
+                                     Catch::Contains("a &lt;b&gt; &amp; &#39;c&#39;.csv"));
+    REQUIRE(vdbPack("measure " + quoted + " --report " + folder.file("m.html")).code == 0);
+    CHECK_THAT(pageOf("m.html"), Catch::Contains("a pack of spheres measured") &&
+                                     Catch::Contains("No domain was given"));
+    REQUIRE(vdbPack("pack rect:30,30 --radius uniform:1,2 --seed 4..5 --report " +
+                    folder.file("'s{seed}.html'"))
+                .code == 0);
+    CHECK_THAT(pageOf("s4.html"), Catch::Contains("packed with circles"));
+    CHECK(pageOf("s5.html") != pageOf("s4.html"));
+    const auto text = vdbPack("pack ball:10 --report " + folder.file("p.txt"));
+    CHECK(text.code == 2);
+    CHECK_THAT(text.text, Catch::Contains(".json") && Catch::Contains(".html"));
+}
+
+TEST_CASE("the command in a report can be run again", "[cli][report]") {
+    const TemporaryFolder folder;
+    const std::string arguments =
+        "pack ball:8 --radius uniform:1,2 --seed 3 -o '" + folder.file("it'\\''s a; b.csv") + "'";
+    const auto first = nlohmann::json::parse(vdbPack(arguments + " --json").text);
+    const auto second = nlohmann::json::parse(vdbPack(first["command"]).text);
+    CHECK(first["hash"] == second["hash"]);
+    CHECK(first["command"] == second["command"]);
 }
 
 TEST_CASE("a recipe sets options and the command line wins", "[cli]") {

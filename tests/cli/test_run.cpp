@@ -117,6 +117,38 @@ TEST_CASE("verify passes what pack wrote, in every format, with the same hash", 
     CHECK(filesIn(folder.path()) == 5);
 }
 
+TEST_CASE("a pack does not depend on how it is reported", "[run][report]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(34, 4), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:1,2");
+    recipe.reportFile = folder.file("p.json");
+    const auto plain = runPack(recipe);
+    recipe.reportFile = folder.file("p.html");
+    CHECK(runPack(recipe).report.hash == plain.report.hash);
+    std::ifstream file(folder.file("p.html"));
+    std::stringstream page;
+    page << file.rdbuf();
+    // Three mean diameters, though the packer needs the field to three largest radii only.
+    CHECK_THAT(page.str(), Catch::Contains("g, error: 120 rows"));
+}
+
+TEST_CASE("what a run warns of is in its report", "[run][report]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(0.5, 3), folder.file("b.obj"));
+    PackRecipe recipe = recipeFor(folder.file("b.obj"), "uniform:0.05,0.1");
+    recipe.outputs = {folder.file("p.csv")};
+    std::vector<std::string> warned;
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warned.push_back(text); };
+    const auto packed = runPack(recipe, callbacks);
+    REQUIRE(warned.size() == 1);
+    CHECK_THAT(warned[0], Catch::Contains("no size for a bone"));
+    CHECK(packed.report.warnings == warned);
+    MeasureRecipe measure;
+    measure.pack = recipe.outputs[0];
+    CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("--pack-unit"));
+}
+
 TEST_CASE("verify fails and names the sphere that was tampered with", "[run]") {
     const TemporaryFolder folder;
     const auto packed = runPack(recipeFor("ball:10", "uniform:1,2"));

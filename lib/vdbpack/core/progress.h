@@ -3,6 +3,8 @@
 
 #include <functional>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -28,5 +30,14 @@ struct Callbacks {
         if (progress) progress({stage, fraction, count});
     }
 };
+
+/// The same callbacks; warnings are kept in `warnings`, which must outlive them, as well.
+inline Callbacks keepingWarnings(Callbacks callbacks, std::vector<std::string>& warnings) {
+    callbacks.warning = [&warnings, tell = std::move(callbacks.warning)](const std::string& text) {
+        warnings.push_back(text);
+        if (tell) tell(text);
+    };
+    return callbacks;
+}
 
 }  // namespace vdbpack
