@@ -62,12 +62,13 @@ std::vector<double> cumulated(const std::vector<double>& parts) {
     return sums;
 }
 
-std::string kindOf(const RadiusHistogram& radii, const Report& report, const Words& words) {
-    const std::string without = radii.asked.empty() ? "no size distribution was given to compare"
-                                                    : "asked for " + report.requested;
-    return report.existing > 0 ? without + fmt::format("; without the {} {} that stood already",
-                                                       grouped(report.existing), words.spheres)
-                               : without;
+std::string askedIn(const RadiusHistogram& radii, const Report& report, const Words& words) {
+    const std::string asked = radii.asked.empty()
+                                  ? "Without a size distribution to compare with (--radius)"
+                                  : "Asked for: " + report.requested;
+    return report.existing > 0 ? asked + fmt::format("; without the {} {} that stood already",
+                                                     grouped(report.existing), words.spheres)
+                               : asked;
 }
 
 Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
@@ -77,7 +78,7 @@ Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& wor
     chart.xLabel = "radius, mm";
     chart.yLabel = fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size());
     chart.none = fmt::format("There are no {}.", words.spheres);
-    chart.note = fmt::format("Radii {}.", kindOf(radii, report, words));
+    chart.note = fmt::format("{}.", askedIn(radii, report, words));
     const auto edges = edgesOf(radii);
     chart.series.push_back({"reached", Form::bars, edges, percent(radii.counts), {}});
     if (!radii.asked.empty())

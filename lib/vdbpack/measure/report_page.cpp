@@ -201,7 +201,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
         addSolid(keys, *page.morphometry);
     else
         addPack(keys, r);
-    keys.add("seconds", fmt::format("{:.2f}", r.seconds.total),
+    keys.add("seconds", fmt::format(r.seconds.total < 0.1 ? "{:.2g}" : "{:.2f}", r.seconds.total),
              fmt::format("on {} thread{}", r.threads, r.threads == 1 ? "" : "s"));
     if (!page.morphometry) keys.add("hash", hashText(r.hash), "", "hash");
 
