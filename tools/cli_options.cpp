@@ -28,6 +28,9 @@ const std::map<std::string, Order> kOrders{{"sweep", Order::sweep},
 const std::map<std::string, WeightBy> kWeights{{"count", WeightBy::count},
                                                {"volume", WeightBy::volume}};
 
+const std::map<std::string, Cull> kCulls{
+    {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
+
 const char* const kDomainHelp =
     "mesh (.stl .obj .ply .off), level set (.vdb) or shape: box:LX,LY,LZ  "
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
@@ -182,6 +185,81 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
+/// What runs that are no study have in common.
+void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
+                   CliOptions& options) {
+    command.add_option("--seed", seed, "another seed, other voids")
+        ->option_text("S [1]")
+        ->group("Run");
+    command
+        .add_option("--report", report, "write the report as JSON, or as a page for the browser")
+        ->option_text("FILE.json|.html")
+        ->group("Run");
+    command.add_flag("--json", options.json, "print the report as JSON instead of the summary")
+        ->group("Run");
+    command.add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+}
+
+/// @param methods  that the command knows.
+void addVoidOptions(CLI::App& command, VoidRecipe& voids, const std::string& methods) {
+    const auto option = [&](const char* name, auto& value, const std::string& help,
+                            const char* text) {
+        return command.add_option(name, value, help)->option_text(text)->group("Voids");
+    };
+    option("--voids", voids.method, "how voids are made: " + methods, "METHOD")->check(notEmpty());
+    option("--shell", voids.shell,
+           "thickness of the layer along the wall that voids leave whole, mm; alone it only sets "
+           "the region of each sphere",
+           "T [0]")
+        ->check(notNegative());
+    option("--cull", voids.cull,
+           "centre: spheres with centers in voids go; touch: all that reach into one",
+           "centre|touch [centre]")
+        ->transform(oneOf(kCulls));
+    command
+        .add_flag("--keep-connected", voids.keepConnected,
+                  "drop what does not hang together with the shell (without a shell: with the "
+                  "largest piece)")
+        ->group("Voids");
+    option("--target-bvtv", voids.targetBvtv,
+           "as many voids (boolean, overlay), the probability (grid, mixed, ellipses) or D "
+           "(concentric, threshold) that leave this BV/TV deeper than the shell",
+           "F");
+    option("--target-tbth", voids.targetTbth,
+           "and voids of such a size that Tb.Th is this, mm (boolean)", "T");
+    option("--void-voxel", voids.voxelSize, "edge of a voxel of the level sets of voids, mm",
+           "H [1/4 half-axis]")
+        ->check(positive());
+    option("--void-radius", voids.radius,
+           "shorter half-axis b of the voids, as --radius is written, mm", "SPEC")
+        ->check(notEmpty());
+    option("--void-aspect", voids.aspect, "a / b, as --radius is written", "SPEC [constant:2]")
+        ->check(notEmpty());
+    option("--void-count", voids.count, "voids with centers deeper than the shell", "N");
+    option("--void-probability", voids.probability,
+           "that a box holds a void (grid), that a sphere is a hole (mixed, ellipses)",
+           "P [1; 0.02]");
+    option("--delete-fraction", voids.deleteFraction,
+           "the density relation D of concentric and threshold", "D");
+    option("--void-matrix", voids.matrix, "0 and 1 for the boxes of grid, top row first", "FILE")
+        ->check(notEmpty());
+    option("--void-cell", voids.cell, "sides of a box of grid, mm: one, or one for each direction",
+           "SIZE")
+        ->check(notEmpty());
+    option("--void-angles", voids.orientation.angles,
+           "isotropic | \"tz=SPEC;tx=SPEC\" | \"phi=SPEC\" (2D), rad or with suffix deg: turn of "
+           "the long axis, or scatter about --void-axis or --void-field",
+           "ANGLES")
+        ->check(notEmpty());
+    option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")
+        ->check(notEmpty());
+    option("--void-field", voids.orientation.field,
+           "their direction by place: .vdb (vectors, or a tensor's main axis) or .csv (x, y, z and "
+           "a direction or six stress components)",
+           "FILE")
+        ->check(notEmpty());
+}
+
 }  // namespace
 
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
@@ -263,6 +341,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
+    addVoidOptions(*pack, options.pack.voids,
+                   "grid, overlay, concentric, threshold, mixed, ellipses, boolean or list:FILE");
     pack->add_option("--seed", seeds,
                      "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
                      "each from one field ({seed} in names of outputs)")
@@ -291,6 +371,44 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_flag("--json", options.json, "print the report as JSON instead of the summary")
         ->group("Run");
     pack->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+
+    CLI::App* voids =
+        app.add_subcommand("voids", "the voids and the solid alone, without a pack")->fallthrough();
+    voids->add_option("DOMAIN", options.voids.domain.source, kDomainHelp)->required();
+    voids
+        ->add_option("-o,--output", options.voids.outputs,
+                     "file to write: .vdb (level sets surface, voids, solid), list:FILE.csv for "
+                     "the list of voids; may be repeated")
+        ->option_text("FILE")
+        ->take_all();
+    addDomainOptions(*voids, options.voids.domain);
+    voids->add_option("--out-unit", options.voids.outUnit, "unit of what is written")
+        ->transform(oneOf(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addVoidOptions(*voids, options.voids.voids, "grid, overlay, boolean or list:FILE");
+    addRunOptions(*voids, options.voids.seed, options.voids.reportFile, options);
+    voids->add_option("--threads", options.voids.threads, "threads")
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+
+    CLI::App* carve =
+        app.add_subcommand("carve", "cut voids into a pack that exists")->fallthrough();
+    addGivenPack(*carve, options.carve, "PACK", kPackHelp);
+    carve
+        ->add_option("-o,--output", options.carve.outputs,
+                     "file to write, as pack does; .vdb holds surface, voids and solid as well; "
+                     "may be repeated")
+        ->option_text("FILE")
+        ->take_all();
+    carve->add_option("--out-unit", options.carve.outUnit, "unit of what is written")
+        ->transform(oneOf(kUnits))
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addVoidOptions(*carve, options.carve.voids,
+                   "grid, overlay, concentric, threshold, boolean or list:FILE");
+    addRunOptions(*carve, options.carve.seed, options.carve.reportFile, options);
 
     CLI::App* verify =
         app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
@@ -360,8 +478,11 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     }
     std::string line;
     for (int i = 1; i < argc; ++i) line += (line.empty() ? "" : " ") + shellQuoted(argv[i]);
+    options.voids.command = options.carve.command = line;
     options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack
+                      : voids->parsed()   ? CliOptions::Command::voids
+                      : carve->parsed()   ? CliOptions::Command::carve
                       : verify->parsed()  ? CliOptions::Command::verify
                       : measure->parsed() ? CliOptions::Command::measure
                                           : CliOptions::Command::mesh;

@@ -75,6 +75,15 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
     return kCheckFailed;
 }
 
+int printed(const RunResult& run, const CliOptions& options) {
+    clearProgress();
+    if (options.json)
+        fmt::print("{}\n", toJson(run).dump(2));
+    else if (!options.quiet)
+        fmt::print("{}", summary(run.report));
+    return kDone;
+}
+
 int runCommand(const CliOptions& options) {
     const Callbacks callbacks = makeCallbacks(options.quiet);
     switch (options.command) {
@@ -104,6 +113,10 @@ int runCommand(const CliOptions& options) {
             fmt::print(stderr, "{}", failures(run));
             return kCheckFailed;
         }
+        case CliOptions::Command::voids:
+            return printed(runVoids(options.voids, callbacks), options);
+        case CliOptions::Command::carve:
+            return printed(runCarve(options.carve, callbacks), options);
         case CliOptions::Command::verify: {
             const RunResult run = runVerify(options.verify, callbacks);
             clearProgress();

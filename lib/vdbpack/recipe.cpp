@@ -73,12 +73,31 @@ bool isContactList(const std::string& output) {
     return output.rfind("contacts:", 0) == 0;
 }
 
+bool isVoidList(const std::string& output) {
+    return output.rfind("list:", 0) == 0;
+}
+
+void requireVoidsFor(const std::string& output, const VoidRecipe& recipe) {
+    if (!isVoidList(output)) return;
+    const VoidMethod method = methodOf(recipe);
+    if (method == VoidMethod::none)
+        throw ParameterError(output + ": lists voids, and none are asked for; add --voids");
+    if (isThinning(method))
+        throw ParameterError(
+            fmt::format("{}: --voids {} takes spheres out and makes no voids to list; leave it out",
+                        output, recipe.method));
+}
+
+std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
+    return {listFile(recipe), recipe.matrix, recipe.orientation.field};
+}
+
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
                 const std::vector<std::string>& inputs) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
     for (const auto& output : outputs) {
-        if (!isContactList(output)) checkPackFormat(output);
+        if (!isContactList(output) && !isVoidList(output)) checkPackFormat(output);
         files.push_back(filePart(output));
         if (files.back().empty())
             throw ParameterError(output + ": names a format but no file; write " + output +
@@ -107,7 +126,10 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
 }
 
 void checkOutputs(const PackRecipe& recipe) {
-    checkFiles(recipe.outputs, recipe.reportFile, {recipe.domain.source, recipe.existing});
+    auto inputs = voidInputs(recipe.voids);
+    inputs.push_back(recipe.domain.source);
+    inputs.push_back(recipe.existing);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs);
 }
 
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {

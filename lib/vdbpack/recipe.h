@@ -5,6 +5,7 @@
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain_source.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
 #include <string>
@@ -22,7 +23,8 @@ struct PackRecipe {
     std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
     Effort effort = Effort::normal;
     Order order = Order::sweep;
-    double gap = 0;                    ///< least distance between spheres and to the wall, mm
+    double gap = 0;  ///< least distance between spheres and to the wall, mm
+    VoidRecipe voids;
     std::string existing;              ///< pack file with spheres that stand; empty: none
     Unit packUnit = Unit::millimeter;  ///< of `existing`, if it says none
     std::uint64_t seed = 1;
@@ -49,6 +51,12 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text);
 
 /// Whether an output is a list of contacts, "contacts:FILE.csv".
 bool isContactList(const std::string& output);
+/// Whether an output is a list of voids, "list:FILE.csv".
+bool isVoidList(const std::string& output);
+/// @throws ParameterError for a list of voids that will not be there.
+void requireVoidsFor(const std::string& output, const VoidRecipe& recipe);
+/// The files that voids are made from; empty names where there is none.
+std::vector<std::string> voidInputs(const VoidRecipe& recipe);
 
 /// The file behind "prefix:name".
 std::string filePart(const std::string& name);

@@ -61,6 +61,25 @@ public:
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
     }
+    void add(const VoidRecipe& voids) {
+        add("--voids", voids.method);
+        add("--shell", voids.shell, " mm");
+        if (voids.cull == Cull::touch) add("--cull", "touch");
+        if (voids.keepConnected) add("--keep-connected", "yes");
+        add("--target-bvtv", voids.targetBvtv.value_or(0));
+        add("--target-tbth", voids.targetTbth.value_or(0), " mm");
+        add("--void-voxel", voids.voxelSize, " mm");
+        add("--void-radius", voids.radius);
+        add("--void-aspect", voids.aspect);
+        add("--void-count", voids.count.value_or(0));
+        if (voids.probability) add("--void-probability", fmt::format("{}", *voids.probability));
+        add("--delete-fraction", voids.deleteFraction.value_or(0));
+        add("--void-matrix", voids.matrix);
+        add("--void-cell", voids.cell);
+        add("--void-angles", voids.orientation.angles);
+        add("--void-axis", voids.orientation.axis);
+        add("--void-field", voids.orientation.field);
+    }
     std::vector<std::pair<std::string, std::string>> take() { return std::move(rows_); }
 
 private:
@@ -90,6 +109,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add("--effort", nameOf(recipe.effort));
     s.add("--order", nameOf(recipe.order));
     s.add("--gap", recipe.gap, " mm");
+    s.add(recipe.voids);
     s.add("--existing", recipe.existing);
     if (!recipe.existing.empty()) s.add("--pack-unit", unitName(recipe.packUnit));
     s.add("--seed", std::to_string(recipe.seed));
@@ -108,6 +128,20 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe&
     s.add("--radius", recipe.radius);
     if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
     s.add("--shell", recipe.shell, " mm");
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("PACK", recipe.pack);
+    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add("--domain", recipe.domain.source);
+    s.add(recipe.domain, report);
+    s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
     s.add("--threads", std::to_string(report.threads));
     s.add("--contact-tol", recipe.contactTolerance);
     return s.take();
@@ -147,6 +181,33 @@ void writeReport(const RunResult& run, const PageDetails& details, const PackRec
     page.structure = details.structure;
     page.radii = details.radii;
     page.settings = settingsOf(recipe, run.report);
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+void writeReport(const RunResult& run, const CarveRecipe& recipe) {
+    const Json figures = toJson(run);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    ReportPage page;
+    page.subject = recipe.pack;
+    page.report = run.report;
+    std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
+    page.settings = settingsOf(recipe, run.report);
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
+    const Json figures = toJson(run);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    ReportPage page;
+    page.subject = recipe.domain.source;
+    page.report = run.report;
+    Settings s;
+    s.add("DOMAIN", recipe.domain.source);
+    s.add(recipe.domain, run.report);
+    s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(run.report.threads));
+    page.settings = s.take();
     write(recipe.reportFile, reportPage(page, figures));
 }
 

@@ -7,6 +7,8 @@
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run_stages.h"
+#include "vdbpack/void_stage.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -42,8 +44,13 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         const double guess = source.measure() / (target * sizes.meanBall(Dim));
         scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
     }
-    prepared.built = source.build(fieldDetail(sizes.min(), sizes.mean()) * scale,
-                                  sizes.max() * scale * 1.05 + recipe.gap, callbacks);
+    prepared.built = source.build(
+        fieldDetail(sizes.min(), sizes.mean()) * scale,
+        std::max(sizes.max() * scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3),
+        callbacks);
+    if (recipe.voids.shell > 0 || !recipe.voids.empty())
+        checkRoom(VoidSetting<Dim>{recipe.voids, prepared.domain(), prepared.built.sliceHeight,
+                                   recipe.seed, sizes.max() * scale, callbacks});
     if (recipe.existing.empty()) return prepared;
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
     // What they do among themselves is not this run's doing.
@@ -77,15 +84,19 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     clock.lap();
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
     PackResult<Dim> result;
+    const bool holes = needsFront(methodOf(recipe.voids));
     if (target > 0) {
         result = packToCount(domain, options, target, heard, standing);
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
-    } else {
+    } else if (!holes) {
         result = packSpheres(domain, options, heard, standing);
     }
+    const VoidSetting<Dim> setting{
+        recipe.voids, domain, prepared.built.sliceHeight, recipe.seed, options.sizes.max(), heard};
+    MadeVoids<Dim> voids;
+    if (holes && !result.interrupted) result = packWithHoles(setting, options, standing, voids);
     result.pack.sliceHeight = prepared.built.sliceHeight;
-    result.pack.region.assign(result.pack.spheres.size(), 0);  // all compact: no voids are cut
     report.interrupted = result.interrupted;
     if (!recipe.existing.empty()) {
         if (result.pack.spheres.empty() && !result.interrupted)
@@ -98,8 +109,21 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     report.gapAsked = recipe.gap;
     report.seconds.pack = clock.lap();
 
+    const bool cut = !recipe.voids.empty() || recipe.voids.shell > 0;
+    if (cut) {
+        // Held against what was asked for before any is removed.
+        measureSizes(result.pack, options.sizes, report);
+        if (!holes && !report.interrupted) voids = makeVoids(setting);
+        report.chosen.insert(report.chosen.end(), voids.report.chosen.begin(),
+                             voids.report.chosen.end());
+    }
+    cullPack(setting, recipe.contactTolerance, standing.size(), voids, result.pack);
+    if (cut) report.voids = voids.report;
+    report.seconds.voids = clock.lap();
+
     callbacks.report("measure", 0, 0);
-    measurePack(result.pack, &source, &domain, &options.sizes, recipe.contactTolerance, report);
+    measurePack(result.pack, &source, &domain, cut ? nullptr : &options.sizes,
+                recipe.contactTolerance, report);
     PageDetails details;
     if (isPage(recipe.reportFile))
         details = pageDetails(result.pack, source, domain, options.sizes, report);
@@ -108,7 +132,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     PackWriteOptions write;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
-    if (prepared.built.mesh) write.surface = prepared.built.mesh->grid();
+    write.levelSets = voids.levelSets();
+    if (write.levelSets.empty() && prepared.built.mesh)
+        write.levelSets = {prepared.built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = domain.bounds();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     write.pointVoxel =
@@ -118,7 +144,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
         // Interrupted before the first block was complete: nothing is worth replacing a file.
         if (report.interrupted && report.count == 0) break;
         callbacks.report("write", 0, 0);
-        if (isContactList(output))
+        if (isVoidList(output))
+            writeVoidList(voids.list, filePart(output), recipe.outUnit, setting.sliceHeight);
+        else if (isContactList(output))
             writeContacts(result.pack, listContacts(result.pack.spheres, recipe.contactTolerance),
                           filePart(output), recipe.outUnit);
         else
@@ -205,12 +233,15 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     report.threads = effectiveThreads(recipe.threads);
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    checkVoids(recipe.voids, true, true);
+    for (const auto& output : recipe.outputs) requireVoidsFor(output, recipe.voids);
     withThreads(recipe.threads, [&] {
         const DomainSource source(recipe.domain, keepingWarnings(callbacks, report.warnings));
         report.seconds.mesh = clock.lap();
         for (const auto& r : recipes)
             for (const auto& output : r.outputs)
-                if (!isContactList(output)) checkPackFormat(output, source.dim());
+                if (!isContactList(output) && !isVoidList(output))
+                    checkPackFormat(output, source.dim());
         if (source.dim() == 3)
             packDomain<3>(recipes, source, report, clock, callbacks, done);
         else

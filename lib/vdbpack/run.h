@@ -89,6 +89,35 @@ struct VerifyRecipe : GivenPack {
 /// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {});
 
+/// What voids are cut into a pack that exists.
+struct CarveRecipe : GivenPack {
+    VoidRecipe voids;
+    std::uint64_t seed = 1;
+    std::vector<std::string> outputs;
+    std::string reportFile;
+    Unit outUnit = Unit::millimeter;
+};
+
+/// Reads a pack, cuts voids into it, measures and writes what is left: the whole of `vdb_pack
+/// carve`. Overlaps and protrusions of the pack are reported, not judged: `passed` is true.
+/// @throws ParameterError, InputError, IoError, ResourceError
+RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks = {});
+
+/// Voids and what they leave of a domain, without a pack.
+struct VoidsRecipe {
+    DomainRecipe domain;
+    VoidRecipe voids;
+    std::uint64_t seed = 1;
+    int threads = 0;                   ///< 0: all cores
+    std::vector<std::string> outputs;  ///< .vdb and list:FILE.csv
+    std::string reportFile;
+    std::string command;
+    Unit outUnit = Unit::millimeter;
+};
+
+/// The whole of `vdb_pack voids`. @throws as `runPack`.
+RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
+
 struct MeasureRecipe : GivenPack {
     double shell = 0;  ///< thickness of the layer along the wall that is told apart, mm; 0: none
     std::vector<std::string> outputs;  ///< contact lists of a pack: "contacts:FILE.csv"

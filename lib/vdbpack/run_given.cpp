@@ -1,4 +1,6 @@
 // Runs on what exists already: verify and measure.
+#include "vdbpack/run_given.h"
+
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/label_voxels.h"
@@ -18,8 +20,6 @@
 #include <type_traits>
 
 namespace vdbpack {
-
-namespace {
 
 Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
     PackReadOptions read;
@@ -42,7 +42,6 @@ Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
     return pack;
 }
 
-/// Refuses options that say something of a domain that is not there.
 void requireDomain(const GivenPack& recipe) {
     const DomainRecipe& d = recipe.domain;
     if (!d.source.empty()) return;
@@ -58,13 +57,14 @@ void requireDomain(const GivenPack& recipe) {
             option));
 }
 
-/// Whether a pack is one of circles in a plane.
 bool isPlane(const Pack<3>& pack) {
     const double z = pack.spheres.front().center[2];
     return pack.spheres.size() > 2 &&
            std::all_of(pack.spheres.begin(), pack.spheres.end(),
                        [z](const Sphere<3>& s) { return s.center[2] == z; });
 }
+
+namespace {
 
 /// Reads the domain of a pack and takes all measures that every report has; then calls
 /// `further(pack, domain or null, report)`.

@@ -164,10 +164,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     }
     auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     if (!pack.spheres.empty()) report.contacts = contacts;
-    if (sizes) {
-        report.requested = sizes->spec();
-        checkSizes(pack, *sizes, report);
-    }
+    if (sizes) measureSizes(pack, *sizes, report);
     // No pair that was not counted is closer than the smallest spheres' tolerance.
     if (report.existing == 0 && contacts.smallestGap <= contactTolerance * report.radius.min)
         report.smallestGap = contacts.smallestGap;
@@ -178,6 +175,12 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
 
 double structureDepth(const RadiusStatistics& radius, double shell) {
     return std::max({3 * radius.max, 6.05 * radius.mean, 1.05 * shell});
+}
+
+template <int Dim>
+void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report) {
+    report.requested = sizes.spec();
+    checkSizes(pack, sizes, report);
 }
 
 template <int Dim>
@@ -231,6 +234,8 @@ template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const
                                    const std::vector<Sphere<3>>&);
 template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double);
 template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double);
+template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
+template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
 template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
                              const SizeDistribution*, double, Report&);
 template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,

@@ -69,6 +69,10 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
 /// three mean diameters for the pair correlation, and a little beyond the shell.
 double structureDepth(const RadiusStatistics& radius, double shell);
 
+/// Holds the radii of a pack against what was asked for; a part of `measurePack`.
+template <int Dim>
+void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report);
+
 /// How spheres fill a domain and lie about one another; `pack.depth` as `measurePack` leaves it.
 /// @param domain  null: only what needs none.
 /// @param shell   thickness of the layer along the wall that is told apart, mm; 0: none.
@@ -84,6 +88,8 @@ extern template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, 
                                               double);
 extern template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&,
                                               double);
+extern template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
+extern template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
 extern template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
                                     const SizeDistribution*, double, Report&);
 extern template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,

@@ -389,9 +389,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     } else {
         std::vector<std::string> chosen;
         const auto familyOf = [&](const VoidSetting<Dim>& setting, double target,
-                                  std::vector<std::string>* told) {
-            return method == VoidMethod::boolean   ? booleanFamily(setting, target, told)
-                   : method == VoidMethod::overlay ? overlayFamily(setting, told)
+                                  std::vector<std::string>* sentences) {
+            return method == VoidMethod::boolean   ? booleanFamily(setting, target, sentences)
+                   : method == VoidMethod::overlay ? overlayFamily(setting, sentences)
                                                    : gridFamily(setting);
         };
         const bool undecided = method == VoidMethod::boolean && !r.count && !r.targetBvtv;
@@ -403,10 +403,12 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                             "--target-bvtv nor --void-count is given",
                             kDefaultBvtv));
         }
+        bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {
             const VoidRecipe& asked = setting.recipe;
             const auto family = familyOf(setting, asked.targetBvtv.value_or(kDefaultBvtv),
-                                         chosen.size() < 3 ? &chosen : nullptr);
+                                         told ? nullptr : &chosen);
+            told = true;
             const double voxel = voxelFor(asked, family.leastHalfAxis);
             const auto bvtvAt = [&](double amount) {
                 result.list = family.list(amount);

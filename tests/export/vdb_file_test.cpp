@@ -161,7 +161,8 @@ TEST_CASE("the surface is written as a level set beside the points", "[export]")
     const auto surface = ballGrid();
     PackWriteOptions options;
     options.unit = unit;
-    options.surface = surface;
+    surface->grid->setName("surface");
+    options.levelSets = {surface};
     const auto pack = latticePack<3>(100, {{3, 4, 5}}, 10, 35);
     writePack(pack, scratch / "p.vdb", options);
     const Opened opened(scratch / "p.vdb");

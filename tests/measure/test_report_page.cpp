@@ -124,8 +124,10 @@ TEST_CASE("a page says what failed, and judges no pack that is measured", "[repo
     page.report.overlap->pairs = 12;
     page.report.task = "measure";
     CHECK_THAT(htmlOf(page), Catch::Contains("12 pairs") && !Catch::Contains("CHECK FAILED"));
-    page.report.voidCount = 31;
-    page.report.bvtv = 0.154;
+    page.report.voids.emplace();
+    page.report.voids->method = "boolean";
+    page.report.voids->count = 31;
+    page.report.voids->bvtv = 0.154;
     CHECK_THAT(htmlOf(page), Catch::Contains("BV/TV 0.1540"));
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace vdbpack {
 
@@ -23,8 +24,8 @@ double pointVoxelSize(double count, double measure, int dim);
 struct PackWriteOptions {
     Unit unit = Unit::millimeter;  ///< of what is written
     std::string generator;         ///< program and version, recorded where the format can
-    /// Written beside the points as `surface` in a .vdb; may be null.
-    std::shared_ptr<const VdbGrid> surface;
+    /// Written beside the points in a .vdb, under the names they have (`surface`, ...).
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
     /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
@@ -50,6 +51,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
 
 extern template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
 extern template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
+
+/// Writes the level sets of `options` alone as a .vdb file. Whole or absent. @throws IoError
+void writeLevelSets(const std::string& file, const PackWriteOptions& options);
 
 /// Whether `file` names a format that `writePack` knows, and one for packs of `dim` dimensions (0:
 /// not known yet). @throws ParameterError if not, with the list of formats: ask before hours of

@@ -404,7 +404,7 @@ points::PointDataGrid::Ptr pointGrid(const PackView& pack, double voxel) {
 }
 
 /// The level set in the unit that is written; shares the tree where that is mm.
-openvdb::FloatGrid::Ptr surfaceGrid(const VdbGrid& surface, Unit unit) {
+openvdb::FloatGrid::Ptr levelSetIn(const VdbGrid& surface, Unit unit) {
     openvdb::FloatGrid::Ptr grid;
     if (unit == Unit::millimeter) {
         grid = surface.grid->copy();
@@ -426,7 +426,7 @@ openvdb::FloatGrid::Ptr surfaceGrid(const VdbGrid& surface, Unit unit) {
         for (; tile; ++tile) tile.setValue(scaled(*tile));
         tree.root().setBackground(scaled(tree.background()), /*updateChildNodes=*/false);
     }
-    grid->setName("surface");
+    grid->setName(surface.grid->getName());
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     return grid;
 }
@@ -630,8 +630,11 @@ Unit unitOf(const openvdb::GridBase& grid, const std::string& path, Unit fallbac
 
 }  // namespace
 
-void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    openvdb::initialize();
+namespace {
+
+/// The level sets of the options, and further grids, with what is recorded in each.
+void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::GridBase::Ptr>& others,
+                OutputFile& out) {
     openvdb::GridCPtrVec grids;
     const auto add = [&](const openvdb::GridBase::Ptr& grid) {
         grid->insertMeta(kUnitKey, openvdb::StringMetadata(unitName(options.unit)));
@@ -639,8 +642,9 @@ void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile&
             grid->insertMeta(kGeneratorKey, openvdb::StringMetadata(options.generator));
         grids.push_back(grid);
     };
-    if (options.surface && options.surface->grid) add(surfaceGrid(*options.surface, options.unit));
-    add(pointGrid(pack, chooseVoxel(pack, options.pointVoxel)));
+    for (const auto& set : options.levelSets)
+        if (set && set->grid) add(levelSetIn(*set, options.unit));
+    for (const auto& grid : others) add(grid);
 
     // Whether it was the disk: a stream of the library would not tell.
     std::ofstream stream;
@@ -659,6 +663,20 @@ void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile&
         throw IoError(fmt::format("{}: writing failed: {}; the former file, if any, is untouched",
                                   out.path(), cause != 0 ? std::strerror(cause) : e.what()));
     }
+}
+
+}  // namespace
+
+void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    openvdb::initialize();
+    writeGrids(options, {pointGrid(pack, chooseVoxel(pack, options.pointVoxel))}, out);
+}
+
+void writeLevelSets(const std::string& file, const PackWriteOptions& options) {
+    OutputFile out(file);
+    openvdb::initialize();
+    writeGrids(options, {}, out);
+    out.commit();
 }
 
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {

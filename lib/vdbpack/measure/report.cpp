@@ -277,7 +277,7 @@ std::string summary(const Report& r) {
                              r.dim == 2 ? Measure<2>::kVolume : Measure<3>::kVolume, *r.ksByVolume);
     if (r.interrupted) count += "; INTERRUPTED, this is what was complete";
     if (r.existing > 0) count += fmt::format("; {} of them stood already", grouped(r.existing));
-    out.line(spheres, count);
+    if (r.task != "voids") out.line(spheres, count);
     if (r.count > 0)
         out.line("", fmt::format("radius {:.5g} to {:.5g} mm, mean {:.5g}, deviation {:.4g}",
                                  r.radius.min, r.radius.max, r.radius.mean, r.radius.sd));
@@ -316,7 +316,9 @@ std::string summary(const Report& r) {
     if (r.peakMemoryBytes > 0)
         out.line("memory", fmt::format("{:.0f} MiB at most",
                                        static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
-    if (r.task == "pack")
+    if (r.task == "voids")
+        out.line("seed", std::to_string(r.seed));
+    else if (r.task == "pack" || r.task == "carve")
         out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
     else
         out.line("hash", hashText(r.hash));

@@ -68,9 +68,10 @@ ul { margin: .3rem 0; padding-left: 1.2rem; }
 
 /// What is no number was not measured.
 void dropNotFinite(Report& r) {
-    for (auto* value : {&r.solidFractionTotal, &r.solidFractionInterior, &r.ks, &r.ksByVolume,
-                        &r.smallestGap, &r.bvtv})
+    for (auto* value :
+         {&r.solidFractionTotal, &r.solidFractionInterior, &r.ks, &r.ksByVolume, &r.smallestGap})
         if (*value && !std::isfinite(**value)) value->reset();
+    if (r.voids && r.voids->bvtv && !std::isfinite(*r.voids->bvtv)) r.voids->bvtv.reset();
 }
 
 /// The row of figures at the top.
@@ -130,10 +131,10 @@ void addPack(Keys& keys, const Report& r) {
                  r.domain.kind.empty()
                      ? "walls unknown"
                      : fmt::format("{:.2f} without walls", r.contacts->meanOfSpheres));
-    if (r.voidCount > 0 || r.bvtv)
-        keys.add("voids", grouped(r.voidCount),
-                 (r.bvtv ? fmt::format("BV/TV {:.4f}, ", *r.bvtv) : "") +
-                     fmt::format("{} {} culled", grouped(r.culled), spheres));
+    if (r.voids && !r.voids->method.empty())
+        keys.add("voids", grouped(r.voids->count),
+                 (r.voids->bvtv ? fmt::format("BV/TV {:.4f}, ", *r.voids->bvtv) : "") +
+                     fmt::format("{} {} culled", grouped(r.voids->culled), spheres));
 }
 
 void addSolid(Keys& keys, const Morphometry& m) {

@@ -1,0 +1,206 @@
+// Runs that cut voids without packing: voids and carve.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/export/contact_file.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/report_file.h"
+#include "vdbpack/run.h"
+#include "vdbpack/run_given.h"
+#include "vdbpack/run_stages.h"
+#include "vdbpack/void_stage.h"
+#include "vdbpack/voids/void_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+bool isVdb(const std::string& file) {
+    return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
+}
+
+/// The smallest feature that the field of a domain has to resolve for voids alone, mm; 0: unknown.
+double detailFor(const VoidRecipe& recipe) {
+    if (recipe.voxelSize > 0) return recipe.voxelSize;
+    return recipe.radius.empty() ? 0 : 0.25 * SizeDistribution::parse(recipe.radius, 3).min();
+}
+
+template <int Dim>
+void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& report, Clock& clock,
+             const Callbacks& callbacks) {
+    const auto built =
+        source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3, callbacks);
+    const Domain<Dim>& domain = *ofDim<Dim>(built);
+    report.dim = Dim;
+    report.domain = domain.facts();
+    report.volume = domain.measure();
+    report.area = domain.wallMeasure();
+    report.seconds.domain = clock.lap();
+    const VoidSetting<Dim> setting{recipe.voids, domain, built.sliceHeight,
+                                   recipe.seed,  0,      callbacks};
+    checkRoom(setting);
+    MadeVoids<Dim> made = makeVoids(setting);
+    report.chosen = made.report.chosen;
+    report.voids = made.report;
+    report.seconds.voids = clock.lap();
+    PackWriteOptions write;
+    write.unit = recipe.outUnit;
+    write.generator = "vdb_pack " + report.version;
+    write.levelSets = made.levelSets();
+    for (const auto& output : recipe.outputs) {
+        callbacks.report("write", 0, 0);
+        if (isVoidList(output))
+            writeVoidList(made.list, filePart(output), recipe.outUnit, built.sliceHeight);
+        else
+            writeLevelSets(output, write);
+        report.files.push_back(filePart(output));
+    }
+    report.seconds.write = clock.lap();
+}
+
+/// Cuts, measures and writes a pack that was read.
+template <int Dim>
+void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pack, Report& report,
+           Clock& clock, const Callbacks& callbacks) {
+    const RadiusStatistics radius = radiusStatistics(pack.spheres);
+    const auto built =
+        source.build(fieldDetail(radius.min, radius.mean),
+                     std::max(radius.max, depthForShell(recipe.voids) / 3), callbacks);
+    const Domain<Dim>& domain = *ofDim<Dim>(built);
+    report.seconds.domain = clock.lap();
+    const VoidSetting<Dim> setting{recipe.voids, domain,     built.sliceHeight,
+                                   recipe.seed,  radius.max, callbacks};
+    checkRoom(setting);
+    if (!recipe.radius.empty())
+        measureSizes(pack, SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy), report);
+    MadeVoids<Dim> made = makeVoids(setting);
+    cullPack(setting, recipe.contactTolerance, 0, made, pack);
+    report.chosen = made.report.chosen;
+    report.voids = made.report;
+    report.seconds.voids = clock.lap();
+    measurePack(pack, &source, &domain, nullptr, recipe.contactTolerance, report);
+    // Whoever made them: told, not judged.
+    report.givenOverlaps = report.overlap->pairs;
+    report.givenProtrusions = report.protrusion->spheres;
+    report.seconds.measure = clock.lap();
+    PackWriteOptions write;
+    write.unit = recipe.outUnit;
+    write.generator = "vdb_pack " + report.version;
+    write.levelSets = made.levelSets();
+    if (write.levelSets.empty() && built.mesh) write.levelSets = {built.mesh->grid()};
+    if constexpr (Dim == 2) write.frame = domain.bounds();
+    for (const auto& output : recipe.outputs) {
+        callbacks.report("write", 0, 0);
+        if (isVoidList(output))
+            writeVoidList(made.list, filePart(output), recipe.outUnit, built.sliceHeight);
+        else if (isContactList(output))
+            writeContacts(pack, listContacts(pack.spheres, recipe.contactTolerance),
+                          filePart(output), recipe.outUnit);
+        else
+            writePack(pack, output, write);
+        report.files.push_back(filePart(output));
+    }
+    report.seconds.write = clock.lap();
+}
+
+}  // namespace
+
+RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
+    checkVoids(recipe.voids, false, false);
+    if (recipe.voids.empty())
+        throw ParameterError(
+            "no voids are asked for; say how they are made with --voids (grid, "
+            "overlay, boolean or list:FILE)");
+    for (const auto& output : recipe.outputs)
+        if (!isVoidList(output) && !isVdb(output))
+            throw ParameterError(output +
+                                 ": voids are level sets or a list; name it .vdb or "
+                                 "list:FILE.csv");
+    auto inputs = voidInputs(recipe.voids);
+    inputs.push_back(recipe.domain.source);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs);
+    RunResult run;
+    Report& report = run.report;
+    report.version = VDBPACK_VERSION;
+    report.task = "voids";
+    report.command = recipe.command.empty() ? "voids " + recipe.domain.source : recipe.command;
+    report.seed = recipe.seed;
+    report.threads = effectiveThreads(recipe.threads);
+    const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+    withThreads(recipe.threads, [&] {
+        Clock clock;
+        const DomainSource source(recipe.domain, heard);
+        report.seconds.mesh = clock.lap();
+        for (const auto& output : recipe.outputs)
+            if (source.dim() == 2 && isVdb(output))
+                throw ParameterError(output +
+                                     ": voids of a plane are no level set of space; write "
+                                     "list:FILE.csv, or pack it and write .svg");
+        if (source.dim() == 3)
+            voidsOf<3>(recipe, source, report, clock, heard);
+        else
+            voidsOf<2>(recipe, source, report, clock, heard);
+        report.seconds.total = clock.total();
+    });
+    report.peakMemoryBytes = peakMemory();
+    run.passed = true;
+    if (!recipe.reportFile.empty()) {
+        report.files.push_back(recipe.reportFile);
+        writeReport(run, recipe);
+    }
+    return run;
+}
+
+RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
+    checkVoids(recipe.voids, true, false);
+    if (recipe.voids.empty() && !(recipe.voids.shell > 0))
+        throw ParameterError(
+            "nothing is to be cut; say how voids are made with --voids (grid, "
+            "overlay, concentric, threshold, boolean or list:FILE)");
+    if (recipe.domain.source.empty())
+        throw ParameterError("voids are cut into a domain; give that of the pack with --domain");
+    for (const auto& output : recipe.outputs) requireVoidsFor(output, recipe.voids);
+    auto inputs = voidInputs(recipe.voids);
+    inputs.push_back(recipe.domain.source);
+    inputs.push_back(recipe.pack);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs);
+    RunResult run;
+    Report& report = run.report;
+    report.version = VDBPACK_VERSION;
+    report.task = "carve";
+    report.command = recipe.command.empty() ? "carve " + recipe.pack : recipe.command;
+    report.seed = recipe.seed;
+    report.threads = effectiveThreads(recipe.threads);
+    const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+    withThreads(recipe.threads, [&] {
+        Clock clock;
+        Pack<3> given = readGiven(recipe, heard);
+        const DomainSource source(recipe.domain, heard);
+        report.seconds.mesh = clock.lap();
+        for (const auto& output : recipe.outputs)
+            if (!isContactList(output) && !isVoidList(output))
+                checkPackFormat(output, source.dim());
+        if (source.dim() == 2) {
+            Pack<2> circles = asCircles(given);
+            carve<2>(recipe, source, circles, report, clock, heard);
+            run.pack = std::move(circles);
+        } else {
+            carve<3>(recipe, source, given, report, clock, heard);
+            run.pack = std::move(given);
+        }
+        report.seconds.total = clock.total();
+    });
+    report.peakMemoryBytes = peakMemory();
+    run.passed = true;
+    if (!recipe.reportFile.empty()) {
+        report.files.push_back(recipe.reportFile);
+        writeReport(run, recipe);
+    }
+    return run;
+}
+
+}  // namespace vdbpack
