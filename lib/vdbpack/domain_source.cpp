@@ -14,6 +14,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Voxels of a size that is asked for are taken within these shares of the default.
+constexpr double kFinest = 0.6, kCoarsest = 1.3;
+
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
 std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
     std::vector<double> values;
@@ -179,7 +182,7 @@ double DomainSource::measure() const {
 }
 
 DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
-                                        const Callbacks& callbacks) const {
+                                        const Callbacks& callbacks, double voxelSize) const {
     Built built;
     if (plane_) {
         built.plane = clips_.empty() ? plane_ : clippedDomain<2>(plane_, inPlane(clips_, 0));
@@ -189,6 +192,10 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         FieldOptions options;
         options.voxelSize = recipe_.voxelSize;
         options.detail = minRadius;
+        const double chosen = voxelSize > 0 ? defaultVoxelSize(*mesh_, minRadius) : 0;
+        if (!(options.voxelSize > 0) && voxelSize > kFinest * chosen &&
+            voxelSize < kCoarsest * chosen)
+            options.voxelSize = voxelSize;
         // A pivot must know its clearance up to its reach, and so must the interior fraction.
         options.depth = 3 * maxRadius;
         options.name = recipe_.source;

@@ -47,7 +47,10 @@ public:
         std::shared_ptr<const MeshDomain> mesh;  ///< what `space` was cut from, if a file
         double sliceHeight = 0;                  ///< mm
     };
-    Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {}) const;
+    /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set in
+    ///                   such voxels then comes with it. 0: none.
+    Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
+                double voxelSize = 0) const;
 
     /// How far spheres stick out of the domain's wall itself (triangles or formula), checked
     /// with none of the code that made the field.

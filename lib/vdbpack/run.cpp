@@ -47,7 +47,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     prepared.built = source.build(
         fieldDetail(sizes.min(), sizes.mean()) * scale,
         std::max(sizes.max() * scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3),
-        callbacks);
+        callbacks, plannedVoxel(recipe.voids, Dim));
     if (recipe.voids.shell > 0 || !recipe.voids.empty())
         checkRoom(VoidSetting<Dim>{recipe.voids, prepared.domain(), prepared.built.sliceHeight,
                                    recipe.seed, sizes.max() * scale, callbacks});

@@ -23,17 +23,18 @@ bool isVdb(const std::string& file) {
     return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
 }
 
-/// The smallest feature that the field of a domain has to resolve for voids alone, mm; 0: unknown.
+/// The smallest feature that the field of a domain has to resolve, mm; 0: unknown. The wall itself
+/// is asked where it matters, so that voxels may be larger than those of the voids.
 double detailFor(const VoidRecipe& recipe) {
-    if (recipe.voxelSize > 0) return recipe.voxelSize;
-    return recipe.radius.empty() ? 0 : 0.25 * SizeDistribution::parse(recipe.radius, 3).min();
+    if (recipe.voxelSize > 0) return 4 * recipe.voxelSize;
+    return recipe.radius.empty() ? 0 : SizeDistribution::parse(recipe.radius, 3).min();
 }
 
 template <int Dim>
 void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& report, Clock& clock,
              const Callbacks& callbacks) {
-    const auto built =
-        source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3, callbacks);
+    const auto built = source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3,
+                                    callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(built);
     report.dim = Dim;
     report.domain = domain.facts();
@@ -67,9 +68,9 @@ template <int Dim>
 void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pack, Report& report,
            Clock& clock, const Callbacks& callbacks) {
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
-    const auto built =
-        source.build(fieldDetail(radius.min, radius.mean),
-                     std::max(radius.max, depthForShell(recipe.voids) / 3), callbacks);
+    const auto built = source.build(fieldDetail(radius.min, radius.mean),
+                                    std::max(radius.max, depthForShell(recipe.voids) / 3),
+                                    callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(built);
     report.seconds.domain = clock.lap();
     const VoidSetting<Dim> setting{recipe.voids, domain,     built.sliceHeight,

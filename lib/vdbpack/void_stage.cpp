@@ -329,9 +329,37 @@ std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
     return {surface, voids, solid.grid};
 }
 
+double plannedVoxel(const VoidRecipe& recipe, int dim) {
+    const VoidMethod method = methodOf(recipe);
+    if (method == VoidMethod::none || isThinning(method) || recipe.radius.empty() ||
+        recipe.voxelSize > 0 || recipe.targetTbth)
+        return recipe.voxelSize;
+    const double aspect =
+        recipe.aspect.empty() ? 1 : SizeDistribution::parse(recipe.aspect, dim).min();
+    return voxelFor(recipe,
+                    SizeDistribution::parse(recipe.radius, dim).min() * std::min(1.0, aspect));
+}
+
 double depthForShell(const VoidRecipe& recipe) {
     return recipe.shell > 0 ? 1.1 * recipe.shell + 10 * recipe.voxelSize : 0;
 }
+
+namespace {
+
+/// Refuses voids that are larger than the domain.
+template <int Dim>
+void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
+    const Vec<Dim> size = s.domain.bounds().size();
+    const double longest = *std::max_element(size.c.begin(), size.c.end());
+    if (2 * halfAxis > longest)
+        throw ParameterError(
+            fmt::format("voids with half-axes of up to {:.4g} mm are larger than the domain, which "
+                        "is {:.4g} mm "
+                        "long; give smaller ones",
+                        halfAxis, longest));
+}
+
+}  // namespace
 
 template <int Dim>
 void checkRoom(const VoidSetting<Dim>& s) {
@@ -343,21 +371,7 @@ void checkRoom(const VoidSetting<Dim>& s) {
             s.recipe.shell, largestPlace(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method) || method == VoidMethod::grid) return;
-    const Vec<Dim> size = s.domain.bounds().size();
-    const double longest = *std::max_element(size.c.begin(), size.c.end());
-    double half = 0;
-    if (method == VoidMethod::list) {
-        for (const auto& e : readVoidList<Dim>(listFile(s.recipe)))
-            half = std::max({half, e.a, e.b});
-    } else {
-        half = shapeOf(s).reach();
-    }
-    if (2 * half > longest)
-        throw ParameterError(
-            fmt::format("voids with half-axes of up to {:.4g} mm are larger than the domain, which "
-                        "is {:.4g} mm "
-                        "long; give smaller ones",
-                        half, longest));
+    if (method != VoidMethod::list) requireFitting(s, shapeOf(s).reach());
     // What is there before hours of work; the list itself is looked at again.
     if (method == VoidMethod::boolean && s.recipe.count) {
         const VoidShape<Dim> shape = shapeOf(s);
@@ -385,6 +399,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         made.list = readVoidList<Dim>(listFile(r));
         if (made.list.empty())
             throw InputError(listFile(r) + ": holds no voids; give a list with at least one row");
+        double largest = 0;
+        for (const auto& e : made.list) largest = std::max({largest, e.a, e.b});
+        requireFitting(s, largest);
         bvtvOf(s, voxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;

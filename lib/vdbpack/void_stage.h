@@ -41,6 +41,9 @@ struct MadeVoids {
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };
 
+/// The voxel size of the voids' level sets as far as a recipe tells, mm; 0: not yet.
+double plannedVoxel(const VoidRecipe& recipe, int dim);
+
 /// Depth below the wall up to which the field must know distances for the shell, mm.
 double depthForShell(const VoidRecipe& recipe);
 

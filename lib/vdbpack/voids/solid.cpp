@@ -211,9 +211,7 @@ Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool 
     if (surface.grid->transform() != voids.grid->transform())
         throw ParameterError("surface and voids lie on different lattices; stamp on the surface's");
     try {
-        const FloatGrid::Ptr grid = surface.grid->deepCopy();
-        const FloatGrid::Ptr cut = voids.grid->deepCopy();
-        openvdb::tools::csgDifference(*grid, *cut);
+        const FloatGrid::Ptr grid = openvdb::tools::csgDifferenceCopy(*surface.grid, *voids.grid);
         grid->setName("solid");
         grid->setGridClass(openvdb::GRID_LEVEL_SET);
         Pieces pieces(grid->tree());

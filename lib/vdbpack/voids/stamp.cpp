@@ -355,13 +355,14 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                 if (boundsAt(e, middle, radius).upper < -impl.inside)
                     filled = true;
                 else
-                    tile.stamp(e);
+                    tile.stamp(e, static_cast<double>(entries[i].lower));
             }
             if (filled) tile.fillInside();
             Stamped& result = made[n];
             for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
                 float& v = tile.values()[i];
-                if (v >= outside) continue;
+                // Without a shell the wall only tells which voxels count.
+                if (v >= (options.shell > 0 ? outside : 0)) continue;
                 float depth = v;
                 if (cut) {
                     depth = std::max(

@@ -16,13 +16,20 @@ static_assert(kTileSide == static_cast<int>(kLanes), "a row of a tile is one gro
 constexpr int kRounds = 3;
 
 /// Distance of (x, y) in the first quadrant to the ellipse with half-axes a and b along them, as
-/// Ellipsoid::signedDistance finds it; (tx, ty) is the direction to begin with.
+/// Ellipsoid::signedDistance finds it.
+/// @param f  the point lies on the ellipse with half-axes f a and f b: the way to the center leads
+///           near the foot where the point is near the ellipse.
 [[gnu::always_inline]] inline Lanes ellipseDistance(float a, float b, const Lanes& x,
-                                                    const Lanes& y) {
+                                                    const Lanes& y, const Lanes& f) {
     const float tiny = 1e-12f * a * a;
     const float ea = (a * a - b * b) / a, eb = (b * b - a * a) / b;
-    Lanes tx = 0.70710678f, ty = 0.70710678f;
-    for (int round = 0; round < kRounds; ++round) {
+    // Inside, that foot may be the farthest one: from the middle of the arc there, and once more.
+    const auto within = f < 1.0f;
+    const Lanes inverseF = 1.0f / choose(within, Lanes(1.0f), f);
+    Lanes tx = choose(within, Lanes(0.70710678f), x * (1 / a) * inverseF);
+    Lanes ty = choose(within, Lanes(0.70710678f), y * (1 / b) * inverseF);
+    const int rounds = any_of(within) ? kRounds : kRounds - 1;
+    for (int round = 0; round < rounds; ++round) {
         const Lanes ex = ea * tx * tx * tx, ey = eb * ty * ty * ty;
         const Lanes rx = a * tx - ex, ry = b * ty - ey;
         const Lanes qx = x - ex, qy = y - ey;
@@ -57,55 +64,84 @@ Tile<Dim>::Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, do
       inside_(static_cast<float>(inside)),
       outside_(static_cast<float>(outside)) {
     values_.fill(outside_);
+    rowMax_.fill(outside_);
 }
 
+/// A void seen from the first voxel of a tile, in floats: positions are from the void's center, so
+/// that these suffice wherever the bone lies.
 template <int Dim>
-void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid) {
-    const auto a = static_cast<float>(ellipsoid.a), b = static_cast<float>(ellipsoid.b);
-    const float shorter = std::min(a, b), longer = std::max(a, b);
-    const float inverseA = 1 / a, inverseB = 1 / b;
-    const auto h = static_cast<float>(voxelSize_);
-    // From the void's center, so that floats suffice wherever the bone lies.
-    const Vec<Dim> first = first_ - ellipsoid.center;
-    std::array<float, Dim> start, axis;
-    for (int d = 0; d < Dim; ++d) {
-        start[static_cast<std::size_t>(d)] = static_cast<float>(first[d]);
-        axis[static_cast<std::size_t>(d)] = static_cast<float>(ellipsoid.axis[d]);
+struct Tile<Dim>::Stamp {
+    Stamp(const Ellipsoid<Dim>& e, const Vec<Dim>& first)
+        : a(static_cast<float>(e.a)),
+          b(static_cast<float>(e.b)),
+          shorter(std::min(a, b)),
+          longer(std::max(a, b)) {
+        for (std::size_t d = 0; d < Dim; ++d) {
+            start[d] = static_cast<float>(first.c[d] - e.center.c[d]);
+            axis[d] = static_cast<float>(e.axis.c[d]);
+        }
     }
-    const Lanes last = start[Dim - 1] + ramp() * h;
-    const Lanes lastAlong = last * axis[Dim - 1];
-    for (std::size_t row = 0; row < kTileVoxels<Dim> / kLanes; ++row) {
-        std::array<float, Dim> at = start;
-        if constexpr (Dim == 3) {
-            at[0] += static_cast<float>(row / 8) * h;
-            at[1] += static_cast<float>(row % 8) * h;
-        } else {
-            at[0] += static_cast<float>(row) * h;
+
+    /// Where points lie: along the axis, across it, and on the ellipsoid with half-axes f a, f b.
+    struct Place {
+        Lanes along, across2, f;
+    };
+    Place place(const std::array<Lanes, Dim>& x) const {
+        Place p{0.0f, 0.0f, 0.0f};
+        for (std::size_t d = 0; d < Dim; ++d) p.along += x[d] * axis[d];
+        for (std::size_t d = 0; d < Dim; ++d) {
+            const Lanes part = x[d] - p.along * axis[d];
+            p.across2 += part * part;
         }
-        float rowAlong = 0;
-        for (std::size_t d = 0; d + 1 < Dim; ++d) rowAlong += at[d] * axis[d];
-        const Lanes along = lastAlong + rowAlong;
-        Lanes across2 = last - along * axis[Dim - 1];
-        across2 *= across2;
-        for (std::size_t d = 0; d + 1 < Dim; ++d) {
-            const Lanes part = at[d] - along * axis[d];
-            across2 += part * part;
-        }
-        // The point lies on the ellipsoid with half-axes f a and f b.
-        const Lanes u = along * inverseA;
-        const Lanes f = stdx::sqrt(u * u + across2 * (inverseB * inverseB));
-        const Lanes outer = (f - 1.0f) * shorter;
-        const Lanes inner =
-            choose((1.0f - f) * longer < shorter, (f - 1.0f) * longer, Lanes(-shorter));
-        const auto within = f < 1.0f;
-        Lanes value = load(&values_[row * kLanes]);
-        const auto nearer = choose(within, inner, outer) < value;
-        if (none_of(nearer)) continue;
-        const Lanes distance = ellipseDistance(a, b, stdx::fabs(along), stdx::sqrt(across2));
-        Lanes signedDistance = choose(within, -distance, distance);
-        signedDistance = choose(signedDistance < -inside_, Lanes(-inside_), signedDistance);
-        value = choose(signedDistance < value, signedDistance, value);
-        value.copy_to(&values_[row * kLanes], stdx::element_aligned);
+        const Lanes u = p.along * (1 / a);
+        p.f = stdx::sqrt(u * u + p.across2 * (1 / (b * b)));
+        return p;
+    }
+    /// The void's surface is at least that far away, since f is convex: f - 1 <= |grad f| d;
+    /// inside, at most that deep below it.
+    Lanes lower(const Place& p) const {
+        const Lanes inner = (p.f - 1.0f) * longer;
+        const Lanes u = p.along * (1 / (a * a));
+        const Lanes steep = stdx::sqrt(u * u + p.across2 * (1 / (b * b * b * b)));
+        const auto within = p.f < 1.0f;
+        return choose(within, choose(inner > -shorter, inner, Lanes(-shorter)),
+                      (p.f - 1.0f) * p.f / choose(within, Lanes(1.0f), steep));
+    }
+
+    float a, b, shorter, longer;
+    std::array<float, Dim> start, axis;
+};
+
+template <int Dim>
+void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid, double lower) {
+    constexpr std::size_t kRows = kTileVoxels<Dim> / kLanes;
+    if (!(static_cast<float>(lower) < *std::max_element(rowMax_.begin(), rowMax_.end()))) return;
+    const Stamp stamp(ellipsoid, first_);
+    const auto h = static_cast<float>(voxelSize_);
+    const float halfRow = 0.5f * (kTileSide - 1) * h;
+    std::array<Lanes, Dim> x;
+    for (std::size_t slab = 0; slab < kRows; slab += kLanes) {
+        const float across = Dim == 3 ? static_cast<float>(slab / kLanes) * h : 0;
+        // Of eight rows, from their middles, which the void is near enough to.
+        if constexpr (Dim == 3) x[0] = stamp.start[0] + across;
+        x[Dim - 2] = stamp.start[Dim - 2] + ramp() * h;
+        x[Dim - 1] = stamp.start[Dim - 1] + halfRow;
+        const Lanes nearest = stamp.lower(stamp.place(x)) - halfRow;
+        forEachSet(nearest < load(&rowMax_[slab]), [&](std::size_t r) {
+            const std::size_t row = slab + r;
+            x[Dim - 2] = stamp.start[Dim - 2] + static_cast<float>(r) * h;
+            x[Dim - 1] = stamp.start[Dim - 1] + ramp() * h;
+            const auto place = stamp.place(x);
+            Lanes value = load(&values_[row * kLanes]);
+            if (none_of(stamp.lower(place) < value)) return;
+            const Lanes distance = ellipseDistance(stamp.a, stamp.b, stdx::fabs(place.along),
+                                                   stdx::sqrt(place.across2), place.f);
+            Lanes here = choose(place.f < 1.0f, -distance, distance);
+            here = choose(here < -inside_, Lanes(-inside_), here);
+            value = choose(here < value, here, value);
+            value.copy_to(&values_[row * kLanes], stdx::element_aligned);
+            rowMax_[row] = hmax(value);
+        });
     }
 }
 
@@ -143,7 +179,9 @@ VoidAtTile<Dim> boundsAt(const Ellipsoid<Dim>& e, const Vec<Dim>& middle, double
     const double f = std::sqrt(along * along / (e.a * e.a) + across / (e.b * e.b));
     const double shorter = std::min(e.a, e.b), longer = std::max(e.a, e.b);
     VoidAtTile<Dim> bounds;
-    bounds.lower = (f > 1 ? (f - 1) * shorter : -std::min(shorter, (1 - f) * longer)) - radius;
+    const double a2 = e.a * e.a, b2 = e.b * e.b;
+    const double steep = std::sqrt(along * along / (a2 * a2) + across / (b2 * b2));
+    bounds.lower = (f > 1 ? (f - 1) * f / steep : -std::min(shorter, (1 - f) * longer)) - radius;
     bounds.upper = (f > 1 ? far * (1 - 1 / f) : (f - 1) * shorter) + radius;
     return bounds;
 }

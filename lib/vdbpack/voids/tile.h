@@ -30,7 +30,8 @@ public:
     Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, double outside);
 
     /// Takes the smaller of the present value and the distance to a void at every voxel.
-    void stamp(const Ellipsoid<Dim>& ellipsoid);
+    /// @param lower  as of `boundsAt`: a void no nearer than all that is there changes nothing.
+    void stamp(const Ellipsoid<Dim>& ellipsoid, double lower);
     /// All voxels lie inside, deeper than the band.
     void fillInside();
     bool isInside() const;   ///< all values are those of the band's inner end
@@ -41,9 +42,12 @@ public:
     const std::array<float, kTileVoxels<Dim>>& values() const { return values_; }
 
 private:
+    struct Stamp;
+
     Vec<Dim> first_;
     double voxelSize_;
     float inside_, outside_;
+    alignas(32) std::array<float, kTileVoxels<Dim> / kTileSide> rowMax_;  ///< of each row
     alignas(32) std::array<float, kTileVoxels<Dim>> values_;
 };
 
