@@ -152,9 +152,9 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         return;
     }
     const double scale = recipe.scale * millimetersPer(recipe.unit);
-    isLevelSet_ = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
-    if (isLevelSet_) {
-        mesh_ = levelSetMesh(text, recipe.gridName, scale);
+    if (text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0) {
+        levelSet_ = levelSetGrid(text, recipe.gridName, scale);
+        mesh_ = levelSetMesh(*levelSet_, text);
     } else {
         MeshReadOptions options;
         options.unit = recipe.unit;
@@ -199,10 +199,8 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         // A pivot must know its clearance up to its reach, and so must the interior fraction.
         options.depth = 3 * maxRadius;
         options.name = recipe_.source;
-        built.mesh = isLevelSet_ ? levelSetDomain(recipe_.source, recipe_.gridName,
-                                                  recipe_.scale * millimetersPer(recipe_.unit),
-                                                  options, callbacks)
-                                 : meshDomain(*mesh_, options, callbacks);
+        built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
+                               : meshDomain(*mesh_, options, callbacks);
     }
     built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
     if (slice_) {

@@ -47,7 +47,8 @@ public:
         std::shared_ptr<const MeshDomain> mesh;  ///< what `space` was cut from, if a file
         double sliceHeight = 0;                  ///< mm
     };
-    /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set in
+    /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set
+    /// in
     ///                   such voxels then comes with it. 0: none.
     Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
                 double voxelSize = 0) const;
@@ -65,9 +66,9 @@ public:
 
 private:
     DomainRecipe recipe_;
-    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
-    bool isLevelSet_ = false;
-    std::shared_ptr<const Domain<3>> space_;  ///< of a shape
+    std::optional<TriangleMesh> mesh_;         ///< of a file, level sets contoured
+    std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
+    std::shared_ptr<const Domain<3>> space_;   ///< of a shape
     std::shared_ptr<const Domain<2>> plane_;
     std::optional<Shape<3>> shape3_;  ///< the same for checks
     std::optional<Shape<2>> shape2_;

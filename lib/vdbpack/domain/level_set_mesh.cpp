@@ -95,48 +95,51 @@ auto withLevelSet(const std::string& path, const std::string& gridName, double s
 
 }  // namespace
 
-TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
-    return withLevelSet(path, gridName, scale, [&](const FloatGrid::Ptr& grid) {
-        const openvdb::math::Transform transform = grid->transform();
-        // Contoured in voxels and moved in double: a translation far from zero would cost digits.
-        grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
-        openvdb::tools::VolumeToMesh mesher(0.0);
-        mesher(*grid);
+TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
+    const FloatGrid::Ptr grid = given.grid->copy();
+    const openvdb::math::Transform transform = grid->transform();
+    // Contoured in voxels and moved in double: a translation far from zero would cost digits.
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+    openvdb::tools::VolumeToMesh mesher(0.0);
+    mesher(*grid);
 
-        TriangleMesh mesh;
-        mesh.vertices.reserve(mesher.pointListSize());
-        for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
-            const openvdb::Vec3s& p = mesher.pointList()[i];
-            const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p)) * scale;
-            mesh.vertices.push_back({{x[0], x[1], x[2]}});
+    TriangleMesh mesh;
+    mesh.vertices.reserve(mesher.pointListSize());
+    for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
+        const openvdb::Vec3s& p = mesher.pointList()[i];
+        const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p));
+        mesh.vertices.push_back({{x[0], x[1], x[2]}});
+    }
+    // OpenVDB winds its polygons clockwise seen from outside. A mirroring transform turns that
+    // round.
+    const bool mirrored = transform.baseMap()->determinant() < 0;
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (mirrored)
+            mesh.triangles.push_back({a, b, c});
+        else
+            mesh.triangles.push_back({a, c, b});
+    };
+    for (std::size_t i = 0; i < mesher.polygonPoolListSize(); ++i) {
+        const auto& pool = mesher.polygonPoolList()[i];
+        for (std::size_t k = 0; k < pool.numQuads(); ++k) {
+            const openvdb::Vec4I& q = pool.quad(k);
+            add(q[0], q[1], q[2]);
+            add(q[0], q[2], q[3]);
         }
-        // OpenVDB winds its polygons clockwise seen from outside. A mirroring transform turns
-        // that round.
-        const bool mirrored = transform.baseMap()->determinant() < 0;
-        const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-            if (mirrored)
-                mesh.triangles.push_back({a, b, c});
-            else
-                mesh.triangles.push_back({a, c, b});
-        };
-        for (std::size_t i = 0; i < mesher.polygonPoolListSize(); ++i) {
-            const auto& pool = mesher.polygonPoolList()[i];
-            for (std::size_t k = 0; k < pool.numQuads(); ++k) {
-                const openvdb::Vec4I& q = pool.quad(k);
-                add(q[0], q[1], q[2]);
-                add(q[0], q[2], q[3]);
-            }
-            for (std::size_t k = 0; k < pool.numTriangles(); ++k) {
-                const openvdb::Vec3I& t = pool.triangle(k);
-                add(t[0], t[1], t[2]);
-            }
+        for (std::size_t k = 0; k < pool.numTriangles(); ++k) {
+            const openvdb::Vec3I& t = pool.triangle(k);
+            add(t[0], t[1], t[2]);
         }
-        if (mesh.triangles.empty())
-            throw InputError(
-                fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
-                            path, grid->getName()));
-        return mesh;
-    });
+    }
+    if (mesh.triangles.empty())
+        throw InputError(
+            fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
+                        name, grid->getName()));
+    return mesh;
+}
+
+TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
+    return levelSetMesh(*levelSetGrid(path, gridName, scale), path);
 }
 
 bool holdsLevelSet(const std::string& path) {

@@ -78,10 +78,13 @@ std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
 
 class MeshDomainSampler : public DomainSampler<3> {
 public:
-    MeshDomainSampler(const VdbField& field, const FacetBins<3>& bins, const MeshSides& sides)
+    /// @param contour  the triangles are the field's own contour: none passes between voxels alike.
+    MeshDomainSampler(const VdbField& field, const FacetBins<3>& bins, const MeshSides& sides,
+                      bool contour)
         : field_(field),
           bins_(bins),
           sides_(sides),
+          contour_(contour),
           depth_(field.depth()),
           slack_(0.3 * field.voxelSize()) {}
 
@@ -93,7 +96,10 @@ public:
         return distance_;
     }
 
-    bool contains(const Vec<3>& x) override { return sides_.inside(x); }
+    bool contains(const Vec<3>& x) override {
+        const int side = contour_ ? field_.sideAround(x) : 0;
+        return side != 0 ? side < 0 : sides_.inside(x);
+    }
 
     // A search that knows about how far to look meets fewer triangles; if the field was too wrong
     // for that, it is repeated with the full reach.
@@ -109,6 +115,7 @@ private:
     VdbField::Sampler field_;
     const FacetBins<3>& bins_;
     const MeshSides& sides_;
+    bool contour_;
     double depth_;
     double slack_;
     Vec<3> last_{{std::numeric_limits<double>::quiet_NaN(), 0, 0}};
@@ -121,6 +128,7 @@ struct Parts {
     std::vector<std::int8_t> facing;
     std::vector<std::uint8_t> depthOfTriangle;  // empty: no shell lies in another
     std::string name;
+    bool contour = false;  // the mesh is the contour of the field
     double volume = 0;
     double area = 0;
     DomainFacts facts;
@@ -153,7 +161,7 @@ public:
     }
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
-        return std::make_unique<MeshDomainSampler>(*parts_.field, bins_, sides_);
+        return std::make_unique<MeshDomainSampler>(*parts_.field, bins_, sides_, parts_.contour);
     }
     DomainFacts facts() const override { return parts_.facts; }
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
@@ -226,8 +234,15 @@ std::string flawsOf(const MeshHealth& health) {
         health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
 }
 
-Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::string& kind,
-                const Callbacks& callbacks) {
+/// Whether a level set in voxels of `voxelSize` can be the field, where `wanted` is the size of
+/// those that would be made.
+bool isAbout(double voxelSize, double wanted) {
+    return voxelSize > 0.4 * wanted && voxelSize < 1.5 * wanted;
+}
+
+/// @param levelSet  that the mesh is the contour of; null: none.
+Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& options,
+                const std::string& kind, const Callbacks& callbacks) {
     const std::string& name = options.name;
     for (const double value : {options.voxelSize, options.depth, options.detail})
         if (!(value >= 0) || !std::isfinite(value))
@@ -257,9 +272,19 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
     requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
     callbacks.report("domain", 0, 0);
-    parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
+    const bool own = levelSet != nullptr && isAbout(voxelSizeOf(*levelSet), voxelSize) &&
+                     VdbField::fits(*levelSet);
+    parts.contour = own;
+    if (own) {
+        voxelSize = voxelSizeOf(*levelSet);
+        parts.field = std::make_unique<VdbField>(*levelSet, options.depth);
+    } else {
+        parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
+    }
     callbacks.report("domain", 0.8, static_cast<double>(parts.field->activeVoxels()));
     Verdict verdict = judge(*parts.field, health);
+    // The signs of a level set are those of its contour, however thin its walls are.
+    if (own && health.isWatertight()) verdict = {true, health.enclosedVolume};
     if (!verdict.sound) {
         // Thin walls in coarse voxels are no fault of the mesh; a hole shows at any size.
         const double coarseVolume = verdict.fieldVolume;
@@ -303,18 +328,25 @@ Parts makeParts(TriangleMesh mesh, const FieldOptions& options, const std::strin
 
 std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptions& options,
                                              const Callbacks& callbacks) {
-    auto domain =
-        std::make_shared<FieldDomain>(makeParts(std::move(mesh), options, "mesh", callbacks));
+    auto domain = std::make_shared<FieldDomain>(
+        makeParts(std::move(mesh), nullptr, options, "mesh", callbacks));
     callbacks.report("domain", 1, static_cast<double>(domain->facts().activeVoxels));
     return domain;
+}
+
+std::shared_ptr<const MeshDomain> levelSetDomain(std::shared_ptr<const VdbGrid> grid,
+                                                 TriangleMesh mesh, const FieldOptions& options,
+                                                 const Callbacks& callbacks) {
+    return std::make_shared<FieldDomain>(
+        makeParts(std::move(mesh), grid.get(), options, "levelset", callbacks));
 }
 
 std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
                                                  const std::string& gridName, double scale,
                                                  const FieldOptions& options,
                                                  const Callbacks& callbacks) {
-    return std::make_shared<FieldDomain>(
-        makeParts(levelSetMesh(path, gridName, scale), options, "levelset", callbacks));
+    const auto grid = levelSetGrid(path, gridName, scale);
+    return levelSetDomain(grid, levelSetMesh(*grid, path), options, callbacks);
 }
 
 double defaultVoxelSize(const TriangleMesh& mesh, double detail) {

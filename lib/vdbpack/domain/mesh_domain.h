@@ -55,6 +55,9 @@ std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptio
 /// whose voxels are not cubes, ParameterError if `scale` is not positive.
 TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale);
 
+/// The same of a level set in mm. `name` stands for it in messages.
+TriangleMesh levelSetMesh(const VdbGrid& grid, const std::string& name);
+
 /// Whether a .vdb file holds a level set at all; false as well where it cannot be read.
 bool holdsLevelSet(const std::string& path);
 
@@ -67,8 +70,14 @@ double voxelSizeOf(const VdbGrid& grid);
 /// The box around the band of a level set, mm.
 Box<3> bandBounds(const VdbGrid& grid);
 
-/// The inside of a level set read from a .vdb file; its zero contour is the wall. As
-/// `levelSetMesh`, then as `meshDomain`.
+/// The inside of a level set; its zero contour `mesh` (of `levelSetMesh`) is the wall. The level
+/// set itself is the field where its voxels are about of the size wanted and lie along x, y, z;
+/// else one is made as by `meshDomain`. @throws as `meshDomain`
+std::shared_ptr<const MeshDomain> levelSetDomain(std::shared_ptr<const VdbGrid> grid,
+                                                 TriangleMesh mesh, const FieldOptions& options,
+                                                 const Callbacks& callbacks = {});
+
+/// The same, read from a .vdb file. @throws as `levelSetMesh` besides.
 std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
                                                  const std::string& gridName, double scale,
                                                  const FieldOptions& options,

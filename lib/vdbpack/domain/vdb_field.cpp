@@ -4,6 +4,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/vdb_init.h"
+#include "vdbpack/domain/widened.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/ChangeBackground.h>
@@ -135,6 +136,39 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
     }
 }
 
+VdbField::VdbField(const VdbGrid& levelSet, double depth) : impl_(std::make_unique<Impl>()) {
+    initializeOpenVdb();
+    const auto& transform = levelSet.grid->transform();
+    const double h = transform.voxelSize()[0];
+    const auto origin = transform.indexToWorld(openvdb::Vec3d(0, 0, 0));
+    impl_->voxelSize = h;
+    impl_->origin = {{origin[0], origin[1], origin[2]}};
+    const double insideVoxels =
+        std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / h) + 1);
+    const double band = static_cast<double>(levelSet.grid->background()) / h;
+    try {
+        // Without the translation, which would cost digits far from zero.
+        const FloatGrid::Ptr grid = levelSet.grid->copy();
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+        impl_->grid = band >= insideVoxels
+                          ? grid
+                          : widened(*grid, static_cast<int>(std::ceil(insideVoxels - band)));
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(fmt::format(
+            "not enough memory for a level set of voxels of {:.4g} mm; give a larger --voxel", h));
+    }
+    impl_->depth = (std::max(band, insideVoxels) - 1) * h;
+}
+
+bool VdbField::fits(const VdbGrid& levelSet) {
+    const openvdb::Mat4d m = levelSet.grid->transform().baseMap()->getAffineMap()->getMat4();
+    const double h = levelSet.grid->voxelSize()[0];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (std::abs(m[i][j] - (i == j ? h : 0)) > 1e-9 * h) return false;
+    return levelSet.grid->background() > 0;
+}
+
 VdbField::~VdbField() = default;
 
 double VdbField::voxelSize() const {
@@ -202,6 +236,19 @@ struct VdbField::Sampler::Impl {
 VdbField::Sampler::Sampler(const VdbField& field) : impl_(std::make_unique<Impl>(*field.impl_)) {}
 
 VdbField::Sampler::~Sampler() = default;
+
+int VdbField::Sampler::sideAround(const Vec<3>& x) {
+    Coord corner;
+    for (int i = 0; i < 3; ++i) {
+        const double floor = std::floor((x[i] - impl_->origin[i]) * impl_->inverse);
+        if (!(std::abs(floor) < 1e9)) return 1;
+        corner[i] = static_cast<int>(floor);
+    }
+    int inside = 0;
+    for (int i = 0; i < 8; ++i)
+        inside += impl_->accessor.getValue(corner.offsetBy(i & 1, i >> 1 & 1, i >> 2)) < 0;
+    return inside == 8 ? -1 : inside == 0 ? 1 : 0;
+}
 
 double VdbField::Sampler::operator()(const Vec<3>& x) {
     double w[3];

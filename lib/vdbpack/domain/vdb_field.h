@@ -24,6 +24,11 @@ public:
     /// @throws ResourceError if memory does not suffice.
     VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& depthOfTriangle,
              double voxelSize, double depth);
+    /// A level set as it is, in its own voxels; where its band is not deep enough it is widened by
+    /// the fast sweeping method (Zhao 2004, doi:10.1090/S0025-5718-04-01678-3).
+    VdbField(const VdbGrid& levelSet, double depth);
+    /// Whether that can be: its voxels lie along x, y, z.
+    static bool fits(const VdbGrid& levelSet);
     ~VdbField();
     VdbField(const VdbField&) = delete;
     VdbField& operator=(const VdbField&) = delete;
@@ -45,6 +50,8 @@ public:
         ~Sampler();
         /// Trilinear in the signed distances of the lattice, mm.
         double operator()(const Vec<3>& x);
+        /// -1 or 1 where all eight voxels around `x` lie inside or outside, else 0.
+        int sideAround(const Vec<3>& x);
 
     private:
         struct Impl;
