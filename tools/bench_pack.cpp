@@ -3,6 +3,7 @@
 // meshToVolume at the same voxel size and band; and how fast it answers. Each in one run.
 #include "bench_lookups.h"
 #include "bench_measure.h"
+#include "bench_voids.h"
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
@@ -359,7 +360,8 @@ int main(int argc, char** argv) {
             return benchAllLookups({words.begin() + 1, words.end()});
         std::vector<std::string> meshes;
         const bool measures = !words.empty() && words[0] == "measure";
-        bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures);
+        const bool voids = !words.empty() && words[0] == "voids";
+        bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures || voids);
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
             if (words[i] == "--quick")
@@ -372,7 +374,10 @@ int main(int argc, char** argv) {
             else
                 usable = false;
         }
-        if (usable && measures) {
+        if (usable && voids) {
+            for (const auto& mesh : meshes) benchVoids(mesh, threads, quick ? 50000 : 349748);
+            if (!meshes.empty()) return 0;
+        } else if (usable && measures) {
             if (meshes.empty()) {
                 benchMeasure(threads, quick ? 120 : 370, quick ? 128 : 256);
                 return 0;
@@ -392,6 +397,9 @@ int main(int argc, char** argv) {
                "same\n    voxel size and band; the least of three runs each, in turn\n"
                "bench_pack measure [--quick] [--threads T]\n"
                "    what all measures of a pack and the morphometry of a sample cost\n"
+               "bench_pack voids [--quick] [--threads T] MESH[:UNIT] ...\n"
+               "    what stamping 100,000 ellipsoids costs, beside csgDifference one by one and\n"
+               "    beside packing\n"
                "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
     return 2;
