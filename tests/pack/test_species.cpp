@@ -6,6 +6,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 using namespace vdbpack;
@@ -95,6 +96,30 @@ TEMPLATE_TEST_CASE_SIG("a pack of species is the same for any number of threads"
         REQUIRE(one.pack.spheres == other.pack.spheres);
         REQUIRE(one.species == other.species);
     }
+}
+
+TEST_CASE("a species leaves out no layer at the faces of blocks", "[pack][species]") {
+    const auto domain = boxDomain<3>({Box<3>::filled(0), Box<3>::filled(80)});
+    // Two blocks along each axis.
+    std::array<double, 20> layers{};
+    double inner = 0;
+    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+        auto options = twoSpecies<3>(0.02);
+        options.seed = seed;
+        const auto result = packSpheres(*domain, options);
+        REQUIRE(result.blocks == 8);
+        for (std::size_t i = 0; i < result.species.size(); ++i) {
+            if (result.species[i] == 0) continue;
+            for (const double x : result.pack.spheres[i].center.c) {
+                layers[static_cast<std::size_t>(x / 4)] += 1;
+                if (x > 8 && x < 72) inner += 1.0 / 16;
+            }
+        }
+    }
+    CAPTURE(layers);
+    for (std::size_t k = 2; k < 18; ++k) REQUIRE(std::fabs(layers[k] / inner - 1) < 0.5);
+    // Nor does one pile up where the front ends.
+    REQUIRE(layers[18] + layers[19] < 2.2 * (layers[0] + layers[1]));
 }
 
 TEST_CASE("a species that is never drawn leaves the pack as it is", "[pack][species]") {

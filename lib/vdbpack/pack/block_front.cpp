@@ -125,7 +125,7 @@ private:
     void runFront();
     void grow(std::uint32_t site);
     void giveUp(std::uint32_t index);
-    bool setDown(std::uint32_t site, double radius, double depth);
+    bool setDown(std::uint32_t site, double radius, double depth, double beyond);
     bool placeFurther(std::uint32_t site);
     void countElement(const Vec<Dim>& center);
     bool centerAt(std::uint32_t site, double radius, Vec<Dim>& center) const;
@@ -137,7 +137,7 @@ private:
     std::uint32_t keepPlane(std::uint32_t sphere, const Plane& plane);
     void learn(std::uint32_t pivot, const Plane& plane);
     int planesOf(std::uint32_t sphere) const;
-    bool placeAt(const Vec<Dim>& center, double radius);
+    bool placeAt(const Vec<Dim>& center, double radius, double beyond);
     bool placePending(const Vec<Dim>& center, std::size_t k);
     void fillPlace(Vec<Dim> x);
 
@@ -204,7 +204,7 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     local_.assign(around.spheres.size(), kNone);
     for (std::size_t i = 0; i < around.spheres.size(); ++i) {
         const Sphere<Dim> local{around.spheres[i].center - state_.origin, around.spheres[i].radius};
-        const double far = local.radius + settings.maxRadius;
+        const double far = local.radius + (further_ ? 2 : 1) * settings.maxRadius;
         if (state_.own.squaredDistance(local.center) >= far * far) continue;
         local_[i] = static_cast<std::uint32_t>(state_.spheres.size());
         add(local);
@@ -626,7 +626,7 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
     if (pool_->largest() > settings.wideRadius) {
         if (wideWait_ > 0) {
             --wideWait_;
-        } else if (setDown(index, pool_->largest(), 0)) {
+        } else if (setDown(index, pool_->largest(), 0, 0)) {
             pool_->take(pool_->size() - 1);
             widePause_ = 1;
             if (!ends_[index].dead) enqueue(index);
@@ -668,7 +668,9 @@ void BlockFront<Dim>::Work::grow(std::uint32_t index) {
 template <int Dim>
 bool BlockFront<Dim>::Work::placeFurther(std::uint32_t index) {
     const SpeciesQueue::Due due = further_->next();
-    if (!setDown(index, due.radius, due.depth)) return false;
+    // Across the faces to blocks to come as well: once this one has filled up to them, no place as
+    // large is left there.
+    if (!setDown(index, due.radius, due.depth, state_.settings.maxRadius)) return false;
     species_.resize(state_.spheres.size());
     species_.back() = due.species;
     further_->take();
@@ -684,9 +686,11 @@ void BlockFront<Dim>::Work::countElement(const Vec<Dim>& center) {
 
 /// Places a sphere ahead of the front, as near to a site as there is room: one far larger than the
 /// others would hardly ever fit between three of them.
-/// @param depth  that its surface keeps from the wall, mm.
+/// @param depth   that its surface keeps from the wall, mm.
+/// @param beyond  how far its center may lie across the faces to blocks to come, mm.
 template <int Dim>
-bool BlockFront<Dim>::Work::setDown(std::uint32_t index, double radius, double depth) {
+bool BlockFront<Dim>::Work::setDown(std::uint32_t index, double radius, double depth,
+                                    double beyond) {
     const FrontSettings<Dim>& settings = state_.settings;
     // What snapping takes off must not be missing from the depth.
     const double room = radius + (depth > 0 ? depth + settings.quantum : 0);
@@ -715,14 +719,17 @@ bool BlockFront<Dim>::Work::setDown(std::uint32_t index, double radius, double d
         Plane plane;
         double distance = room;
         if (most == 0 &&
-            findPlane(sphere(sites_[index].pivot).center, x, room, room, plane, distance))
+            findPlane(sphere(sites_[index].pivot).center, x, room, room, plane, distance)) {
+            // All that the last layers ask for would lie side by side at the wall.
+            if (beyond > 0 && dot(plane.normal, ahead) < 0) return false;
             by = plane.normal * (room + 2 * settings.quantum - dot(x - plane.point, plane.normal));
-        else if (most == 0)
+        } else if (most == 0) {
             break;
+        }
         x += by;
-        if (step == kSetDownSteps || !state_.owns(x)) return false;
+        if (step == kSetDownSteps || !state_.owns(x, beyond)) return false;
     }
-    return placeAt(state_.snapped(x), radius);
+    return placeAt(state_.snapped(x), radius, beyond);
 }
 
 /// Where a sphere of `radius` rests at a site, in double.
@@ -932,8 +939,8 @@ bool BlockFront<Dim>::Work::polish(const FrontSite& site, double radius, Vec<Dim
 
 /// Places a sphere at `center` if it is free there.
 template <int Dim>
-bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, double radius) {
-    if (!state_.owns(center)) return false;
+bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, double radius, double beyond) {
+    if (!state_.owns(center, beyond)) return false;
     around_.collect(state_.cells, center, reachOf(radius), kNone);
     double distance = 0;
     hasWall_ = findPlane(center, center, radius, reachOf(radius), wall_, distance);
@@ -948,7 +955,7 @@ bool BlockFront<Dim>::Work::placeAt(const Vec<Dim>& center, double radius) {
 /// The same with the `k`-th pending radius.
 template <int Dim>
 bool BlockFront<Dim>::Work::placePending(const Vec<Dim>& center, std::size_t k) {
-    if (!placeAt(center, (*pool_)[k])) return false;
+    if (!placeAt(center, (*pool_)[k], 0)) return false;
     pool_->take(k);
     countElement(center);
     return true;

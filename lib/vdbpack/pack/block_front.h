@@ -77,12 +77,14 @@ public:
     ~BlockFront();
 
     /// @param own       where the front of this block grows, mm; its faces are multiples of the
-    ///                  quantum. Centers placed lie in [search.lo, own.hi), half-open.
+    ///                  quantum. Centers placed lie in [search.lo, own.hi), half-open; those of
+    ///                  further species up to a largest radius past own.hi.
     /// @param search    where no place may be left at the end, mm. It lags behind `own` towards
     ///                  the finished blocks: what is left at a face that another block will
     ///                  grow across is better filled by that block's front.
-    /// @param around    spheres that stand within a largest radius of `own` or `search` (others do
-    ///                  no harm), in an order fixed by the caller, and the sites on them in `own`.
+    /// @param around    spheres that stand within a largest radius (with further species, two) of
+    ///                  `own` or `search` (others do no harm), in an order fixed by the caller, and
+    ///                  the sites on them in `own`.
     /// @param pool      pending radii; filled up and left for the next block.
     /// @param further   what is due of further species, left for the next block; null: none.
     /// @param sampler   of this thread, for the domain.

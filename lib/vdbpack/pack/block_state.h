@@ -58,9 +58,10 @@ struct BlockState {
     CellList<Dim> cells;  ///< of all `spheres`
     DomainSampler<Dim>* sampler = nullptr;
 
-    bool owns(const Vec<Dim>& x) const {
+    /// @param beyond  what counts as part of the block past its upper faces, mm.
+    bool owns(const Vec<Dim>& x, double beyond = 0) const {
         for (int d = 0; d < Dim; ++d)
-            if (!(own.lo[d] <= x[d] && x[d] < own.hi[d])) return false;
+            if (!(own.lo[d] <= x[d] && x[d] < own.hi[d] + beyond)) return false;
         return true;
     }
 

@@ -104,6 +104,8 @@ public:
                 here.spheres.push_back(grown);
             }
         }
+        for (const Species& species : options.species)
+            hasSpecies_ = hasSpecies_ || species.probability > 0;
         cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
         expected_ = 0.6 * domain.measure() / settings_.meanBall;
     }
@@ -227,7 +229,7 @@ private:
         if (!block.pool)
             block.pool = std::make_unique<RadiusPool>(
                 options_.sizes, options_.seed, b, poolCapacity(options_.effort), shellOf(options_));
-        if (!block.further && !options_.species.empty())
+        if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
         block.pool->setCapacity(
@@ -237,7 +239,8 @@ private:
         const Box<Dim> search = lattice_.search(b);
         Box<Dim> reach = own;
         for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
-        reach = reach.grown(2 * settings_.maxRadius);
+        // Spheres of further species may lie across the upper faces of their block.
+        reach = reach.grown((hasSpecies_ ? 3 : 2) * settings_.maxRadius);
         thread.around.clear();
         for (const std::uint32_t n : lattice_.lowerNeighbors(b)) {
             const std::uint32_t here = BlockSpheres<Dim>::bit(lattice_.offset(n, b));
@@ -324,6 +327,7 @@ private:
     std::atomic<std::int64_t> count_{0};
     std::mutex reporting_;
     double expected_ = 1;
+    bool hasSpecies_ = false;  ///< that are ever drawn
 };
 
 }  // namespace
