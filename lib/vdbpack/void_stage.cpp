@@ -39,6 +39,8 @@ constexpr double kThicknessTolerance = 0.01;
 constexpr int kMostRounds = 16, kThicknessRounds = 4;
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
+/// Radii of large spheres pending at a time, as a share of those that fit and at least and most.
+constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
@@ -237,6 +239,9 @@ Family<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* c
     options.seed = s.seed;
     std::unique_ptr<Domain<Dim>> inset;
     if (s.recipe.shell > 0) inset = insetDomain(s.domain, s.recipe.shell);
+    const double expected = 0.6 * coreOf(s) / options.sizes.meanBall(Dim);
+    options.pending = static_cast<std::size_t>(
+        std::clamp(kPendingShare * expected, kPendingVoids[0], kPendingVoids[1]));
     Callbacks quiet;
     quiet.cancelled = s.callbacks.cancelled;
     const auto result = packSpheres(inset ? *inset : s.domain, options, quiet);

@@ -22,12 +22,14 @@ namespace {
 
 /// Pending radii that a row of blocks holds: more raise the density a little, but those of the
 /// last rows are never placed.
-std::size_t poolCapacity(Effort effort) {
-    return effort == Effort::dense ? 256 : 64;
+std::size_t poolCapacity(const PackOptions& options) {
+    if (options.pending > 0) return options.pending;
+    return options.effort == Effort::dense ? 256 : 64;
 }
 /// The same for a block whose pool goes nowhere.
-std::size_t lastCapacity(Effort effort) {
-    return effort == Effort::dense ? 128 : 64;
+std::size_t lastCapacity(const PackOptions& options) {
+    if (options.pending > 0) return options.pending;
+    return options.effort == Effort::dense ? 128 : 64;
 }
 
 /// FrontSettings::lead and reach in largest radii. Box 200, radii 1 to 2, total / interior:
@@ -227,13 +229,13 @@ private:
             }
         }
         if (!block.pool)
-            block.pool = std::make_unique<RadiusPool>(
-                options_.sizes, options_.seed, b, poolCapacity(options_.effort), shellOf(options_));
+            block.pool = std::make_unique<RadiusPool>(options_.sizes, options_.seed, b,
+                                                      poolCapacity(options_), shellOf(options_));
         if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
         block.pool->setCapacity(
-            lattice_.endsPool(b) ? lastCapacity(options_.effort) : poolCapacity(options_.effort),
+            lattice_.endsPool(b) ? lastCapacity(options_) : poolCapacity(options_),
             settings_.wideRadius);
         const Box<Dim> own = lattice_.own(b);
         const Box<Dim> search = lattice_.search(b);

@@ -26,6 +26,9 @@ struct PackOptions {
     int threads = 0;         ///< 0: all cores; the pack is the same for any number
     Effort effort = Effort::normal;
     Order order = Order::sweep;
+    /// Radii that wait at a time for a place; 0: by the effort, 64 or more. They are never placed,
+    /// and those that are come the larger the earlier: few spheres want few.
+    std::size_t pending = 0;
     double gap = 0;             ///< least distance between spheres, and of spheres to the wall, mm
     std::int64_t maxCount = 0;  ///< stop at this many spheres; 0: when full
     double blockSide = 0;       ///< edge of a block, mm; 0: from radii, domain and order
