@@ -472,6 +472,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
     const double voxel = voxelFor(r, shape.radius.min() * std::min(1.0, shape.aspect.min()));
     PackResult<Dim> result;
     std::size_t holes = 0;
+    double wanted = 0;
     const auto bvtvAt = [&](double probability) {
         PackOptions mixed = options;
         mixed.species.push_back({shape.radius, probability, r.shell});
@@ -488,6 +489,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         const auto deep = deeperThan(result.pack.spheres, s.domain, r.shell);
         const auto core = std::max<std::ptrdiff_t>(1, std::count(deep.begin(), deep.end(), 1));
         made.report.reachedShare = static_cast<double>(holes) / static_cast<double>(core);
+        wanted = probability * static_cast<double>(core);
         keepOnly(result.pack, keep);
         // Placed in this order, without gaps.
         for (std::size_t i = 0; i < result.pack.order.size(); ++i)
@@ -515,7 +517,8 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         s.callbacks.warn(
             "no hole found room: give smaller ones, a larger --void-probability or a "
             "thinner shell");
-    else if (*made.report.reachedShare < 0.8 * *made.report.amount)
+    else if (const auto found = static_cast<double>(holes);
+             found < 0.8 * wanted && found < wanted - 3 * std::sqrt(wanted))  // no chance
         s.callbacks.warn(
             fmt::format("{:.3g} of the spheres were to be holes, {:.3g} are: no more found room",
                         *made.report.amount, *made.report.reachedShare));
