@@ -200,64 +200,97 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
     command.add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
 }
 
-/// @param methods  that the command knows.
-void addVoidOptions(CLI::App& command, VoidRecipe& voids, const std::string& methods) {
+/// What there is to cut: spheres while they are packed, those of a file, or none.
+enum class VoidsIn { pack, file, nothing };
+
+void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
     const auto option = [&](const char* name, auto& value, const std::string& help,
-                            const char* text) {
+                            const std::string& text) {
         return command.add_option(name, value, help)->option_text(text)->group("Voids");
     };
-    option("--voids", voids.method, "how voids are made: " + methods, "METHOD")->check(notEmpty());
+    const bool front = in == VoidsIn::pack, spheres = in != VoidsIn::nothing;
+    const std::string packed = front ? ", mixed, ellipses" : "";
+    const auto orElse = [](bool first, const char* a, const char* b) {
+        return std::string(first ? a : b);
+    };
+    option("--voids", voids.method,
+           "how voids are made: grid, overlay, " + orElse(spheres, "concentric, threshold, ", "") +
+               orElse(front, "mixed, ellipses, ", "") + "boolean or list:FILE",
+           "METHOD")
+        ->check(notEmpty());
     option("--shell", voids.shell,
-           "thickness of the layer along the wall that voids leave whole, mm; alone it only sets "
-           "the region of each sphere",
+           "thickness of the layer along the wall that voids leave whole, mm" +
+               orElse(spheres, "; alone it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
-    option("--cull", voids.cull,
-           "centre: spheres with centers in voids go; touch: all that reach into one",
-           "centre|touch [centre]")
-        ->transform(oneOf(kCulls));
+    auto* cull = option("--cull", voids.cull,
+                        "centre: spheres with centers in voids go; touch: all that reach into one",
+                        "centre|touch [centre]")
+                     ->transform(oneOf(kCulls));
     command
         .add_flag("--keep-connected", voids.keepConnected,
                   "drop what does not hang together with the shell (without a shell: with the "
                   "largest piece)")
         ->group("Voids");
     option("--target-bvtv", voids.targetBvtv,
-           "as many voids (boolean, overlay), the probability (grid, mixed, ellipses) or D "
-           "(concentric, threshold) that leave this BV/TV deeper than the shell",
+           "as many voids (boolean, overlay)" +
+               orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
+               ")" + orElse(spheres, " or D (concentric, threshold)", "") +
+               " that leave this BV/TV deeper than the shell",
            "F");
     option("--target-tbth", voids.targetTbth,
-           "and voids of such a size that Tb.Th is this, mm (boolean)", "T");
+           "with --target-bvtv: voids of such a size that the mean thickness Tb.Th is this, mm "
+           "(boolean)",
+           "T");
     option("--void-voxel", voids.voxelSize, "edge of a voxel of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());
     option("--void-radius", voids.radius,
-           "shorter half-axis b of the voids, as --radius is written, mm", "SPEC")
+           "shorter half-axis b of the voids, as --radius is written, mm (" +
+               orElse(front, "mixed: radius of the holes; ", "") +
+               "overlay: spheres of b times aspect are packed)",
+           orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
         ->check(notEmpty());
-    option("--void-aspect", voids.aspect, "a / b, as --radius is written", "SPEC [constant:2]")
+    option("--void-aspect", voids.aspect,
+           "longer by shorter half-axis, a / b, as --radius is written", "SPEC [constant:2]")
         ->check(notEmpty());
-    option("--void-count", voids.count, "voids with centers deeper than the shell", "N");
+    option("--void-count", voids.count,
+           "number of voids, deeper than the shell (boolean; overlay, where all that fit is the "
+           "default)",
+           "N");
     option("--void-probability", voids.probability,
-           "that a box holds a void (grid), that a sphere is a hole (mixed, ellipses)",
-           "P [1; 0.02]");
-    option("--delete-fraction", voids.deleteFraction,
-           "the density relation D of concentric and threshold", "D");
+           "that a box holds a void (grid)" +
+               orElse(front, ", that a sphere is a hole (mixed, ellipses)", ""),
+           orElse(front, "P [1; 0.02]", "P [1]"));
+    auto* share =
+        option("--delete-fraction", voids.deleteFraction,
+               "density relation D: concentric deletes this share of the spheres, about some "
+               "within Rmin/D to Rmax/D; threshold those above Rmax - D (Rmax - Rmin)",
+               "D");
     option("--void-matrix", voids.matrix, "0 and 1 for the boxes of grid, top row first", "FILE")
         ->check(notEmpty());
-    option("--void-cell", voids.cell, "sides of a box of grid, mm: one, or one for each direction",
+    option("--void-cell", voids.cell,
+           "sides of a box of grid, mm: one, or one for each direction (default: as many boxes as "
+           "the matrix has)",
            "SIZE")
         ->check(notEmpty());
     option("--void-angles", voids.orientation.angles,
-           "isotropic | \"tz=SPEC;tx=SPEC\" | \"phi=SPEC\" (2D), rad or with suffix deg: turn of "
-           "the long axis, or scatter about --void-axis or --void-field",
+           "\"tz=SPEC;tx=SPEC\": long axes turned from z by tx about x, then by tz about z; "
+           "\"phi=SPEC\" (2D): from x by phi; isotropic. SPEC: V, uniform:A,B or "
+           "normal:MEAN,SD,A,B, in rad or with suffix deg. With --void-axis or --void-field: "
+           "scatter about that (default without those: isotropic for boolean, else up to 0.358 "
+           "about z, 2D: x)",
            "ANGLES")
         ->check(notEmpty());
     option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")
         ->check(notEmpty());
     option("--void-field", voids.orientation.field,
-           "their direction by place: .vdb (vectors, or a tensor's main axis) or .csv (x, y, z and "
-           "a direction or six stress components)",
+           "direction of the long axes by place: .vdb (vectors, or a tensor's main axis) or .csv "
+           "(x, y, z and a direction or six stress components), in mm",
            "FILE")
         ->check(notEmpty());
+    if (!spheres)
+        for (auto* of : {cull, share}) of->group("");  // accepted, of no use
 }
 
 }  // namespace
@@ -291,7 +324,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_option(
             "-o,--output", options.pack.outputs,
             "file to write: .vdb .vtp .ply .csv yade:FILE.txt, .svg for circles, contacts:FILE.csv "
-            "for the list of touching pairs; may be repeated")
+            "for the list of touching pairs, list:FILE.csv for that of voids; may be repeated")
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);
@@ -341,8 +374,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    addVoidOptions(*pack, options.pack.voids,
-                   "grid, overlay, concentric, threshold, mixed, ellipses, boolean or list:FILE");
+    addVoidOptions(*pack, options.pack.voids, VoidsIn::pack);
     pack->add_option("--seed", seeds,
                      "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
                      "each from one field ({seed} in names of outputs)")
@@ -386,7 +418,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    addVoidOptions(*voids, options.voids.voids, "grid, overlay, boolean or list:FILE");
+    addVoidOptions(*voids, options.voids.voids, VoidsIn::nothing);
     addRunOptions(*voids, options.voids.seed, options.voids.reportFile, options);
     voids->add_option("--threads", options.voids.threads, "threads")
         ->option_text("T [all cores]")
@@ -397,17 +429,17 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         app.add_subcommand("carve", "cut voids into a pack that exists")->fallthrough();
     addGivenPack(*carve, options.carve, "PACK", kPackHelp);
     carve
-        ->add_option("-o,--output", options.carve.outputs,
-                     "file to write, as pack does; .vdb holds surface, voids and solid as well; "
-                     "may be repeated")
+        ->add_option(
+            "-o,--output", options.carve.outputs,
+            "file to write, as pack does (.vdb: with level sets surface, voids and solid); "
+            "may be repeated")
         ->option_text("FILE")
         ->take_all();
     carve->add_option("--out-unit", options.carve.outUnit, "unit of what is written")
         ->transform(oneOf(kUnits))
         ->option_text("UNIT [mm]")
         ->group("Units");
-    addVoidOptions(*carve, options.carve.voids,
-                   "grid, overlay, concentric, threshold, boolean or list:FILE");
+    addVoidOptions(*carve, options.carve.voids, VoidsIn::file);
     addRunOptions(*carve, options.carve.seed, options.carve.reportFile, options);
 
     CLI::App* verify =
