@@ -272,19 +272,23 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
     callbacks.report("domain", 0, 0);
-    const bool own = levelSet != nullptr && isAbout(voxelSizeOf(*levelSet), voxelSize) &&
-                     VdbField::fits(*levelSet);
-    parts.contour = own;
-    if (own) {
+    const bool fits = levelSet != nullptr && health.isWatertight() && VdbField::fits(*levelSet);
+    const auto takeLevelSet = [&] {
+        parts.contour = true;
         voxelSize = voxelSizeOf(*levelSet);
         parts.field = std::make_unique<VdbField>(*levelSet, options.depth);
+        // Its signs are those of its contour, however thin its walls are.
+        return Verdict{true, health.enclosedVolume};
+    };
+    Verdict verdict;
+    if (fits && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
+        verdict = takeLevelSet();
     } else {
         parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
+        verdict = judge(*parts.field, health);
+        if (!verdict.sound && fits) verdict = takeLevelSet();
     }
     callbacks.report("domain", 0.8, static_cast<double>(parts.field->activeVoxels()));
-    Verdict verdict = judge(*parts.field, health);
-    // The signs of a level set are those of its contour, however thin its walls are.
-    if (own && health.isWatertight()) verdict = {true, health.enclosedVolume};
     if (!verdict.sound) {
         // Thin walls in coarse voxels are no fault of the mesh; a hole shows at any size.
         const double coarseVolume = verdict.fieldVolume;
