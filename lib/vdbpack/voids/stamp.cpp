@@ -18,7 +18,6 @@
 #include <fstream>
 #include <limits>
 #include <string>
-#include <tuple>
 
 namespace vdbpack {
 
@@ -43,7 +42,8 @@ struct Entry {
     std::uint32_t ellipsoid;
 
     friend bool operator<(const Entry& a, const Entry& b) {
-        return std::tie(a.tile, a.lower, a.ellipsoid) < std::tie(b.tile, b.lower, b.ellipsoid);
+        if (a.tile != b.tile) return a.tile < b.tile;
+        return a.lower != b.lower ? a.lower < b.lower : a.ellipsoid < b.ellipsoid;
     }
 };
 
@@ -211,7 +211,7 @@ std::unique_ptr<Leaf> makeLeaf(const Coord& at, const Tile<Dim>& tile, float ins
     Leaf::NodeMaskType active;
     for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
         // 2D: the plane of the leaf's first voxels.
-        const std::size_t n = Dim == 3 ? i : i * kTileSide;
+        const std::size_t n = Tile<Dim>::inLeaf(i) * (Dim == 3 ? 1 : kTileSide);
         const float v = tile.values()[i];
         values[n] = v;
         if (v > -inside && v < outside) active.setOn(static_cast<openvdb::Index>(n));

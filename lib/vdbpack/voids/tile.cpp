@@ -4,12 +4,63 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace vdbpack {
 
 namespace {
 
-static_assert(kTileSide == static_cast<int>(kLanes), "a row of a tile is one group of lanes");
+/// Eight voxels that lie close together are stamped at once: 2 x 2 x 2 of them, in the plane 2 x 4.
+template <int Dim>
+struct Blocks {
+    static constexpr std::size_t kCount = kTileVoxels<Dim> / kLanes;
+    static_assert(kCount % kLanes == 0);
+
+    Blocks() {
+        std::array<std::size_t, Dim> sides;
+        sides.fill(2);
+        if (Dim == 2) sides[Dim - 1] = 4;
+        double square = 0;
+        for (std::size_t d = 0; d < Dim; ++d) {
+            middle[d] = 0.5f * static_cast<float>(sides[d] - 1);
+            square += 0.25 * static_cast<double>((sides[d] - 1) * (sides[d] - 1));
+        }
+        radius = static_cast<float>(std::sqrt(square) * (1 + 1e-6));
+        for (std::size_t n = 0; n < kCount; ++n) {
+            std::size_t rest = n;
+            for (std::size_t d = Dim; d-- > 0;) {
+                const std::size_t along = kTileSide / sides[d];
+                first[d][n] = static_cast<float>(rest % along * sides[d]);
+                rest /= along;
+            }
+        }
+        for (std::size_t l = 0; l < kLanes; ++l) {
+            std::size_t rest = l;
+            for (std::size_t d = Dim; d-- > 0;) {
+                lane[d][l] = static_cast<float>(rest % sides[d]);
+                rest /= sides[d];
+            }
+        }
+        for (std::size_t v = 0; v < kTileVoxels<Dim>; ++v) {
+            std::size_t at = 0;
+            for (std::size_t d = 0; d < Dim; ++d)
+                at = at * kTileSide +
+                     static_cast<std::size_t>(first[d][v / kLanes] + lane[d][v % kLanes]);
+            inLeaf[v] = static_cast<std::uint16_t>(at);
+        }
+    }
+
+    std::array<std::array<float, kCount>, Dim> first;  ///< voxel of each block
+    std::array<std::array<float, kLanes>, Dim> lane;   ///< from the first to each of its voxels
+    std::array<float, Dim> middle;                     ///< from the first to the middle of a block
+    float radius;                                      ///< from there to its voxels
+    std::array<std::uint16_t, kTileVoxels<Dim>> inLeaf;
+
+    static const Blocks& get() {
+        static const Blocks blocks;
+        return blocks;
+    }
+};
 
 /// Rounds of `ellipseDistance`: what is left is below 1e-3 of the shorter half-axis up to ratios of
 /// 10.
@@ -50,11 +101,6 @@ constexpr int kRounds = 3;
     return stdx::sqrt(dx * dx + dy * dy);
 }
 
-const Lanes& ramp() {
-    static const Lanes lanes([](auto i) { return static_cast<float>(static_cast<int>(i)); });
-    return lanes;
-}
-
 }  // namespace
 
 template <int Dim>
@@ -64,7 +110,7 @@ Tile<Dim>::Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, do
       inside_(static_cast<float>(inside)),
       outside_(static_cast<float>(outside)) {
     values_.fill(outside_);
-    rowMax_.fill(outside_);
+    blockMax_.fill(outside_);
 }
 
 /// A void seen from the first voxel of a tile, in floats: positions are from the void's center, so
@@ -114,33 +160,33 @@ struct Tile<Dim>::Stamp {
 
 template <int Dim>
 void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid, double lower) {
-    constexpr std::size_t kRows = kTileVoxels<Dim> / kLanes;
-    if (!(static_cast<float>(lower) < *std::max_element(rowMax_.begin(), rowMax_.end()))) return;
+    if (!(static_cast<float>(lower) < *std::max_element(blockMax_.begin(), blockMax_.end())))
+        return;
+    const Blocks<Dim>& blocks = Blocks<Dim>::get();
     const Stamp stamp(ellipsoid, first_);
     const auto h = static_cast<float>(voxelSize_);
-    const float halfRow = 0.5f * (kTileSide - 1) * h;
-    std::array<Lanes, Dim> x;
-    for (std::size_t slab = 0; slab < kRows; slab += kLanes) {
-        const float across = Dim == 3 ? static_cast<float>(slab / kLanes) * h : 0;
-        // Of eight rows, from their middles, which the void is near enough to.
-        if constexpr (Dim == 3) x[0] = stamp.start[0] + across;
-        x[Dim - 2] = stamp.start[Dim - 2] + ramp() * h;
-        x[Dim - 1] = stamp.start[Dim - 1] + halfRow;
-        const Lanes nearest = stamp.lower(stamp.place(x)) - halfRow;
-        forEachSet(nearest < load(&rowMax_[slab]), [&](std::size_t r) {
-            const std::size_t row = slab + r;
-            x[Dim - 2] = stamp.start[Dim - 2] + static_cast<float>(r) * h;
-            x[Dim - 1] = stamp.start[Dim - 1] + ramp() * h;
+    const float radius = blocks.radius * h;
+    std::array<Lanes, Dim> lane, x;
+    for (std::size_t d = 0; d < Dim; ++d)
+        lane[d] = load(blocks.lane[d].data()) * h + stamp.start[d];
+    for (std::size_t group = 0; group < Blocks<Dim>::kCount; group += kLanes) {
+        // Of eight blocks, from their middles, which the void is near enough to.
+        for (std::size_t d = 0; d < Dim; ++d)
+            x[d] = (load(&blocks.first[d][group]) + blocks.middle[d]) * h + stamp.start[d];
+        const Lanes nearest = stamp.lower(stamp.place(x)) - radius;
+        forEachSet(nearest < load(&blockMax_[group]), [&](std::size_t n) {
+            const std::size_t block = group + n;
+            for (std::size_t d = 0; d < Dim; ++d) x[d] = lane[d] + blocks.first[d][block] * h;
             const auto place = stamp.place(x);
-            Lanes value = load(&values_[row * kLanes]);
+            Lanes value = load(&values_[block * kLanes]);
             if (none_of(stamp.lower(place) < value)) return;
             const Lanes distance = ellipseDistance(stamp.a, stamp.b, stdx::fabs(place.along),
                                                    stdx::sqrt(place.across2), place.f);
             Lanes here = choose(place.f < 1.0f, -distance, distance);
             here = choose(here < -inside_, Lanes(-inside_), here);
             value = choose(here < value, here, value);
-            value.copy_to(&values_[row * kLanes], stdx::element_aligned);
-            rowMax_[row] = hmax(value);
+            value.copy_to(&values_[block * kLanes], stdx::element_aligned);
+            blockMax_[block] = hmax(value);
         });
     }
 }
@@ -161,11 +207,17 @@ bool Tile<Dim>::isOutside() const {
 }
 
 template <int Dim>
+std::size_t Tile<Dim>::inLeaf(std::size_t voxel) {
+    return Blocks<Dim>::get().inLeaf[voxel];
+}
+
+template <int Dim>
 Vec<Dim> Tile<Dim>::centerOf(std::size_t voxel) const {
+    std::size_t at = inLeaf(voxel);
     Vec<Dim> x = first_;
     for (int d = Dim - 1; d >= 0; --d) {
-        x[d] += static_cast<double>(voxel % kTileSide) * voxelSize_;
-        voxel /= kTileSide;
+        x[d] += static_cast<double>(at % kTileSide) * voxelSize_;
+        at /= kTileSide;
     }
     return x;
 }

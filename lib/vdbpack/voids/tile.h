@@ -22,7 +22,7 @@ struct VoidAtTile {
     double upper = 0;  ///< no point of the tile is farther away from it, mm
 };
 
-/// Distances at the centers of a tile's voxels, the last coordinate fastest, mm.
+/// Distances at the centers of a tile's voxels, mm, in an order of its own (`inLeaf`).
 template <int Dim>
 class Tile {
 public:
@@ -38,6 +38,8 @@ public:
     bool isOutside() const;  ///< all values are those of its outer end
 
     Vec<Dim> centerOf(std::size_t voxel) const;
+    /// Place of a voxel where the last coordinate counts fastest.
+    static std::size_t inLeaf(std::size_t voxel);
     std::array<float, kTileVoxels<Dim>>& values() { return values_; }
     const std::array<float, kTileVoxels<Dim>>& values() const { return values_; }
 
@@ -47,7 +49,7 @@ private:
     Vec<Dim> first_;
     double voxelSize_;
     float inside_, outside_;
-    alignas(32) std::array<float, kTileVoxels<Dim> / kTileSide> rowMax_;  ///< of each row
+    alignas(32) std::array<float, kTileVoxels<Dim> / kTileSide> blockMax_;  ///< of eight voxels
     alignas(32) std::array<float, kTileVoxels<Dim>> values_;
 };
 
