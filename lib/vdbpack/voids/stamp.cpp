@@ -147,24 +147,40 @@ public:
         : sampler_(domain.sampler()),
           shell_(options.shell),
           h_(options.voxelSize),
-          error_(domain.facts().voxelSize) {}
+          error_(domain.facts().voxelSize),
+          deepest_(-domain.fieldDepth() * (1 - 1e-9)) {}
 
-    /// Distance to the part deeper than the shell, negative in it: an estimate.
-    double estimate(const Vec<Dim>& x) { return sampler_->signedDistance(x) + shell_; }
-    /// The same; where a void could come too near to the wall for it, from the wall itself.
+    /// How the part deeper than the shell lies to the points within `radius` of `middle`.
+    /// @param inside  as deep inside it nothing is cut, mm.
+    void look(const Vec<Dim>& middle, double radius, double inside, double outside, bool& apart,
+              bool& cut) {
+        const double field = sampler_->signedDistance(middle);
+        const bool deep = field <= deepest_;
+        apart = !deep && field + shell_ - radius - error_ > outside;
+        // Where the field ends, the wall tells.
+        cut = deep ? sampler_->isWallCloser(middle, shell_ + radius + inside)
+                   : field + shell_ + radius + error_ > -inside;
+    }
+    /// Distance to the part deeper than the shell, negative in it. From the wall itself where the
+    /// field does not reach, and where a void could come too near to the wall for it.
     double operator()(const Vec<Dim>& x, double toVoid) {
-        const double outside = estimate(x);
-        if (shell_ > 0 && error_ > 0 && std::fabs(outside) < error_ && toVoid < h_ &&
-            outside < shell_) {
-            WallPoint<Dim> wall;
-            if (sampler_->nearestWall(x, shell_ + error_, wall)) return shell_ - wall.distance;
+        const double field = sampler_->signedDistance(x);
+        const double outside = field + shell_;
+        if (!(shell_ > 0 && error_ > 0 && toVoid < h_)) return outside;
+        WallPoint<Dim> wall;
+        if (field <= deepest_) {
+            const double reach = shell_ + kBandVoxels * h_;
+            return shell_ - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
         }
+        if (std::fabs(outside) < error_ && field < 0 &&
+            sampler_->nearestWall(x, shell_ + error_, wall))
+            return shell_ - wall.distance;
         return outside;
     }
 
 private:
     std::unique_ptr<DomainSampler<Dim>> sampler_;
-    double shell_, h_, error_;
+    double shell_, h_, error_, deepest_;
 };
 
 /// Which voids reach which tiles, sorted.
@@ -344,10 +360,9 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
         for (std::size_t n = range.begin(); n < range.end(); ++n) {
             const std::uint64_t at = entries[starts[n]].tile;
             const Vec<Dim> middle = lattice.middleOf(at);
-            const double wall = core.estimate(middle);
-            if (wall - radius > kBandVoxels * h) continue;  // no part of the domain's core
-            // Whether the wall or the shell passes through the tile.
-            const bool cut = wall + radius > -impl.inside;
+            bool apart = false, cut = false;
+            core.look(middle, radius, impl.inside, kBandVoxels * h, apart, cut);
+            if (apart) continue;
             Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
             bool filled = false;
             for (std::size_t i = starts[n]; i < starts[n + 1] && !filled; ++i) {

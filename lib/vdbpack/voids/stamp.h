@@ -73,8 +73,8 @@ private:
 /// overlapping ones they are those to the farther of the surfaces. With a shell the wall itself
 /// decides which voxels lie deeper, not the field alone.
 ///
-/// @param domain  what the voids are cut into; tiles beyond it are left out. Its field should be
-///                as deep as the shell and ten voxels.
+/// @param domain  what the voids are cut into; tiles beyond it are left out. Fast where its field
+///                is as deep as the shell and ten voxels: beyond it the wall itself is asked.
 /// @throws ParameterError for a voxel size, shell or half-axis that is not positive and finite
 /// (the shell may be 0); ResourceError if the memory it would take is not there.
 /// The same for any number of threads.
