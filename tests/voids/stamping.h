@@ -1,0 +1,111 @@
+// Voids made by formula, and what they are by formula.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/domain/voxel_image.h"
+#include "vdbpack/voids/stamp.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace vdbpack {
+
+template <int Dim>
+Vec<Dim> pointIn(const Box<Dim>& box, RandomStream& random) {
+    Vec<Dim> x;
+    for (int d = 0; d < Dim; ++d) x[d] = box.lo[d] + random.uniform() * box.size()[d];
+    return x;
+}
+
+/// A direction that has nothing to do with the axes; not evenly spread.
+template <int Dim>
+Vec<Dim> anyDirection(RandomStream& random) {
+    return normalized(pointIn<Dim>({Box<Dim>::filled(-1), Box<Dim>::filled(1)}, random));
+}
+
+/// Centers in `box`, half-axes b in [least, most], a / b in [flat, lengthy].
+template <int Dim>
+std::vector<Ellipsoid<Dim>> anyVoids(std::size_t count, const Box<Dim>& box, double least,
+                                     double most, double flat, double lengthy, std::uint64_t seed) {
+    RandomStream random(seed, Dim);
+    std::vector<Ellipsoid<Dim>> voids(count);
+    for (auto& e : voids) {
+        e.center = pointIn(box, random);
+        e.b = least + (most - least) * random.uniform();
+        e.a = e.b * (flat + (lengthy - flat) * random.uniform());
+        e.axis = anyDirection<Dim>(random);
+    }
+    return voids;
+}
+
+/// The signed distances to the nearest and to the second nearest of some voids.
+template <int Dim>
+std::array<double, 2> distancesTo(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) {
+    std::array<double, 2> nearest;
+    nearest.fill(std::numeric_limits<double>::infinity());
+    for (const auto& e : voids) {
+        const double d = e.signedDistance(x);
+        if (d < nearest[0]) {
+            nearest[1] = nearest[0];
+            nearest[0] = d;
+        } else {
+            nearest[1] = std::min(nearest[1], d);
+        }
+    }
+    return nearest;
+}
+
+/// Options as a run gives them.
+template <int Dim>
+StampOptions<Dim> stampOptions(const Domain<Dim>& domain, double voxelSize, double shell = 0) {
+    StampOptions<Dim> options;
+    options.voxelSize = voxelSize;
+    options.origin = fieldOrigin(domain.bounds(), voxelSize);
+    options.shell = shell;
+    return options;
+}
+
+/// Center of the voxel nearest to `x`.
+template <int Dim>
+Vec<Dim> voxelAt(const Vec<Dim>& x, const StampOptions<Dim>& options) {
+    Vec<Dim> center;
+    for (int d = 0; d < Dim; ++d)
+        center[d] = options.origin[d] +
+                    std::round((x[d] - options.origin[d]) / options.voxelSize) * options.voxelSize;
+    return center;
+}
+
+/// Calls `visit(center)` for all voxels with centers in a box.
+template <int Dim, class Visit>
+void forEachVoxel(const Box<Dim>& box, const StampOptions<Dim>& options, const Visit& visit) {
+    const Vec<Dim> first = voxelAt(box.lo, options);
+    std::array<int, 3> count{1, 1, 1}, at{};
+    for (int d = 0; d < Dim; ++d)
+        count[static_cast<std::size_t>(d)] =
+            static_cast<int>(std::round(box.size()[d] / options.voxelSize)) + 1;
+    for (at[0] = 0; at[0] < count[0]; ++at[0])
+        for (at[1] = 0; at[1] < count[1]; ++at[1])
+            for (at[2] = 0; at[2] < count[2]; ++at[2]) {
+                Vec<Dim> x = first;
+                for (int d = 0; d < Dim; ++d)
+                    x[d] += at[static_cast<std::size_t>(d)] * options.voxelSize;
+                visit(x);
+            }
+}
+
+inline Vec<3> centerOf(const VoxelImage& image, std::size_t voxel) {
+    const auto nx = static_cast<std::size_t>(image.size[0]);
+    const auto ny = static_cast<std::size_t>(image.size[1]);
+    return image.origin +
+           Vec<3>{{static_cast<double>(voxel % nx), static_cast<double>(voxel / nx % ny),
+                   static_cast<double>(voxel / nx / ny)}} *
+               image.voxelSize;
+}
+
+}  // namespace vdbpack
