@@ -151,7 +151,9 @@ public:
           deepest_(-domain.fieldDepth() * (1 - 1e-9)) {}
 
     /// How the part deeper than the shell lies to the points within `radius` of `middle`.
-    /// @param inside  as deep inside it nothing is cut, mm.
+    /// @param inside   as deep inside it nothing is cut, mm.
+    /// @param outside  as far outside of it nothing matters, mm.
+    /// @param apart    set: they all lie farther outside. @param cut  set: its end may pass there.
     void look(const Vec<Dim>& middle, double radius, double inside, double outside, bool& apart,
               bool& cut) {
         const double field = sampler_->signedDistance(middle);
@@ -361,7 +363,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
             const std::uint64_t at = entries[starts[n]].tile;
             const Vec<Dim> middle = lattice.middleOf(at);
             bool apart = false, cut = false;
-            core.look(middle, radius, impl.inside, kBandVoxels * h, apart, cut);
+            core.look(middle, radius, impl.inside, impl.outside, apart, cut);
             if (apart) continue;
             Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
             bool filled = false;
