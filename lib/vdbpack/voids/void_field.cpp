@@ -29,10 +29,16 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), kBatch),
                       [&](const tbb::blocked_range<std::size_t>& range) {
                           const auto sampler = region.domain.sampler();
+                          const double error = region.domain.facts().voxelSize;
+                          WallPoint<Dim> wall;
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
                               const auto& e = voids[i];
-                              reaches[i] = sampler->signedDistance(e.center) + region.shell <
-                                           std::max(e.a, e.b);
+                              const double reach = std::max(e.a, e.b) - region.shell;
+                              const double outside = sampler->signedDistance(e.center);
+                              reaches[i] = outside < reach;
+                              // A field ends close to the wall: beyond, the wall tells.
+                              if (reaches[i] && outside > error && error > 0)
+                                  reaches[i] = sampler->nearestWall(e.center, reach, wall);
                           }
                       });
     std::size_t kept = 0;
