@@ -65,12 +65,19 @@ std::shared_ptr<const VdbGrid> sampled(const Domain<3>& domain, double h) {
         return x;
     };
     const auto radiusOf = [&](int side) { return 0.5 * (side - 1) * h * std::sqrt(3.0); };
+    const double deepest = -domain.fieldDepth() * (1 - 1e-9);
+    // Known as deep as `reach`: where the field ends, from the wall itself.
+    const auto distanceAt = [&](DomainSampler<3>& sampler, const Vec<3>& x, double reach) {
+        const double field = sampler.signedDistance(x);
+        if (field > deepest) return field;
+        WallPoint<3> wall;
+        return -(sampler.nearestWall(x, reach, wall) ? wall.distance : reach);
+    };
     tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t n) {
         DomainSampler<3>& sampler = *samplers.local();
         Block& block = made[n];
         const Coord first(blocks[n][0] * kBlock, blocks[n][1] * kBlock, blocks[n][2] * kBlock);
-        // A field clamped nearer than that says nothing of the whole block: then its leaves tell.
-        const double middle = sampler.signedDistance(centerOf(first, kBlock));
+        const double middle = distanceAt(sampler, centerOf(first, kBlock), radiusOf(kBlock) + band);
         if (middle - radiusOf(kBlock) >= band) return;
         block.inside = middle + radiusOf(kBlock) <= -band;
         if (block.inside) return;
@@ -78,7 +85,7 @@ std::shared_ptr<const VdbGrid> sampled(const Domain<3>& domain, double h) {
             for (int j = 0; j < kBlock; j += 8)
                 for (int k = 0; k < kBlock; k += 8) {
                     const Coord at = first.offsetBy(i, j, k);
-                    const double near = sampler.signedDistance(centerOf(at, 8));
+                    const double near = distanceAt(sampler, centerOf(at, 8), radiusOf(8) + band);
                     if (near - radiusOf(8) >= band) continue;
                     if (near + radiusOf(8) <= -band) {
                         block.tiles.push_back(at);
@@ -87,9 +94,9 @@ std::shared_ptr<const VdbGrid> sampled(const Domain<3>& domain, double h) {
                     auto leaf = std::make_unique<Leaf>(at, width, false);
                     bool inside = true, outside = true;
                     for (openvdb::Index v = 0; v < Leaf::SIZE; ++v) {
-                        const auto d = static_cast<float>(std::clamp(
-                            sampler.signedDistance(centerOf(at + Leaf::offsetToLocalCoord(v), 1)),
-                            -band, band));
+                        const Vec<3> x = centerOf(at + Leaf::offsetToLocalCoord(v), 1);
+                        const auto d = static_cast<float>(
+                            std::clamp(distanceAt(sampler, x, band), -band, band));
                         inside = inside && d <= -width;
                         outside = outside && d >= width;
                         if (std::fabs(d) < width)
