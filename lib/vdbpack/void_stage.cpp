@@ -35,6 +35,7 @@ constexpr double kVoxelsPerHalfAxis = 4, kVoxelsPerThickness = 4;
 
 /// How near to a wanted BV/TV the voids are made, where they are a list and where they are packed.
 constexpr double kBvtvTolerance = 0.0005, kPackedTolerance = 0.002;
+constexpr double kBvtvWarning = 0.005;
 constexpr double kThicknessTolerance = 0.01;
 constexpr int kMostRounds = 16, kThicknessRounds = 4;
 /// Voxels along the side of the cube that a thickness is measured in.
@@ -205,6 +206,16 @@ double solveAmount(const VoidRecipe& r, double lo, double guess, double hi, doub
     return best;
 }
 
+/// Few large voids leave steps between the amounts there are.
+template <int Dim>
+void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
+    if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
+        return;
+    s.callbacks.warn(fmt::format(
+        "--target-bvtv {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
+        *s.recipe.targetBvtv, *report.bvtv));
+}
+
 /// Lists of one method by how much of it there is.
 template <int Dim>
 struct Family {
@@ -356,7 +367,7 @@ template <int Dim>
 void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
     const Vec<Dim> size = s.domain.bounds().size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
-    if (2 * halfAxis > longest)
+    if (2 * halfAxis > longest * (1 + 1e-9))
         throw ParameterError(
             fmt::format("voids with half-axes of up to {:.4g} mm are larger than the domain, which "
                         "is {:.4g} mm "
@@ -375,8 +386,16 @@ void checkRoom(const VoidSetting<Dim>& s) {
             "place lies {:.4g} mm below the wall); give a thinner shell",
             s.recipe.shell, largestPlace(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
-    if (method == VoidMethod::none || isThinning(method) || method == VoidMethod::grid) return;
-    if (method != VoidMethod::list) requireFitting(s, shapeOf(s).reach());
+    if (method == VoidMethod::none || isThinning(method)) return;
+    double half = 0;
+    if (method == VoidMethod::grid || method == VoidMethod::list) {
+        const auto list = method == VoidMethod::grid ? gridFamily(s).list(1)
+                                                     : readVoidList<Dim>(listFile(s.recipe));
+        for (const auto& e : list) half = std::max({half, e.a, e.b});
+    } else {
+        half = shapeOf(s).reach();
+    }
+    requireFitting(s, half);
     // What is there before hours of work; the list itself is looked at again.
     if (method == VoidMethod::boolean && s.recipe.count) {
         const VoidShape<Dim> shape = shapeOf(s);
@@ -404,9 +423,6 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         made.list = readVoidList<Dim>(listFile(r));
         if (made.list.empty())
             throw InputError(listFile(r) + ": holds no voids; give a list with at least one row");
-        double largest = 0;
-        for (const auto& e : made.list) largest = std::max({largest, e.a, e.b});
-        requireFitting(s, largest);
         bvtvOf(s, voxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
@@ -451,6 +467,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         else
             solve(setting, made);
         made.report.chosen = chosen;
+        warnIfOff(s, made.report);
         if (method == VoidMethod::overlay && r.count &&
             *r.count > static_cast<double>(made.list.size()) + 0.5)
             s.callbacks.warn(fmt::format("--void-count {:.0f}: {} fill the domain, no more fit",
@@ -505,6 +522,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         solveAmount(r, 0, guess, kMostProbability, kPackedTolerance,
                     "; take larger or longer voids, or --voids boolean, whose voids overlap",
                     bvtvAt);
+        warnIfOff(s, made.report);
     } else {
         if (!r.probability)
             made.report.chosen.push_back(
@@ -564,6 +582,7 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         else
             made.report.amount = r.deleteFraction;
         made.report.bvtv = bvtvAt(*made.report.amount);
+        warnIfOff(s, made.report);
     } else if (made.stamped) {
         keep = spheresOutside(pack.spheres, *made.stamped, r.cull);
     }

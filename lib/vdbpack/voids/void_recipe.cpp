@@ -132,7 +132,8 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
             "grid, overlay or boolean here",
             r.method));
     requireUse(r, method);
-    requireShare("--void-probability", r.probability, "[0, 1]", true, !needsFront(method));
+    requireShare("--void-probability", r.probability, needsFront(method) ? "[0, 1)" : "[0, 1]",
+                 true, !needsFront(method));
     requireShare("--delete-fraction", r.deleteFraction, "(0, 1]", false, true);
     requireShare("--target-bvtv", r.targetBvtv, "(0, 1)", false, false);
     if (r.targetTbth) {
