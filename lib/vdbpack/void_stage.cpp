@@ -585,6 +585,8 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         warnIfOff(s, made.report);
     } else if (made.stamped) {
         keep = spheresOutside(pack.spheres, *made.stamped, r.cull);
+        if (r.cull == Cull::center)
+            decideByEllipsoids(pack.spheres, made.list, *made.stamped, pack.region, keep);
     }
     if (!keep.empty()) {
         std::fill_n(keep.begin(), std::min(standing, before), 1);

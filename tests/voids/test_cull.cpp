@@ -91,6 +91,17 @@ TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves"
         if (touch[i]) left.push_back(spheres[i]);
     CHECK(removed(spheresOutside(left, *stamped, Cull::touch)) == 0);
     CHECK(withThreads(3, [&] { return spheresOutside(spheres, *stamped, Cull::touch); }) == touch);
+    // Centers next to a surface, too, once the ellipsoids are asked.
+    const auto candidates = someCandidates(spheres.size());
+    auto exact = center;
+    for (std::size_t i = 0; i < spheres.size(); ++i)
+        if (!candidates[i]) exact[i] = 1;
+    decideByEllipsoids(spheres, voids, *stamped, candidates, exact);
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        bool within = false;
+        for (const auto& e : voids) within = within || e.contains(spheres[i].center);
+        REQUIRE((exact[i] == 0) == (within && candidates[i] != 0));
+    }
 }
 
 TEMPLATE_TEST_CASE_SIG("below a shell, spheres go that reach into what was cut", "[voids][cull]",

@@ -139,6 +139,34 @@ std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>& spheres
 }
 
 template <int Dim>
+void decideByEllipsoids(const std::vector<Sphere<Dim>>& spheres,
+                        const std::vector<Ellipsoid<Dim>>& voids, const StampedVoids<Dim>& stamped,
+                        const std::vector<std::int32_t>& deep, std::vector<std::uint8_t>& keep) {
+    if (voids.empty()) return;
+    std::vector<Sphere<Dim>> places(voids.size());
+    double longest = 0, mean = 0;
+    for (std::size_t n = 0; n < voids.size(); ++n) {
+        places[n] = {voids[n].center, std::max(voids[n].a, voids[n].b)};
+        longest = std::max(longest, places[n].radius);
+        mean += places[n].radius / static_cast<double>(voids.size());
+    }
+    const CenterCells<Dim> cells(places, mean);
+    const double close = stamped.voxelSize();
+    forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+        typename StampedVoids<Dim>::Sampler distance(stamped);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const Vec<Dim>& x = spheres[i].center;
+            if (!(std::fabs(distance(x)) < close)) continue;
+            bool inside = false;
+            if (deep[i])
+                cells.near(x, longest,
+                           [&](std::uint32_t n) { inside = inside || voids[n].contains(x); });
+            keep[i] = !inside;
+        }
+    });
+}
+
+template <int Dim>
 std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
                                      const Domain<Dim>& domain, double shell) {
     std::vector<std::int32_t> deep(spheres.size(), 1);
@@ -223,15 +251,18 @@ std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
     return keep;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                \
-    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&,          \
-                                                      const StampedVoids<Dim>&, Cull);          \
-    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,              \
-                                                  const Domain<Dim>&, double);                  \
-    template void keepOnly(Pack<Dim>&, const std::vector<std::uint8_t>&);                       \
-    template std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>&,           \
-                                                     const std::vector<std::int32_t>&, double); \
-    template std::vector<std::uint8_t> removeAround(                                            \
+#define VDBPACK_INSTANTIATE(Dim)                                                                 \
+    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&,           \
+                                                      const StampedVoids<Dim>&, Cull);           \
+    template void decideByEllipsoids(                                                            \
+        const std::vector<Sphere<Dim>>&, const std::vector<Ellipsoid<Dim>>&,                     \
+        const StampedVoids<Dim>&, const std::vector<std::int32_t>&, std::vector<std::uint8_t>&); \
+    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,               \
+                                                  const Domain<Dim>&, double);                   \
+    template void keepOnly(Pack<Dim>&, const std::vector<std::uint8_t>&);                        \
+    template std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>&,            \
+                                                     const std::vector<std::int32_t>&, double);  \
+    template std::vector<std::uint8_t> removeAround(                                             \
         const std::vector<Sphere<Dim>>&, const std::vector<std::int32_t>&, double, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
