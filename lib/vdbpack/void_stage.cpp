@@ -512,7 +512,9 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         for (std::size_t i = 0; i < result.pack.order.size(); ++i)
             result.pack.order[i] = static_cast<std::int64_t>(i);
         made.list = voidsAtSpheres(places, false, shape, s.seed);
-        return bvtvOf(s, voxel, made);
+        const double bvtv = bvtvOf(s, voxel, made);
+        // What is complete is kept as it is: no further trial.
+        return result.interrupted && r.targetBvtv ? *r.targetBvtv : bvtv;
     };
     if (r.targetBvtv) {
         const double each = shape.meanMeasure(), ball = options.sizes.meanBall(Dim);
@@ -522,7 +524,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         solveAmount(r, 0, guess, kMostProbability, kPackedTolerance,
                     "; take larger or longer voids, or --voids boolean, whose voids overlap",
                     bvtvAt);
-        warnIfOff(s, made.report);
+        if (!result.interrupted) warnIfOff(s, made.report);
     } else {
         if (!r.probability)
             made.report.chosen.push_back(

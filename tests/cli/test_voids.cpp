@@ -391,6 +391,52 @@ TEST_CASE("thickness and BV/TV are met together", "[run][voids][.slow]") {
     CHECK(*run.report.voids->thickness == Approx(0.25).epsilon(0.05));
 }
 
+TEMPLATE_TEST_CASE_SIG("a run stopped while it looks for a target keeps what it has",
+                       "[run][voids]", ((int Dim), Dim), 2, 3) {
+    auto recipe = methodRecipe<Dim>("ellipses");
+    recipe.domain.source = Dim == 3 ? "box:60,60,60" : "rect:400,400";
+    recipe.voids.probability.reset();
+    recipe.voids.targetBvtv = 0.7;
+    Callbacks callbacks;
+    bool stop = false;
+    callbacks.cancelled = [&] { return stop; };
+    callbacks.progress = [&](const Progress& p) { stop = stop || p.count > 5000; };
+    const auto run = runPack(recipe, callbacks);
+    CHECK(run.report.interrupted);
+    CHECK(run.passed);
+}
+
+TEMPLATE_TEST_CASE_SIG("a target is met in the plane", "[run][voids]", ((int Dim), Dim), 2) {
+    for (const std::string method : {"boolean", "concentric", "threshold", "ellipses"})
+        for (const double target : {0.3, 0.6}) {
+            CAPTURE(method, target);
+            auto recipe = methodRecipe<Dim>(method);
+            recipe.voids.shell = 4;
+            recipe.voids.probability.reset();
+            recipe.voids.deleteFraction.reset();
+            recipe.voids.targetBvtv = target;
+            if (method == "ellipses") recipe.voids.radius = "uniform:0.8,1.5";
+            CHECK(*runPack(recipe).report.voids->bvtv == Approx(target).margin(0.005));
+        }
+}
+
+TEMPLATE_TEST_CASE_SIG("spheres that stood before stay whatever the voids", "[run][voids]",
+                       ((int Dim), Dim), 2, 3) {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("s.csv")) << "x,y,z,radius\n0,0,0,2\n3,4,0,1\n";
+    for (const char* method : {"boolean", "threshold", "ellipses"}) {
+        auto recipe = methodRecipe<Dim>(method);
+        CAPTURE(method);
+        recipe.existing = folder.file("s.csv");
+        if (recipe.voids.method == "boolean") recipe.voids.targetBvtv = 0.05;
+        recipe.voids.keepConnected = true;
+        const auto run = runPack(recipe);
+        REQUIRE(packIn<Dim>(run).spheres.size() > 2);
+        CHECK(packIn<Dim>(run).spheres[0].radius == 2);
+        CHECK(packIn<Dim>(run).spheres[1].radius == 1);
+    }
+}
+
 TEMPLATE_TEST_CASE_SIG("steps too large for a target are told", "[run][voids]", ((int Dim), Dim), 2,
                        3) {
     VoidsRecipe recipe;
