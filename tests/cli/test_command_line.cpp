@@ -168,3 +168,34 @@ TEST_CASE("mesh reports the health of a file", "[cli]") {
     const auto json = vdbPack("mesh --json " + folder.file("t.obj"));
     CHECK(nlohmann::json::parse(json.text)["triangles"] == 3);
 }
+
+TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
+    const TemporaryFolder folder;
+    const std::string solid = folder.file("v.vdb"), list = folder.file("v.csv");
+    const auto voids = vdbPack(
+        "voids box:12,12,12 --voids boolean --void-radius uniform:0.6,1 "
+        "--target-bvtv 0.3 --shell 1.5 -o " +
+        solid + " -o list:" + list + " --json");
+    CAPTURE(voids.text);
+    REQUIRE(voids.code == 0);
+    CHECK(nlohmann::json::parse(voids.text)["voids"]["bvtv"] == Approx(0.3).margin(0.005));
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n0.5,0,0,1\n5.5,0,0,0.4\n";
+    const auto carve = [&](const std::string& options) {
+        return vdbPack("carve " + folder.file("p.csv") + " --domain box:12,12,12 " + options);
+    };
+    const auto carved = carve("--shell 1.5 --voids list:" + list + " -o " + folder.file("c.csv"));
+    CAPTURE(carved.text);
+    CHECK(carved.code == 0);
+    CHECK(std::ifstream(folder.file("c.csv")).good());
+    CHECK(carve("--voids mixed").code == 2);
+    CHECK(carve("--voids boolean --void-radius constant:1 --void-probability 0.2").code == 2);
+    CHECK(carve("--shell 7").code == 3);
+    CHECK(carve("--voids list:" + folder.file("none.csv")).code == 4);
+    std::ofstream(folder.file("bad.csv")) << "x,y,z,a,b\n0,0,0,-1,1\n";
+    CHECK(carve("--voids list:" + folder.file("bad.csv")).code == 3);
+    const auto far = vdbPack("voids box:12,12,12 --voids grid --void-cell 2 --target-bvtv 0.1 -o " +
+                             folder.file("far.vdb"));
+    CHECK(far.code == 2);
+    CHECK_THAT(far.text, Catch::Contains("lowest is 0.4"));
+    CHECK_FALSE(std::ifstream(folder.file("far.vdb")).good());
+}
