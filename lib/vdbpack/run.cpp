@@ -50,7 +50,8 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         callbacks, plannedVoxel(recipe.voids, Dim));
     if (recipe.voids.shell > 0 || !recipe.voids.empty())
         checkRoom(VoidSetting<Dim>{recipe.voids, prepared.domain(), prepared.built.sliceHeight,
-                                   recipe.seed, sizes.max() * scale, callbacks});
+                                   recipe.seed, sizes.max() * scale, callbacks},
+                  true);
     if (recipe.existing.empty()) return prepared;
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
     // What they do among themselves is not this run's doing.
@@ -118,10 +119,13 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                              voids.report.chosen.end());
     }
     cullPack(setting, recipe.contactTolerance, standing.size(), voids, result.pack);
-    if (cut) report.voids = voids.report;
     report.seconds.voids = clock.lap();
 
     callbacks.report("measure", 0, 0);
+    if (cut) {
+        measureVoids(setting, recipe.contactTolerance, &result.pack, voids);
+        report.voids = voids.report;
+    }
     measurePack(result.pack, &source, &domain, cut ? nullptr : &options.sizes,
                 recipe.contactTolerance, report);
     PageDetails details;

@@ -43,11 +43,13 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& repo
     report.seconds.domain = clock.lap();
     const VoidSetting<Dim> setting{recipe.voids, domain, built.sliceHeight,
                                    recipe.seed,  0,      callbacks};
-    checkRoom(setting);
+    checkRoom(setting, false);
     MadeVoids<Dim> made = makeVoids(setting);
+    report.seconds.voids = clock.lap();
+    measureVoids<Dim>(setting, 0, nullptr, made);
     report.chosen = made.report.chosen;
     report.voids = made.report;
-    report.seconds.voids = clock.lap();
+    report.seconds.measure = clock.lap();
     PackWriteOptions write;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
@@ -75,14 +77,15 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     report.seconds.domain = clock.lap();
     const VoidSetting<Dim> setting{recipe.voids, domain,     built.sliceHeight,
                                    recipe.seed,  radius.max, callbacks};
-    checkRoom(setting);
+    checkRoom(setting, false);
     if (!recipe.radius.empty())
         measureSizes(pack, SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy), report);
     MadeVoids<Dim> made = makeVoids(setting);
     cullPack(setting, recipe.contactTolerance, 0, made, pack);
+    report.seconds.voids = clock.lap();
+    measureVoids(setting, recipe.contactTolerance, &pack, made);
     report.chosen = made.report.chosen;
     report.voids = made.report;
-    report.seconds.voids = clock.lap();
     measurePack(pack, &source, &domain, nullptr, recipe.contactTolerance, report);
     // Whoever made them: told, not judged.
     report.givenOverlaps = report.overlap->pairs;

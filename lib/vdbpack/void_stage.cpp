@@ -378,7 +378,7 @@ void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
 }  // namespace
 
 template <int Dim>
-void checkRoom(const VoidSetting<Dim>& s) {
+void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = coreOf(s);
     if (!(core > 1e-9 * s.domain.measure()))
         throw InputError(fmt::format(
@@ -387,6 +387,7 @@ void checkRoom(const VoidSetting<Dim>& s) {
             s.recipe.shell, largestPlace(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
+    if (method == VoidMethod::list && !early) return;
     double half = 0;
     if (method == VoidMethod::grid || method == VoidMethod::list) {
         const auto list = method == VoidMethod::grid ? gridFamily(s).list(1)
@@ -423,6 +424,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         made.list = readVoidList<Dim>(listFile(r));
         if (made.list.empty())
             throw InputError(listFile(r) + ": holds no voids; give a list with at least one row");
+        double largest = 0;
+        for (const auto& e : made.list) largest = std::max({largest, e.a, e.b});
+        requireFitting(s, largest);
         bvtvOf(s, voxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
@@ -475,7 +479,6 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     }
     if (made.list.empty())
         s.callbacks.warn("no void lies in the part of the domain that may have them");
-    if (!made.solid.grid) cut(s, made);
     return made;
 }
 
@@ -542,8 +545,31 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         s.callbacks.warn(
             fmt::format("{:.3g} of the spheres were to be holes, {:.3g} are: no more found room",
                         *made.report.amount, *made.report.reachedShare));
-    if (!made.solid.grid) cut(s, made);
     return result;
+}
+
+namespace {
+
+/// Which spheres hang together with the shell, or the largest set that does; sets its share.
+template <int Dim>
+std::vector<std::uint8_t> hangsTogether(const VoidSetting<Dim>& s, double contactTolerance,
+                                        const Pack<Dim>& pack, VoidReport& report) {
+    auto attached = attachedSpheres(pack.spheres,
+                                    s.recipe.shell > 0 ? pack.region : std::vector<std::int32_t>{},
+                                    contactTolerance);
+    const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
+    if (!attached.empty()) report.spheresAttached = held / static_cast<double>(attached.size());
+    return attached;
+}
+
+}  // namespace
+
+template <int Dim>
+void measureVoids(const VoidSetting<Dim>& s, double contactTolerance, const Pack<Dim>* pack,
+                  MadeVoids<Dim>& made) {
+    if (made.stamped && !made.solid.grid) cut(s, made);
+    if (pack && !s.recipe.keepConnected && (!s.recipe.empty() || s.recipe.shell > 0))
+        hangsTogether(s, contactTolerance, *pack, made.report);
 }
 
 template <int Dim>
@@ -595,13 +621,8 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         keepOnly(pack, keep);
         made.report.culled = before - pack.spheres.size();
     }
-    const auto attached = attachedSpheres(
-        pack.spheres, r.shell > 0 ? pack.region : std::vector<std::int32_t>{}, contactTolerance);
-    const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
-    if (!attached.empty())
-        made.report.spheresAttached = held / static_cast<double>(attached.size());
     if (r.keepConnected) {
-        auto stay = attached;
+        auto stay = hangsTogether(s, contactTolerance, pack, made.report);
         std::fill_n(stay.begin(), std::min(standing, stay.size()), 1);
         const std::size_t count = pack.spheres.size();
         keepOnly(pack, stay);
@@ -630,10 +651,12 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
 
 #define VDBPACK_INSTANTIATE(Dim)                                                              \
     template struct MadeVoids<Dim>;                                                           \
-    template void checkRoom(const VoidSetting<Dim>&);                                         \
+    template void checkRoom(const VoidSetting<Dim>&, bool);                                   \
     template MadeVoids<Dim> makeVoids(const VoidSetting<Dim>&);                               \
     template PackResult<Dim> packWithHoles(const VoidSetting<Dim>&, const PackOptions&,       \
                                            const std::vector<Sphere<Dim>>&, MadeVoids<Dim>&); \
+    template void measureVoids(const VoidSetting<Dim>&, double, const Pack<Dim>*,             \
+                               MadeVoids<Dim>&);                                              \
     template void cullPack(const VoidSetting<Dim>&, double, std::size_t, MadeVoids<Dim>&,     \
                            Pack<Dim>&);
 VDBPACK_INSTANTIATE(2)

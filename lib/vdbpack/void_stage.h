@@ -33,7 +33,7 @@ template <int Dim>
 struct MadeVoids {
     std::vector<Ellipsoid<Dim>> list;
     std::shared_ptr<const StampedVoids<Dim>> stamped;
-    /// 3D, once they are cut: `surface`, `voids` and `solid`, on one lattice.
+    /// 3D, once they are measured: `surface`, `voids` and `solid`, on one lattice.
     std::shared_ptr<const VdbGrid> surface, voids;
     Solid solid;
     VoidReport report;
@@ -48,9 +48,10 @@ double plannedVoxel(const VoidRecipe& recipe, int dim);
 double depthForShell(const VoidRecipe& recipe);
 
 /// Refuses what the domain has no room for: a shell without anything inside, voids larger than it
-/// is. @throws InputError, ParameterError
+/// is (those of a list only if `early`: `makeVoids` looks at them itself).
+/// @throws InputError, ParameterError
 template <int Dim>
-void checkRoom(const VoidSetting<Dim>& setting);
+void checkRoom(const VoidSetting<Dim>& setting, bool early);
 
 /// The voids of a method that needs no sphere (grid, overlay, boolean, list), as many as hit the
 /// target where there is one. @throws ParameterError if it cannot be hit, with what can.
@@ -63,6 +64,12 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& setting);
 template <int Dim>
 PackResult<Dim> packWithHoles(const VoidSetting<Dim>& setting, const PackOptions& options,
                               const std::vector<Sphere<Dim>>& existing, MadeVoids<Dim>& made);
+
+/// Tells what the voids leave: `solid` and the other level sets, and how much of it and of the
+/// contacts of a pack (null: none) hangs together with the shell.
+template <int Dim>
+void measureVoids(const VoidSetting<Dim>& setting, double contactTolerance, const Pack<Dim>* pack,
+                  MadeVoids<Dim>& made);
 
 /// Sets `region`, and takes out of a pack what the voids remove and, if asked for, what does not
 /// hang together with the shell. The first `standing` spheres stay in any case.

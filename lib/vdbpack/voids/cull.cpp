@@ -142,27 +142,12 @@ template <int Dim>
 void decideByEllipsoids(const std::vector<Sphere<Dim>>& spheres,
                         const std::vector<Ellipsoid<Dim>>& voids, const StampedVoids<Dim>& stamped,
                         const std::vector<std::int32_t>& deep, std::vector<std::uint8_t>& keep) {
-    if (voids.empty()) return;
-    std::vector<Sphere<Dim>> places(voids.size());
-    double longest = 0, mean = 0;
-    for (std::size_t n = 0; n < voids.size(); ++n) {
-        places[n] = {voids[n].center, std::max(voids[n].a, voids[n].b)};
-        longest = std::max(longest, places[n].radius);
-        mean += places[n].radius / static_cast<double>(voids.size());
-    }
-    const CenterCells<Dim> cells(places, mean);
     const double close = stamped.voxelSize();
     forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
         typename StampedVoids<Dim>::Sampler distance(stamped);
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const Vec<Dim>& x = spheres[i].center;
-            if (!(std::fabs(distance(x)) < close)) continue;
-            bool inside = false;
-            if (deep[i])
-                cells.near(x, longest,
-                           [&](std::uint32_t n) { inside = inside || voids[n].contains(x); });
-            keep[i] = !inside;
-        }
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            if (std::fabs(distance(spheres[i].center)) < close)
+                keep[i] = !(deep[i] && stamped.isIn(voids, spheres[i].center));
     });
 }
 

@@ -17,6 +17,7 @@
 #include <cmath>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <string>
 
 namespace vdbpack {
@@ -89,6 +90,18 @@ public:
         for (t[0] = lo[0]; t[0] <= hi[0]; ++t[0])
             for (t[1] = lo[1]; t[1] <= hi[1]; ++t[1])
                 for (t[2] = lo[2]; t[2] <= hi[2]; ++t[2]) visit(key(t), middle(t));
+    }
+    /// The tile that holds a point; false if none does.
+    bool find(const Vec<Dim>& x, std::uint64_t& tile) const {
+        std::array<std::int64_t, 3> t{};
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            const double place = tileOf(x[d], d) - static_cast<double>(first_[at]);
+            if (!(place >= 0 && place < static_cast<double>(count_[at]))) return false;
+            t[at] = static_cast<std::int64_t>(place);
+        }
+        tile = key(t);
+        return true;
     }
     Vec<Dim> middleOf(std::uint64_t tile) const { return middle(placeOf(tile)); }
     Vec<Dim> firstCenterOf(std::uint64_t tile) const {
@@ -308,6 +321,10 @@ struct StampedVoids<Dim>::Impl {
     double voxelSize = 0;
     double measure = 0;
     double inside = 0, outside = 0;  // widths of the band, mm
+    std::optional<TileLattice<Dim>> lattice;
+    std::vector<std::uint64_t> tiles;  // that voids reach into, rising
+    std::vector<std::size_t> starts;   // of each in `ellipsoids`, and the end
+    std::vector<std::uint32_t> ellipsoids;
 };
 
 template <int Dim>
@@ -363,13 +380,16 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
             const std::uint64_t at = entries[starts[n]].tile;
             const Vec<Dim> middle = lattice.middleOf(at);
             bool apart = false, cut = false;
-            core.look(middle, radius, impl.inside, impl.outside, apart, cut);
+            // Without a shell the wall only tells which voxels count.
+            core.look(middle, radius, options.shell > 0 ? impl.inside : 0, impl.outside, apart,
+                      cut);
             if (apart) continue;
             Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
             bool filled = false;
             for (std::size_t i = starts[n]; i < starts[n + 1] && !filled; ++i) {
                 const auto& e = voids[entries[i].ellipsoid];
-                if (boundsAt(e, middle, radius).upper < -impl.inside)
+                if (std::min(e.a, e.b) > impl.inside + radius &&
+                    boundsAt(e, middle, radius).upper < -impl.inside)
                     filled = true;
                 else
                     tile.stamp(e, static_cast<double>(entries[i].lower));
@@ -378,7 +398,6 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
             Stamped& result = made[n];
             for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
                 float& v = tile.values()[i];
-                // Without a shell the wall only tells which voxels count.
                 if (v >= (options.shell > 0 ? outside : 0)) continue;
                 float depth = v;
                 if (cut) {
@@ -393,6 +412,18 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
             if (!result.inside) result.leaf = makeLeaf(lattice.coordOf(at), tile, inside, outside);
         }
     });
+
+    impl.lattice.emplace(lattice);
+    impl.starts.push_back(0);
+    for (std::size_t n = 0; n < tiles; ++n) {
+        // A point can lie half a voxel beyond the centers of its tile.
+        for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
+            if (static_cast<double>(entries[i].lower) < h)
+                impl.ellipsoids.push_back(entries[i].ellipsoid);
+        if (impl.ellipsoids.size() == impl.starts.back()) continue;
+        impl.tiles.push_back(entries[starts[n]].tile);
+        impl.starts.push_back(impl.ellipsoids.size());
+    }
 
     auto& tree = impl.grid->tree();
     openvdb::tools::changeBackground(tree, outside);
@@ -415,6 +446,18 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     impl.grid->setTransform(transform);
     callbacks.report("voids", 1, static_cast<double>(voids.size()));
     return stamped;
+}
+
+template <int Dim>
+bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) const {
+    std::uint64_t tile = 0;
+    if (!impl_->lattice || !impl_->lattice->find(x, tile)) return false;
+    const auto found = std::lower_bound(impl_->tiles.begin(), impl_->tiles.end(), tile);
+    if (found == impl_->tiles.end() || *found != tile) return false;
+    const auto n = static_cast<std::size_t>(found - impl_->tiles.begin());
+    for (std::size_t i = impl_->starts[n]; i < impl_->starts[n + 1]; ++i)
+        if (voids[impl_->ellipsoids[i]].contains(x)) return true;
+    return false;
 }
 
 template <int Dim>

@@ -62,44 +62,12 @@ struct Blocks {
     }
 };
 
-/// Rounds of `ellipseDistance`: what is left is below 1e-3 of the shorter half-axis up to ratios of
-/// 10.
-constexpr int kRounds = 3;
-
-/// Distance of (x, y) in the first quadrant to the ellipse with half-axes a and b along them, as
-/// Ellipsoid::signedDistance finds it.
-/// @param f  the point lies on the ellipse with half-axes f a and f b: the way to the center leads
-///           near the foot where the point is near the ellipse.
-[[gnu::always_inline]] inline Lanes ellipseDistance(float a, float b, const Lanes& x,
-                                                    const Lanes& y, const Lanes& f) {
-    const float tiny = 1e-12f * a * a;
-    const float ea = (a * a - b * b) / a, eb = (b * b - a * a) / b;
-    // Inside, that foot may be the farthest one: from the middle of the arc there, and once more.
-    const auto within = f < 1.0f;
-    const Lanes inverseF = 1.0f / choose(within, Lanes(1.0f), f);
-    Lanes tx = choose(within, Lanes(0.70710678f), x * (1 / a) * inverseF);
-    Lanes ty = choose(within, Lanes(0.70710678f), y * (1 / b) * inverseF);
-    const int rounds = any_of(within) ? kRounds : kRounds - 1;
-    for (int round = 0; round < rounds; ++round) {
-        const Lanes ex = ea * tx * tx * tx, ey = eb * ty * ty * ty;
-        const Lanes rx = a * tx - ex, ry = b * ty - ey;
-        const Lanes qx = x - ex, qy = y - ey;
-        const Lanes q2 = qx * qx + qy * qy;
-        const Lanes ratio = stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
-        tx = (qx * ratio + ex) * (1 / a);
-        ty = (qy * ratio + ey) * (1 / b);
-        tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
-        ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
-        const Lanes square = tx * tx + ty * ty;
-        // The middle of a ball: every foot is as near.
-        const auto lost = square < 1e-12f;
-        const Lanes inverse = 1.0f / stdx::sqrt(choose(lost, Lanes(1.0f), square));
-        tx = choose(lost, Lanes(a < b ? 1.0f : 0.0f), tx * inverse);
-        ty = choose(lost, Lanes(a < b ? 0.0f : 1.0f), ty * inverse);
-    }
-    const Lanes dx = a * tx - x, dy = b * ty - y;
-    return stdx::sqrt(dx * dx + dy * dy);
-}
+/// Rounds of `Stamp::distance` for ellipsoids with a / b from 1 to this ratio, and for others:
+/// what is left is below 4e-4 of the shorter half-axis, up to a ratio of 10.
+constexpr float kPlainRatio = 3.2f;
+/// Far away, too: where a point lies on an ellipsoid as many times as large.
+constexpr float kFar = 3.5f;
+constexpr int kRounds = 2, kLongRounds = 3;
 
 }  // namespace
 
@@ -121,7 +89,12 @@ struct Tile<Dim>::Stamp {
         : a(static_cast<float>(e.a)),
           b(static_cast<float>(e.b)),
           shorter(std::min(a, b)),
-          longer(std::max(a, b)) {
+          longer(std::max(a, b)),
+          inverseA(1 / a),
+          inverseB(1 / b),
+          rounds(a < b || a > kPlainRatio * b ? kLongRounds : kRounds),
+          evoluteA((a * a - b * b) * inverseA),
+          evoluteB((b * b - a * a) * inverseB) {
         for (std::size_t d = 0; d < Dim; ++d) {
             start[d] = static_cast<float>(first.c[d] - e.center.c[d]);
             axis[d] = static_cast<float>(e.axis.c[d]);
@@ -139,22 +112,62 @@ struct Tile<Dim>::Stamp {
             const Lanes part = x[d] - p.along * axis[d];
             p.across2 += part * part;
         }
-        const Lanes u = p.along * (1 / a);
-        p.f = stdx::sqrt(u * u + p.across2 * (1 / (b * b)));
+        const Lanes u = p.along * inverseA;
+        p.f = stdx::sqrt(u * u + p.across2 * (inverseB * inverseB));
         return p;
     }
+
     /// The void's surface is at least that far away, since f is convex: f - 1 <= |grad f| d;
     /// inside, at most that deep below it.
     Lanes lower(const Place& p) const {
         const Lanes inner = (p.f - 1.0f) * longer;
-        const Lanes u = p.along * (1 / (a * a));
-        const Lanes steep = stdx::sqrt(u * u + p.across2 * (1 / (b * b * b * b)));
+        const Lanes u = p.along * (inverseA * inverseA);
+        const float inverseB2 = inverseB * inverseB;
+        const Lanes steep = stdx::sqrt(u * u + p.across2 * (inverseB2 * inverseB2));
         const auto within = p.f < 1.0f;
         return choose(within, choose(inner > -shorter, inner, Lanes(-shorter)),
                       (p.f - 1.0f) * p.f / choose(within, Lanes(1.0f), steep));
     }
 
+    /// Distance to the surface, as Ellipsoid::signedDistance finds it: the circle of curvature at
+    /// the last foot (a tx, b ty) gives the next.
+    Lanes distance(const Place& p) const {
+        const Lanes x = stdx::fabs(p.along), y = stdx::sqrt(p.across2);
+        // To begin with, the foot on the way to the center, which is right for balls and near the
+        // ellipse; inside, where it may be the farthest one, what is right on both axes as well.
+        const Lanes deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
+        Lanes far = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
+        far = choose(far < 1.0f, far, Lanes(1.0f));
+        const Lanes near = stdx::sqrt(1.0f - far * far);
+        Lanes tx = a < b ? near : far, ty = a < b ? far : near;
+        const float tiny = 1e-12f * a * a;
+        const int most = any_of(p.f > kFar) ? kLongRounds : rounds;
+        for (int round = 0; round < most; ++round) {
+            const Lanes ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
+            const Lanes rx = a * tx - ex, ry = b * ty - ey;
+            const Lanes qx = x - ex, qy = y - ey;
+            const Lanes q2 = qx * qx + qy * qy;
+            const Lanes ratio =
+                stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
+            tx = (qx * ratio + ex) * inverseA;
+            ty = (qy * ratio + ey) * inverseB;
+            tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
+            ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
+            const Lanes square = tx * tx + ty * ty;
+            // The middle of a ball: every foot is as near.
+            const auto lost = square < 1e-12f;
+            const Lanes inverse = 1.0f / stdx::sqrt(choose(lost, Lanes(1.0f), square));
+            tx = choose(lost, Lanes(a < b ? 1.0f : 0.0f), tx * inverse);
+            ty = choose(lost, Lanes(a < b ? 0.0f : 1.0f), ty * inverse);
+        }
+        const Lanes dx = a * tx - x, dy = b * ty - y;
+        return stdx::sqrt(dx * dx + dy * dy);
+    }
+
     float a, b, shorter, longer;
+    float inverseA, inverseB;
+    int rounds;
+    float evoluteA, evoluteB;  ///< (evoluteA tx^3, evoluteB ty^3) is the center of curvature
     std::array<float, Dim> start, axis;
 };
 
@@ -180,8 +193,7 @@ void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid, double lower) {
             const auto place = stamp.place(x);
             Lanes value = load(&values_[block * kLanes]);
             if (none_of(stamp.lower(place) < value)) return;
-            const Lanes distance = ellipseDistance(stamp.a, stamp.b, stdx::fabs(place.along),
-                                                   stdx::sqrt(place.across2), place.f);
+            const Lanes distance = stamp.distance(place);
             Lanes here = choose(place.f < 1.0f, -distance, distance);
             here = choose(here < -inside_, Lanes(-inside_), here);
             value = choose(here < value, here, value);
