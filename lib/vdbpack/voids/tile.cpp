@@ -62,12 +62,11 @@ struct Blocks {
     }
 };
 
-/// Rounds of `Stamp::distance` for ellipsoids with a / b from 1 to this ratio, and for others:
-/// what is left is below 4e-4 of the shorter half-axis, up to a ratio of 10.
+/// Rounds of `Stamp::distance` for ellipsoids with a / b from 1 to this ratio, for others, and
+/// beyond the band: what is left is below 1e-5 of the shorter half-axis next to the surface, and
+/// below 2e-3 elsewhere, up to a ratio of 10.
 constexpr float kPlainRatio = 3.2f;
-/// Far away, too: where a point lies on an ellipsoid as many times as large.
-constexpr float kFar = 3.5f;
-constexpr int kRounds = 2, kLongRounds = 3;
+constexpr int kRounds = 2, kLongRounds = 3, kFarRounds = 6;
 
 }  // namespace
 
@@ -131,35 +130,42 @@ struct Tile<Dim>::Stamp {
 
     /// Distance to the surface, as Ellipsoid::signedDistance finds it: the circle of curvature at
     /// the last foot (a tx, b ty) gives the next.
-    Lanes distance(const Place& p) const {
+    /// @param far  places that take more rounds; the others are left as they are without these.
+    Lanes distance(const Place& p, const Lanes::mask_type& far) const {
         const Lanes x = stdx::fabs(p.along), y = stdx::sqrt(p.across2);
         // To begin with, the foot on the way to the center, which is right for balls and near the
         // ellipse; inside, where it may be the farthest one, what is right on both axes as well.
         const Lanes deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
-        Lanes far = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
-        far = choose(far < 1.0f, far, Lanes(1.0f));
-        const Lanes near = stdx::sqrt(1.0f - far * far);
-        Lanes tx = a < b ? near : far, ty = a < b ? far : near;
+        Lanes tl = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
+        tl = choose(tl < 1.0f, tl, Lanes(1.0f));
+        const Lanes ts = stdx::sqrt(1.0f - tl * tl);
+        Lanes tx = a < b ? ts : tl, ty = a < b ? tl : ts;
+        for (int round = 0; round < rounds; ++round) step(x, y, tx, ty);
+        const Lanes distance = toFoot(x, y, tx, ty);
+        if (none_of(far)) return distance;
+        for (int round = rounds; round < kFarRounds; ++round) step(x, y, tx, ty);
+        return choose(far, toFoot(x, y, tx, ty), distance);
+    }
+
+    void step(const Lanes& x, const Lanes& y, Lanes& tx, Lanes& ty) const {
         const float tiny = 1e-12f * a * a;
-        const int most = any_of(p.f > kFar) ? kLongRounds : rounds;
-        for (int round = 0; round < most; ++round) {
-            const Lanes ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
-            const Lanes rx = a * tx - ex, ry = b * ty - ey;
-            const Lanes qx = x - ex, qy = y - ey;
-            const Lanes q2 = qx * qx + qy * qy;
-            const Lanes ratio =
-                stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
-            tx = (qx * ratio + ex) * inverseA;
-            ty = (qy * ratio + ey) * inverseB;
-            tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
-            ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
-            const Lanes square = tx * tx + ty * ty;
-            // The middle of a ball: every foot is as near.
-            const auto lost = square < 1e-12f;
-            const Lanes inverse = 1.0f / stdx::sqrt(choose(lost, Lanes(1.0f), square));
-            tx = choose(lost, Lanes(a < b ? 1.0f : 0.0f), tx * inverse);
-            ty = choose(lost, Lanes(a < b ? 0.0f : 1.0f), ty * inverse);
-        }
+        const Lanes ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
+        const Lanes rx = a * tx - ex, ry = b * ty - ey;
+        const Lanes qx = x - ex, qy = y - ey;
+        const Lanes q2 = qx * qx + qy * qy;
+        const Lanes ratio = stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
+        tx = (qx * ratio + ex) * inverseA;
+        ty = (qy * ratio + ey) * inverseB;
+        tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
+        ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
+        const Lanes square = tx * tx + ty * ty;
+        // The middle of a ball: every foot is as near.
+        const auto lost = square < 1e-12f;
+        const Lanes inverse = 1.0f / stdx::sqrt(choose(lost, Lanes(1.0f), square));
+        tx = choose(lost, Lanes(a < b ? 1.0f : 0.0f), tx * inverse);
+        ty = choose(lost, Lanes(a < b ? 0.0f : 1.0f), ty * inverse);
+    }
+    Lanes toFoot(const Lanes& x, const Lanes& y, const Lanes& tx, const Lanes& ty) const {
         const Lanes dx = a * tx - x, dy = b * ty - y;
         return stdx::sqrt(dx * dx + dy * dy);
     }
@@ -192,8 +198,11 @@ void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid, double lower) {
             for (std::size_t d = 0; d < Dim; ++d) x[d] = lane[d] + blocks.first[d][block] * h;
             const auto place = stamp.place(x);
             Lanes value = load(&values_[block * kLanes]);
-            if (none_of(stamp.lower(place) < value)) return;
-            const Lanes distance = stamp.distance(place);
+            const Lanes least = stamp.lower(place);
+            if (none_of(least < value)) return;
+            // Beyond the band of the level set, if what lies there is wanted at all.
+            const auto far = outside_ > inside_ ? least > inside_ : Lanes::mask_type(false);
+            const Lanes distance = stamp.distance(place, far);
             Lanes here = choose(place.f < 1.0f, -distance, distance);
             here = choose(here < -inside_, Lanes(-inside_), here);
             value = choose(here < value, here, value);
