@@ -32,7 +32,7 @@ const std::map<std::string, Cull> kCulls{
     {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
 
 const char* const kDomainHelp =
-    "mesh (.stl .obj .ply .off), level set (.vdb) or shape: box:LX,LY,LZ  "
+    "mesh (.stl .obj .ply .off), level set (.vdb) or shape about the origin: box:LX,LY,LZ  "
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
 const std::string kRadiusSpec =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
@@ -255,8 +255,8 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
            "longer by shorter half-axis, a / b, as --radius is written", "SPEC [constant:2]")
         ->check(notEmpty());
     option("--void-count", voids.count,
-           "number of voids, deeper than the shell (boolean; overlay, where all that fit is the "
-           "default)",
+           "number of voids: with centers deeper than the shell, on average, and as densely around "
+           "it (boolean); overlay: of all that fit, which is the default",
            "N");
     option("--void-probability", voids.probability,
            "that a box holds a void (grid)" +

@@ -19,6 +19,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Share of the spheres outside of the domain from which on it seems to be another one.
+constexpr double kManyOutside = 0.05;
+
 bool isVdb(const std::string& file) {
     return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
 }
@@ -90,6 +93,12 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     // Whoever made them: told, not judged.
     report.givenOverlaps = report.overlap->pairs;
     report.givenProtrusions = report.protrusion->spheres;
+    if (static_cast<double>(report.givenProtrusions) >
+        kManyOutside * static_cast<double>(report.count))
+        callbacks.warn(fmt::format(
+            "{}: {} of {} {} are not wholly inside the domain; does the pack belong to it, and are "
+            "--unit and --pack-unit right?",
+            recipe.pack, report.givenProtrusions, report.count, Measure<Dim>::kSpheres));
     report.seconds.measure = clock.lap();
     PackWriteOptions write;
     write.unit = recipe.outUnit;

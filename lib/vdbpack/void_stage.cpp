@@ -298,6 +298,14 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     VoidRecipe recipe = s.recipe;
     recipe.radius = radiusSpec(s, nullptr);
     const double target = *recipe.targetTbth;
+    const Vec<3> size = s.domain.bounds().size();
+    const double side = *std::min_element(size.c.begin(), size.c.end());
+    if (!(target < 0.25 * side))
+        throw ParameterError(
+            fmt::format("--target-tbth {}: not reachable, trabeculae in a domain of {:.4g} mm are "
+                        "thinner than a "
+                        "quarter of it; give a smaller one",
+                        target, side));
     // Walls are about as thick as b times -1/ln(BV/TV), to begin with: then by what was measured.
     const SizeDistribution first = SizeDistribution::parse(recipe.radius, 3);
     if (s.recipe.radius.empty())
@@ -310,9 +318,9 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         made.surface.reset();
         solve(setting, made);
         cut(setting, made);
-        const double side = kThicknessVoxels * made.report.voxelSize;
+        const double edge = kThicknessVoxels * made.report.voxelSize;
         const Box<3> sample = intersection(
-            s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * side));
+            s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * edge));
         const auto thickness =
             trabecularThickness(*made.solid.grid, sample, s.domain, s.recipe.shell);
         if (!thickness)

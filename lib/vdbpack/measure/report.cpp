@@ -139,12 +139,13 @@ void addVoids(Summary& out, const Report& r, const char* spheres) {
             text +=
                 fmt::format(", {} {:.4f}",
                             v.ofSpheres ? "share of the spheres' volume left" : "BV/TV", *v.bvtv);
-        if (v.amount)
+        if (v.amount && v.method == "boolean")
+            text += fmt::format(", {:.5g} centers a {}", *v.amount, r.dim == 2 ? "mm²" : "mm³");
+        else if (v.amount)
             text += fmt::format(", {} {:.5g}",
-                                v.method == "boolean"   ? "a mm³"
-                                : v.method == "overlay" ? "number"
-                                : v.ofSpheres           ? "D ="
-                                                        : "probability",
+                                v.method == "overlay" ? "number"
+                                : v.ofSpheres         ? "D ="
+                                                      : "probability",
                                 *v.amount);
         if (v.reachedShare) text += fmt::format(" (share of holes {:.4g})", *v.reachedShare);
         if (v.culled > 0) text += fmt::format(", {} {} culled", grouped(v.culled), spheres);
@@ -166,9 +167,9 @@ void addVoids(Summary& out, const Report& r, const char* spheres) {
     }
     if (v.shell > 0 && r.count > 0)
         out.line("shell",
-                 fmt::format(
-                     "{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), spheres,
-                     v.across ? fmt::format("; {:.3g} lie across it", *v.across) : std::string()));
+                 fmt::format("{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), spheres,
+                             v.across ? fmt::format("; it is {:.3g} {} thick", *v.across, spheres)
+                                      : std::string()));
 }
 
 void addChecks(Summary& out, const Report& r, const char* spheres) {
@@ -275,6 +276,7 @@ std::string summary(const Report& r) {
     if (r.ks && r.ksByVolume)
         count += fmt::format(" (Kolmogorov-Smirnov distance {:.2g}, by {} {:.2g})", *r.ks,
                              r.dim == 2 ? Measure<2>::kVolume : Measure<3>::kVolume, *r.ksByVolume);
+    if (r.voids && r.voids->culled > 0 && r.ks) count += "; both before the cut";
     if (r.interrupted) count += "; INTERRUPTED, this is what was complete";
     if (r.existing > 0) count += fmt::format("; {} of them stood already", grouped(r.existing));
     if (r.task != "voids") out.line(spheres, count);

@@ -12,7 +12,10 @@ namespace vdbpack {
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,
                                           const Domain<3>& domain, double shell) {
     const Vec<3> size = box.size();
-    const double margin = 0.1 * *std::min_element(size.c.begin(), size.c.end());
+    double margin = 0.1 * *std::min_element(size.c.begin(), size.c.end());
+    // Where the domain ends with the box the sample was cut: that face stops no ball.
+    const Box<3> wide = box.grown(margin), bounds = domain.bounds();
+    if (!bounds.contains(wide.lo) || !bounds.contains(wide.hi)) margin = 0;
     VoxelImage image = sampleLevelSet(solid, box, 0, margin);
     labelVoxels(image, domain, shell);
     const Morphometry all = measureMorphometry(image);

@@ -11,7 +11,7 @@ class VdbGrid;
 
 /// Tb.Th, mm: mean local thickness of a solid level set over the part of a domain that lies in a
 /// box and deeper than a shell, as `measureMorphometry` defines it.
-/// @param box    mm; what lies beyond it still bounds the balls.
+/// @param box    mm; what lies beyond it bounds the balls where the domain goes on there.
 /// @param shell  mm; 0: all of the domain.
 /// @return nothing where no solid lies there. @throws as `sampleLevelSet`.
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,

@@ -108,17 +108,28 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
         throw ParameterError(
             fmt::format("--shell {}: must be a thickness in mm, 0 or more", r.shell));
     if (method == VoidMethod::none) {
-        VoidRecipe other = r;
-        other.shell = 0;
-        const bool any = other.keepConnected || r.targetBvtv || r.targetTbth || r.voxelSize > 0 ||
-                         !r.radius.empty() || !r.aspect.empty() || r.count || r.probability ||
-                         r.deleteFraction || !r.matrix.empty() || !r.cell.empty() ||
-                         !r.orientation.angles.empty() || !r.orientation.axis.empty() ||
-                         !r.orientation.field.empty() || r.cull != Cull::center;
-        if (any)
-            throw ParameterError(
-                "an option about voids is given, and no voids are asked for; say how they are "
-                "made with --voids (grid, overlay, boolean, ...)");
+        const std::pair<const char*, bool> given[] = {
+            {"--keep-connected", r.keepConnected},
+            {"--cull", r.cull != Cull::center},
+            {"--target-bvtv", r.targetBvtv.has_value()},
+            {"--target-tbth", r.targetTbth.has_value()},
+            {"--void-voxel", r.voxelSize > 0},
+            {"--void-radius", !r.radius.empty()},
+            {"--void-aspect", !r.aspect.empty()},
+            {"--void-count", r.count.has_value()},
+            {"--void-probability", r.probability.has_value()},
+            {"--delete-fraction", r.deleteFraction.has_value()},
+            {"--void-matrix", !r.matrix.empty()},
+            {"--void-cell", !r.cell.empty()},
+            {"--void-angles", !r.orientation.angles.empty()},
+            {"--void-axis", !r.orientation.axis.empty()},
+            {"--void-field", !r.orientation.field.empty()}};
+        for (const auto& [option, isGiven] : given)
+            if (isGiven)
+                throw ParameterError(fmt::format(
+                    "{}: an option about voids is given, and no voids are asked for; say how they "
+                    "are made with --voids (grid, overlay, boolean, ...)",
+                    option));
         return;
     }
     if (needsFront(method) && !hasFront)
