@@ -11,7 +11,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <regex>
 
 using namespace vdbpack;
 using test::flawIn;
@@ -75,6 +74,17 @@ std::size_t countOf(const std::string& text, const std::string& part) {
     return n;
 }
 
+/// Whether a word stands there, not as a part of another ("information").
+bool hasWord(const std::string& text, const std::string& word) {
+    const auto isLetter = [](char c) { return c >= 'a' && c <= 'z'; };
+    for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) {
+        const std::size_t end = at + word.size();
+        if ((at == 0 || !isLetter(text[at - 1])) && (end == text.size() || !isLetter(text[end])))
+            return true;
+    }
+    return false;
+}
+
 /// What holds of every page.
 void checkPage(const std::string& html) {
     CHECK(flawIn(html) == "");
@@ -82,8 +92,7 @@ void checkPage(const std::string& html) {
     CHECK(countOf(html, "<script") == 0);
     CHECK(countOf(html, "url(") == 0);
     CHECK(countOf(html, "@import") == 0);
-    // Words, not parts of others ("information").
-    CHECK_FALSE(std::regex_search(html, std::regex(R"([^a-z](nan|inf|infinity)[^a-z])")));
+    for (const char* number : {"nan", "inf", "infinity"}) CHECK_FALSE(hasWord(html, number));
     CHECK_THAT(html, Catch::Contains("name='viewport'") && Catch::Contains("href='data:,'") &&
                          Catch::Contains("prefers-color-scheme"));
 }

@@ -3,55 +3,108 @@
 
 #include <cctype>
 #include <cstddef>
-#include <regex>
 #include <string>
 #include <vector>
 
 namespace vdbpack::test {
 
+/// Reads a page from the front.
+class PageReader {
+public:
+    explicit PageReader(const std::string& page) : page_(page) {}
+
+    /// What is wrong with the page, with what comes there; empty if nothing is.
+    std::string flaw() {
+        take("<!DOCTYPE html>");
+        std::vector<std::string> open;
+        bool rooted = false;
+        while (at_ < page_.size()) {
+            const char c = page_[at_];
+            const std::string here = page_.substr(at_, 40);
+            if (c == '&') {
+                if (!entity()) return "no entity: " + here;
+            } else if (c == '<') {
+                Tag tag;
+                if (!readTag(tag)) return "no tag: " + here;
+                if (tag.closes) {
+                    if (open.empty() || open.back() != tag.name) return "closes nothing: " + here;
+                    open.pop_back();
+                } else if (!tag.empty) {
+                    if (open.empty() && rooted) return "a second root: " + here;
+                    rooted = true;
+                    open.push_back(tag.name);
+                }
+            } else if (c == '>' && (open.empty() || open.back() != "style")) {
+                return "a bare >: " + here;
+            } else if (open.empty() && !std::isspace(static_cast<unsigned char>(c))) {
+                return "text outside: " + here;
+            } else {
+                ++at_;
+            }
+        }
+        return open.empty() ? "" : "never closed: " + open.back();
+    }
+
+private:
+    struct Tag {
+        std::string name;
+        bool closes = false, empty = false;
+    };
+
+    bool take(const std::string& text) {
+        if (page_.compare(at_, text.size(), text) != 0) return false;
+        at_ += text.size();
+        return true;
+    }
+    template <class Is>
+    std::string takeAll(const Is& is) {
+        const std::size_t start = at_;
+        while (at_ < page_.size() && is(page_[at_])) ++at_;
+        return page_.substr(start, at_ - start);
+    }
+    bool entity() {
+        return take("&amp;") || take("&lt;") || take("&gt;") || take("&quot;") || take("&#39;");
+    }
+    std::size_t skipSpace() {
+        return takeAll([](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; })
+            .size();
+    }
+    /// The rest of an attribute's value, its opening quote read.
+    bool readValue(char quote) {
+        while (at_ < page_.size() && page_[at_] != quote) {
+            if (page_[at_] == '<') return false;
+            if (page_[at_] != '&')
+                ++at_;
+            else if (!entity())
+                return false;
+        }
+        return at_++ < page_.size();
+    }
+    bool readTag(Tag& tag) {
+        if (!take("<")) return false;
+        tag.closes = take("/");
+        tag.name = takeAll([](char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); });
+        if (tag.name.empty() || tag.name[0] <= '9') return false;
+        for (;;) {
+            const bool apart = skipSpace() > 0;
+            if (take("/>")) return tag.empty = true;
+            if (take(">")) return true;
+            const auto isName = [](char c) {
+                return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '-';
+            };
+            if (!apart || takeAll(isName).empty() || !take("=")) return false;
+            if (!(take("'") ? readValue('\'') : take("\"") && readValue('"'))) return false;
+        }
+    }
+
+    const std::string& page_;
+    std::size_t at_ = 0;
+};
+
 /// What is wrong with a page, with what comes there; empty if nothing is. Knows elements, quoted
 /// attributes, a doctype and the five entities; no comments, no CDATA.
 inline std::string flawIn(const std::string& page) {
-    static const std::regex kTag(
-        R"(^<(/?)([a-z][a-z0-9]*)((?:\s+[A-Za-z-]+=(?:'[^'<]*'|"[^"<]*"))*)\s*(/?)>)");
-    static const std::regex kEntity(R"(^&(?:amp|lt|gt|quot|#39);)");
-    const std::string doctype = "<!DOCTYPE html>";
-    std::vector<std::string> open;
-    std::size_t at = page.rfind(doctype, 0) == 0 ? doctype.size() : 0;
-    bool rooted = false;
-    while (at < page.size()) {
-        const char c = page[at];
-        const std::string here =
-            c == '<' ? page.substr(at, page.find('>', at) - at + 1) : page.substr(at, 40);
-        std::smatch match;
-        if (c == '&') {
-            if (!std::regex_search(here, match, kEntity)) return "no entity: " + here;
-            at += static_cast<std::size_t>(match.length());
-        } else if (c == '<') {
-            if (!std::regex_search(here, match, kTag)) return "no tag: " + here;
-            at += static_cast<std::size_t>(match.length());
-            const std::string attributes = match[3];
-            for (std::size_t i = 0; (i = attributes.find('&', i)) != std::string::npos; ++i)
-                if (!std::regex_search(attributes.begin() + static_cast<long>(i), attributes.end(),
-                                       kEntity))
-                    return "no entity: " + here;
-            if (match[1].length() > 0) {
-                if (open.empty() || open.back() != match[2]) return "closes nothing: " + here;
-                open.pop_back();
-            } else if (match[4].length() == 0) {
-                if (open.empty() && rooted) return "a second root: " + here;
-                rooted = true;
-                open.push_back(match[2]);
-            }
-        } else if (c == '>' && (open.empty() || open.back() != "style")) {
-            return "a bare >: " + here;
-        } else if (open.empty() && !std::isspace(static_cast<unsigned char>(c))) {
-            return "text outside: " + here;
-        } else {
-            ++at;
-        }
-    }
-    return open.empty() ? "" : "never closed: " + open.back();
+    return PageReader(page).flaw();
 }
 
 }  // namespace vdbpack::test
