@@ -120,6 +120,27 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     report.seconds.write = clock.lap();
 }
 
+/// What a report of either run begins with.
+template <class Recipe>
+void begin(Report& report, const Recipe& recipe, const std::string& task,
+           const std::string& subject) {
+    report.version = VDBPACK_VERSION;
+    report.task = task;
+    report.command = recipe.command.empty() ? task + " " + subject : recipe.command;
+    report.seed = recipe.seed;
+    report.threads = effectiveThreads(recipe.threads);
+}
+
+/// Cutting is not judged: `passed` is true.
+template <class Recipe>
+void finish(RunResult& run, const Recipe& recipe) {
+    run.report.peakMemoryBytes = peakMemory();
+    run.passed = true;
+    if (recipe.reportFile.empty()) return;
+    run.report.files.push_back(recipe.reportFile);
+    writeReport(run, recipe);
+}
+
 }  // namespace
 
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
@@ -138,11 +159,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
     checkFiles(recipe.outputs, recipe.reportFile, inputs);
     RunResult run;
     Report& report = run.report;
-    report.version = VDBPACK_VERSION;
-    report.task = "voids";
-    report.command = recipe.command.empty() ? "voids " + recipe.domain.source : recipe.command;
-    report.seed = recipe.seed;
-    report.threads = effectiveThreads(recipe.threads);
+    begin(report, recipe, "voids", recipe.domain.source);
     const Callbacks heard = keepingWarnings(callbacks, report.warnings);
     withThreads(recipe.threads, [&] {
         Clock clock;
@@ -159,12 +176,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
             voidsOf<2>(recipe, source, report, clock, heard);
         report.seconds.total = clock.total();
     });
-    report.peakMemoryBytes = peakMemory();
-    run.passed = true;
-    if (!recipe.reportFile.empty()) {
-        report.files.push_back(recipe.reportFile);
-        writeReport(run, recipe);
-    }
+    finish(run, recipe);
     return run;
 }
 
@@ -183,11 +195,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     checkFiles(recipe.outputs, recipe.reportFile, inputs);
     RunResult run;
     Report& report = run.report;
-    report.version = VDBPACK_VERSION;
-    report.task = "carve";
-    report.command = recipe.command.empty() ? "carve " + recipe.pack : recipe.command;
-    report.seed = recipe.seed;
-    report.threads = effectiveThreads(recipe.threads);
+    begin(report, recipe, "carve", recipe.pack);
     const Callbacks heard = keepingWarnings(callbacks, report.warnings);
     withThreads(recipe.threads, [&] {
         Clock clock;
@@ -207,12 +215,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
         }
         report.seconds.total = clock.total();
     });
-    report.peakMemoryBytes = peakMemory();
-    run.passed = true;
-    if (!recipe.reportFile.empty()) {
-        report.files.push_back(recipe.reportFile);
-        writeReport(run, recipe);
-    }
+    finish(run, recipe);
     return run;
 }
 

@@ -7,6 +7,7 @@
 #include "vdbpack/measure/attached.h"
 #include "vdbpack/measure/trabeculae.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"
 
@@ -37,7 +38,7 @@ constexpr double kVoxelsPerHalfAxis = 4, kVoxelsPerThickness = 4;
 constexpr double kBvtvTolerance = 0.0005, kPackedTolerance = 0.002;
 constexpr double kBvtvWarning = 0.005;
 constexpr double kThicknessTolerance = 0.01;
-constexpr int kMostRounds = 16, kThicknessRounds = 4;
+constexpr int kThicknessRounds = 4;
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
 /// Radii of large spheres pending at a time, as a share of those that fit and at least and most.
@@ -152,58 +153,6 @@ double leastHalfAxis(const std::vector<Ellipsoid<Dim>>& voids) {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& e : voids) least = std::min({least, e.a, e.b});
     return least;
-}
-
-[[noreturn]] void outOfReach(const VoidRecipe& r, const char* bound, double bvtv,
-                             const std::string& remedy) {
-    throw ParameterError(
-        fmt::format("--target-bvtv {}: not reachable with --voids {}, {} is {:.4f}{}",
-                    *r.targetBvtv, r.method, bound, bvtv, remedy));
-}
-
-/// Finds the amount in [lo, hi] at which BV/TV, which falls with it, is the target: along the line
-/// through the two nearest results (its logarithm is nearly straight), between what was too little
-/// and too much.
-/// @param bvtvAt  of an amount; called last for the one that is returned.
-template <class BvtvAt>
-double solveAmount(const VoidRecipe& r, double lo, double guess, double hi, double tolerance,
-                   const std::string& remedy, const BvtvAt& bvtvAt) {
-    const double target = *r.targetBvtv;
-    double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
-    double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
-    double x = guess;
-    for (int round = 0; round < kMostRounds; ++round) {
-        const double f = bvtvAt(x);
-        last = x;
-        if (std::fabs(f - target) < off) {
-            off = std::fabs(f - target);
-            best = x;
-        }
-        if (off <= tolerance) break;
-        if (f > target) {
-            if (x >= hi) outOfReach(r, "lowest", f, remedy);
-            low = x;
-            atLow = f;
-        } else {
-            if (x <= lo) outOfReach(r, "highest", f, "; ask for a lower one");
-            high = x;
-            atHigh = f;
-        }
-        double next = std::numeric_limits<double>::quiet_NaN();
-        if (atLow > 0 && atHigh > 0)
-            next = low + (high - low) * std::log(atLow / target) / std::log(atLow / atHigh);
-        else if (f > 0 && f < 1)
-            next = x * std::log(target) / std::log(f);
-        // Not at an end again and again.
-        const double margin = 0.02 * (high - low);
-        if (round > 5 && std::isfinite(next)) next = round % 2 == 0 ? 0.5 * (low + high) : next;
-        if (!(next > low)) next = atLow == atLow ? low + margin : lo;
-        if (!(next < high)) next = atHigh == atHigh ? high - margin : hi;
-        x = next;
-        if (high - low < 1e-9 * hi) break;
-    }
-    if (last != best) bvtvAt(best);
-    return best;
 }
 
 /// Few large voids leave steps between the amounts there are.
@@ -465,8 +414,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                 return bvtvOf(setting, voxel, result);
             };
             if (asked.targetBvtv)
-                result.report.amount = solveAmount(asked, 0, family.guess, family.most,
-                                                   kBvtvTolerance, family.remedy, bvtvAt);
+                result.report.amount = solveForBvtv(asked, 0, family.guess, family.most,
+                                                    kBvtvTolerance, family.remedy, bvtvAt);
             else
                 bvtvAt(method == VoidMethod::boolean   ? *asked.count / coreOf(setting)
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
@@ -532,9 +481,9 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         // As if holes took their share of what is filled.
         const double left = -std::log(*r.targetBvtv);
         const double guess = std::clamp(left * ball / (left * ball + each), 1e-4, 0.3);
-        solveAmount(r, 0, guess, kMostProbability, kPackedTolerance,
-                    "; take larger or longer voids, or --voids boolean, whose voids overlap",
-                    bvtvAt);
+        solveForBvtv(r, 0, guess, kMostProbability, kPackedTolerance,
+                     "; take larger or longer voids, or --voids boolean, whose voids overlap",
+                     bvtvAt);
         if (!result.interrupted) warnIfOff(s, made.report);
     } else {
         if (!r.probability)
@@ -614,7 +563,7 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         made.report.totalVolume = coreOf(s);
         if (r.targetBvtv)
             made.report.amount =
-                solveAmount(r, 0, 1 - *r.targetBvtv, 1, kBvtvTolerance, "", bvtvAt);
+                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, kBvtvTolerance, "", bvtvAt);
         else
             made.report.amount = r.deleteFraction;
         made.report.bvtv = bvtvAt(*made.report.amount);

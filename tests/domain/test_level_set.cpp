@@ -134,6 +134,13 @@ TEST_CASE("grids that are no level sets of cubes are refused with a reason", "[d
     empty->tree().setValue({1, 2, 3}, std::nanf(""));
     writeGrids(path, {empty});
     REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("not finite") && Contains("(1, 2, 3)"));
+
+    const auto flat = openvdb::FloatGrid::create(0);
+    flat->setName("surface");
+    flat->setGridClass(openvdb::GRID_LEVEL_SET);
+    flat->tree().setValue({0, 0, 0}, -1);
+    writeGrids(path, {flat});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("background of 0"));
 }
 
 TEST_CASE("a truncated level set is refused", "[domain]") {

@@ -16,6 +16,12 @@
 
 namespace vdbpack {
 
+/// A box of side 2 `half` about the origin.
+template <int Dim>
+Box<Dim> cube(double half) {
+    return {Box<Dim>::filled(-half), Box<Dim>::filled(half)};
+}
+
 template <int Dim>
 Vec<Dim> pointIn(const Box<Dim>& box, RandomStream& random) {
     Vec<Dim> x;

@@ -21,11 +21,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-template <int Dim>
-Box<Dim> cube(double half) {
-    return {Box<Dim>::filled(-half), Box<Dim>::filled(half)};
-}
-
 /// Spheres anywhere in a box, overlapping or not, radii uniform in [least, most].
 template <int Dim>
 std::vector<Sphere<Dim>> anySpheres(std::size_t count, double half, double least, double most,

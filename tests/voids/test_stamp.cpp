@@ -19,11 +19,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-template <int Dim>
-Box<Dim> cube(double half) {
-    return {Box<Dim>::filled(-half), Box<Dim>::filled(half)};
-}
-
 /// Some voids that overlap in a box of side 20, and what stamping them gives.
 template <int Dim>
 struct Scene {

@@ -21,11 +21,6 @@ using Catch::Matchers::Contains;
 namespace {
 
 template <int Dim>
-Box<Dim> cube(double half) {
-    return {Box<Dim>::filled(-half), Box<Dim>::filled(half)};
-}
-
-template <int Dim>
 VoidShape<Dim> shapeOf(const std::string& radius, const std::string& aspect, const Box<Dim>& bounds,
                        const std::string& angles = "isotropic") {
     OrientationRecipe orientation;

@@ -71,6 +71,11 @@ auto withLevelSet(const std::string& path, const std::string& gridName, double s
         if (grid->activeVoxelCount() == 0)
             throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid",
                                          path, grid->getName()));
+        if (!(grid->background() > 0))
+            throw InputError(fmt::format(
+                "{}: level set '{}' has a background of {}, where it is the half-width of the "
+                "band and so positive; write it again",
+                path, grid->getName(), grid->background()));
         for (auto value = grid->cbeginValueOn(); value; ++value)
             if (!std::isfinite(*value))
                 throw InputError(

@@ -272,7 +272,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
     callbacks.report("domain", 0, 0);
-    const bool fits = levelSet != nullptr && health.isWatertight() && VdbField::fits(*levelSet);
+    const bool fits = levelSet != nullptr && health.isWatertight() && liesAlongAxes(*levelSet);
     const auto takeLevelSet = [&] {
         parts.contour = true;
         voxelSize = voxelSizeOf(*levelSet);

@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/vdb_field.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/voxel_image.h"
 
@@ -32,16 +33,6 @@ CoordBBox insideBounds(const FloatGrid& grid) {
         box.expand(part);
     }
     return box;
-}
-
-/// Whether grid indices count along x, y and z.
-bool isAlongAxes(const openvdb::math::Transform& transform) {
-    const openvdb::Mat4d m = transform.baseMap()->getAffineMap()->getMat4();
-    const double h = transform.voxelSize()[0];
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (std::abs(m[i][j] - (i == j ? h : 0)) > 1e-9 * h) return false;
-    return true;
 }
 
 Vec<3> toVec(const openvdb::Vec3d& v) {
@@ -103,7 +94,7 @@ VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& b
         throw ParameterError(
             "image of a level set: the bounds hold nothing; give a box with a low and a high end");
     const bool ownVoxels = voxelSize == 0;
-    if (ownVoxels && !isAlongAxes(transform))
+    if (ownVoxels && !liesAlongAxes(vdbGrid))
         throw InputError(
             "level set: its voxels do not lie along x, y and z; give a voxel size to resample it");
     const double own = transform.voxelSize()[0];

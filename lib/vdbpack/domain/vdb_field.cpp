@@ -160,13 +160,13 @@ VdbField::VdbField(const VdbGrid& levelSet, double depth) : impl_(std::make_uniq
     impl_->depth = (std::max(band, insideVoxels) - 1) * h;
 }
 
-bool VdbField::fits(const VdbGrid& levelSet) {
+bool liesAlongAxes(const VdbGrid& levelSet) {
     const openvdb::Mat4d m = levelSet.grid->transform().baseMap()->getAffineMap()->getMat4();
     const double h = levelSet.grid->voxelSize()[0];
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
             if (std::abs(m[i][j] - (i == j ? h : 0)) > 1e-9 * h) return false;
-    return levelSet.grid->background() > 0;
+    return true;
 }
 
 VdbField::~VdbField() = default;

@@ -12,6 +12,9 @@ namespace vdbpack {
 
 class VdbGrid;
 
+/// Whether the indices of a level set count along x, y and z.
+bool liesAlongAxes(const VdbGrid& levelSet);
+
 /// Signed distances to a mesh near its wall: at least `depth` inside, three voxels outside.
 ///
 /// Distances are to the nearest triangle, without OpenVDB's smoothing of values (which makes them
@@ -24,11 +27,10 @@ public:
     /// @throws ResourceError if memory does not suffice.
     VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& depthOfTriangle,
              double voxelSize, double depth);
-    /// A level set as it is, in its own voxels; where its band is not deep enough it is widened by
-    /// the fast sweeping method (Zhao 2004, doi:10.1090/S0025-5718-04-01678-3).
+    /// A level set as it is, in its own voxels, which lie along x, y, z; where its band is not deep
+    /// enough it is widened by the fast sweeping method (Zhao 2004,
+    /// doi:10.1090/S0025-5718-04-01678-3).
     VdbField(const VdbGrid& levelSet, double depth);
-    /// Whether that can be: its voxels lie along x, y, z.
-    static bool fits(const VdbGrid& levelSet);
     ~VdbField();
     VdbField(const VdbField&) = delete;
     VdbField& operator=(const VdbField&) = delete;

@@ -1,0 +1,65 @@
+#include "vdbpack/voids/solve_target.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr int kMostRounds = 16;
+
+[[noreturn]] void outOfReach(const VoidRecipe& r, const char* bound, double bvtv,
+                             const std::string& remedy) {
+    throw ParameterError(
+        fmt::format("--target-bvtv {}: not reachable with --voids {}, {} is {:.4f}{}",
+                    *r.targetBvtv, r.method, bound, bvtv, remedy));
+}
+
+}  // namespace
+
+double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, double tolerance,
+                    const std::string& remedy, const std::function<double(double)>& bvtvAt) {
+    const double target = *r.targetBvtv;
+    double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
+    double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
+    double x = guess;
+    for (int round = 0; round < kMostRounds; ++round) {
+        const double f = bvtvAt(x);
+        last = x;
+        if (std::fabs(f - target) < off) {
+            off = std::fabs(f - target);
+            best = x;
+        }
+        if (off <= tolerance) break;
+        if (f > target) {
+            if (x >= hi) outOfReach(r, "lowest", f, remedy);
+            low = x;
+            atLow = f;
+        } else {
+            if (x <= lo) outOfReach(r, "highest", f, "; ask for a lower one");
+            high = x;
+            atHigh = f;
+        }
+        double next = std::numeric_limits<double>::quiet_NaN();
+        if (atLow > 0 && atHigh > 0)
+            next = low + (high - low) * std::log(atLow / target) / std::log(atLow / atHigh);
+        else if (f > 0 && f < 1)
+            next = x * std::log(target) / std::log(f);
+        // Not at an end again and again.
+        const double margin = 0.02 * (high - low);
+        if (round > 5 && std::isfinite(next)) next = round % 2 == 0 ? 0.5 * (low + high) : next;
+        if (!(next > low)) next = atLow == atLow ? low + margin : lo;
+        if (!(next < high)) next = atHigh == atHigh ? high - margin : hi;
+        x = next;
+        if (high - low < 1e-9 * hi) break;
+    }
+    if (last != best) bvtvAt(best);
+    return best;
+}
+
+}  // namespace vdbpack
