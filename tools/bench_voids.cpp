@@ -24,6 +24,7 @@ using namespace vdbpack;
 namespace {
 
 constexpr double kVoxel = 0.3, kLong = 1.5, kShort = 0.5;
+constexpr int kRuns = 3;
 constexpr std::size_t kVoids = 100000, kOneByOne = 200;
 
 double now() {
@@ -56,7 +57,7 @@ void benchStamp(const Domain<3>& domain, const std::vector<Ellipsoid<3>>& voids)
     options.origin = fieldOrigin(domain.bounds(), kVoxel);
     double stamp = 1e300;
     std::shared_ptr<const StampedVoids<3>> stamped;
-    for (int run = 0; run < 3; ++run) {
+    for (int run = 0; run < kRuns; ++run) {
         const double start = now();
         stamped = stampVoids(voids, domain, options);
         stamp = std::min(stamp, now() - start);
@@ -110,22 +111,25 @@ void benchVoids(const std::string& mesh, int threads, double targetCount) {
     packing.targetCount = targetCount;
     packing.threads = threads;
     packing.outputs = {pack};
-    const RunResult packed = runPack(packing);
     CarveRecipe carving;
     carving.pack = pack;
     carving.domain = recipe;
     carving.voids.method = "list:" + list;
     carving.voids.voxelSize = kVoxel;
     carving.threads = threads;
-    const RunResult carved = runCarve(carving);
-    const auto& p = packed.report.seconds;
-    const auto& c = carved.report.seconds;
+    // The best of some runs each, in turn: what else the machine does comes and goes.
+    Report packed, carved;
+    for (int run = 0; run < kRuns; ++run) {
+        const Report p = runPack(packing).report, c = runCarve(carving).report;
+        if (run == 0 || p.seconds.pack < packed.seconds.pack) packed = p;
+        if (run == 0 || c.seconds.voids < carved.seconds.voids) carved = c;
+    }
+    const auto &p = packed.seconds, &c = carved.seconds;
     fmt::print("packing {} spheres: {:.2f} s (with mesh, field, measuring {:.2f} s)\n",
-               packed.report.count, p.pack, p.total - p.write);
+               packed.count, p.pack, p.total - p.write);
     fmt::print(
         "carving that pack: {:.2f} s, {:.2f} of packing (with mesh, field, measuring {:.2f} "
         "s); {} spheres culled, BV/TV {:.4f}\n",
-        c.voids, c.voids / p.pack, c.total - c.write, carved.report.voids->culled,
-        *carved.report.voids->bvtv);
+        c.voids, c.voids / p.pack, c.total - c.write, carved.voids->culled, *carved.voids->bvtv);
     std::filesystem::remove_all(folder);
 }

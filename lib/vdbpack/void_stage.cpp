@@ -569,9 +569,9 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         made.report.bvtv = bvtvAt(*made.report.amount);
         warnIfOff(s, made.report);
     } else if (made.stamped) {
-        keep = spheresOutside(pack.spheres, *made.stamped, r.cull);
-        if (r.cull == Cull::center)
-            decideByEllipsoids(pack.spheres, made.list, *made.stamped, pack.region, keep);
+        keep = r.cull == Cull::touch
+                   ? spheresOutside(pack.spheres, *made.stamped, r.cull)
+                   : centersOutside(pack.spheres, made.list, *made.stamped, pack.region);
     }
     if (!keep.empty()) {
         std::fill_n(keep.begin(), std::min(standing, before), 1);

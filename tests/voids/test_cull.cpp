@@ -88,10 +88,7 @@ TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves"
     CHECK(withThreads(3, [&] { return spheresOutside(spheres, *stamped, Cull::touch); }) == touch);
     // Centers next to a surface, too, once the ellipsoids are asked.
     const auto candidates = someCandidates(spheres.size());
-    auto exact = center;
-    for (std::size_t i = 0; i < spheres.size(); ++i)
-        if (!candidates[i]) exact[i] = 1;
-    decideByEllipsoids(spheres, voids, *stamped, candidates, exact);
+    const auto exact = centersOutside(spheres, voids, *stamped, candidates);
     for (std::size_t i = 0; i < spheres.size(); ++i) {
         bool within = false;
         for (const auto& e : voids) within = within || e.contains(spheres[i].center);

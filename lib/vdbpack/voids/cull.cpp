@@ -139,16 +139,22 @@ std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>& spheres
 }
 
 template <int Dim>
-void decideByEllipsoids(const std::vector<Sphere<Dim>>& spheres,
-                        const std::vector<Ellipsoid<Dim>>& voids, const StampedVoids<Dim>& stamped,
-                        const std::vector<std::int32_t>& deep, std::vector<std::uint8_t>& keep) {
+std::vector<std::uint8_t> centersOutside(const std::vector<Sphere<Dim>>& spheres,
+                                         const std::vector<Ellipsoid<Dim>>& voids,
+                                         const StampedVoids<Dim>& stamped,
+                                         const std::vector<std::int32_t>& deep) {
     const double close = stamped.voxelSize();
+    std::vector<std::uint8_t> keep(spheres.size());
     forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
-        typename StampedVoids<Dim>::Sampler distance(stamped);
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-            if (std::fabs(distance(spheres[i].center)) < close)
-                keep[i] = !(deep[i] && stamped.isIn(voids, spheres[i].center));
+        typename StampedVoids<Dim>::Sampler distanceAt(stamped);
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const double distance = distanceAt(spheres[i].center);
+            const bool within =
+                std::fabs(distance) < close ? stamped.isIn(voids, spheres[i].center) : distance < 0;
+            keep[i] = !(deep[i] && within);
+        }
     });
+    return keep;
 }
 
 template <int Dim>
@@ -236,18 +242,18 @@ std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
     return keep;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                 \
-    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&,           \
-                                                      const StampedVoids<Dim>&, Cull);           \
-    template void decideByEllipsoids(                                                            \
-        const std::vector<Sphere<Dim>>&, const std::vector<Ellipsoid<Dim>>&,                     \
-        const StampedVoids<Dim>&, const std::vector<std::int32_t>&, std::vector<std::uint8_t>&); \
-    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,               \
-                                                  const Domain<Dim>&, double);                   \
-    template void keepOnly(Pack<Dim>&, const std::vector<std::uint8_t>&);                        \
-    template std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>&,            \
-                                                     const std::vector<std::int32_t>&, double);  \
-    template std::vector<std::uint8_t> removeAround(                                             \
+#define VDBPACK_INSTANTIATE(Dim)                                                                \
+    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&,          \
+                                                      const StampedVoids<Dim>&, Cull);          \
+    template std::vector<std::uint8_t> centersOutside(                                          \
+        const std::vector<Sphere<Dim>>&, const std::vector<Ellipsoid<Dim>>&,                    \
+        const StampedVoids<Dim>&, const std::vector<std::int32_t>&);                            \
+    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,              \
+                                                  const Domain<Dim>&, double);                  \
+    template void keepOnly(Pack<Dim>&, const std::vector<std::uint8_t>&);                       \
+    template std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>&,           \
+                                                     const std::vector<std::int32_t>&, double); \
+    template std::vector<std::uint8_t> removeAround(                                            \
         const std::vector<Sphere<Dim>>&, const std::vector<std::int32_t>&, double, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -17,14 +17,15 @@ template <int Dim>
 std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>& spheres,
                                          const StampedVoids<Dim>& voids, Cull cull);
 
-/// Decides again, by the ellipsoids themselves, on the spheres whose centers are so close to a
-/// void's surface that the lookup can be wrong: then no center that stays lies in any of them.
-/// @param deep  1 for each sphere that voids may remove.
-/// @param keep  as `spheresOutside` left it for centers.
+/// 1 for each sphere whose center lies in no void: by lookup, and by the ellipsoids themselves
+/// where that can be wrong. No center that stays lies in any of them.
+/// @param voids    those that were stamped.
+/// @param deep     1 for each sphere that voids may remove.
 template <int Dim>
-void decideByEllipsoids(const std::vector<Sphere<Dim>>& spheres,
-                        const std::vector<Ellipsoid<Dim>>& voids, const StampedVoids<Dim>& stamped,
-                        const std::vector<std::int32_t>& deep, std::vector<std::uint8_t>& keep);
+std::vector<std::uint8_t> centersOutside(const std::vector<Sphere<Dim>>& spheres,
+                                         const std::vector<Ellipsoid<Dim>>& voids,
+                                         const StampedVoids<Dim>& stamped,
+                                         const std::vector<std::int32_t>& deep);
 
 /// 1 for each sphere whose center lies deeper than `shell` mm below the wall: from the field, and
 /// from the wall itself where that is close.

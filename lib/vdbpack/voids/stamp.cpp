@@ -11,9 +11,11 @@
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
+#include <atomic>
+#include <bitset>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -33,6 +35,8 @@ static_assert(Leaf::DIM == kTileSide);
 constexpr double kBandVoxels = 3;
 /// Bytes of a leaf in a tree, of a void listed at a tile, and level sets made from one.
 constexpr double kBytesPerLeaf = 2300, kBytesPerEntry = 24, kLevelSets = 4;
+/// Voids at tiles that are sorted together, on average.
+constexpr std::size_t kEntriesPerPart = 64;
 /// Tiles along each axis that fit a key.
 constexpr std::int64_t kMostTiles = std::int64_t{1} << 21;
 
@@ -72,6 +76,19 @@ public:
 
     /// From the middle of a tile to its farthest voxel center, mm.
     double radius() const { return 0.5 * (kTileSide - 1) * h_ * std::sqrt(double{Dim}); }
+    double tiles() const {
+        double n = 1;
+        for (std::size_t d = 0; d < Dim; ++d) n *= static_cast<double>(count_[d]);
+        return n;
+    }
+    /// Which of `parts` parts of the lattice a tile lies in; rises with the tile.
+    std::size_t partOf(std::uint64_t tile, std::size_t parts) const {
+        const auto t = placeOf(tile);
+        double n = 0;
+        for (std::size_t d = 0; d < Dim; ++d)
+            n = n * static_cast<double>(count_[d]) + static_cast<double>(t[d]);
+        return static_cast<std::size_t>(n / tiles() * static_cast<double>(parts));
+    }
     /// Calls `visit(tile, its middle)` for the tiles that meet a box.
     template <class Visit>
     void forEach(const Box<Dim>& box, const Visit& visit) const {
@@ -215,15 +232,33 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
                             {tile, static_cast<float>(lower), static_cast<std::uint32_t>(i)});
                 });
     });
-    std::vector<Entry> all;
+    // Into parts of the lattice, in any order, and there sorted.
     std::size_t count = 0;
     for (const auto& part : found) count += part.size();
-    all.reserve(count);
-    for (auto& part : found) {
-        all.insert(all.end(), part.begin(), part.end());
-        part = {};
-    }
-    tbb::parallel_sort(all.begin(), all.end());
+    const std::size_t parts = count / kEntriesPerPart + 1;
+    std::vector<std::atomic<std::size_t>> next(parts + 1);
+    const auto forEachFound = [&](const auto& visit) {
+        tbb::parallel_for_each(found.begin(), found.end(), [&](const std::vector<Entry>& mine) {
+            for (const Entry& e : mine) visit(e, next[lattice.partOf(e.tile, parts)]);
+        });
+    };
+    forEachFound([](const Entry&, std::atomic<std::size_t>& at) {
+        at.fetch_add(1, std::memory_order_relaxed);
+    });
+    std::size_t before = 0;
+    for (auto& at : next) before += at.exchange(before);
+    std::vector<Entry> all(count);
+    forEachFound([&](const Entry& e, std::atomic<std::size_t>& at) {
+        all[at.fetch_add(1, std::memory_order_relaxed)] = e;
+    });
+    // Now each ends where the next one began.
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts), [&](const auto& range) {
+        for (std::size_t part = range.begin(); part < range.end(); ++part) {
+            const auto from = static_cast<std::ptrdiff_t>(part == 0 ? 0 : next[part - 1].load());
+            const auto to = static_cast<std::ptrdiff_t>(next[part].load());
+            std::sort(all.begin() + from, all.begin() + to);
+        }
+    });
     return all;
 }
 
@@ -235,20 +270,32 @@ struct Stamped {
 };
 
 template <int Dim>
-std::unique_ptr<Leaf> makeLeaf(const Coord& at, const Tile<Dim>& tile, float inside,
-                               float outside) {
+std::unique_ptr<Leaf> makeLeaf(const Coord& at, const Tile<Dim>& tile, float outside) {
     auto leaf = std::make_unique<Leaf>(at, outside, false);
-    float* values = leaf->buffer().data();
+    // 2D: the plane of the leaf's first voxels.
+    constexpr std::size_t kStride = Dim == 3 ? 1 : kTileSide;
+    std::bitset<kTileVoxels<Dim>> band;
+    tile.copyTo(leaf->buffer().data(), kStride, band);
     Leaf::NodeMaskType active;
-    for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
-        // 2D: the plane of the leaf's first voxels.
-        const std::size_t n = Tile<Dim>::inLeaf(i) * (Dim == 3 ? 1 : kTileSide);
-        const float v = tile.values()[i];
-        values[n] = v;
-        if (v > -inside && v < outside) active.setOn(static_cast<openvdb::Index>(n));
-    }
+    for (std::size_t i = 0; i < band.size(); ++i)
+        if (band[i]) active.setOn(static_cast<openvdb::Index>(i * kStride));
     leaf->setValueMask(active);
     return leaf;
+}
+
+/// Counts the voxels in voids and in the core, and takes the others out of the voids, if asked.
+template <int Dim>
+std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
+    std::uint32_t voxels = 0;
+    for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
+        float& v = tile.values()[i];
+        if (v >= (takeOut ? tile.outside() : 0)) continue;
+        const auto depth =
+            std::max(v, static_cast<float>(core(tile.centerOf(i), static_cast<double>(v))));
+        if (takeOut) v = std::min(depth, tile.outside());
+        voxels += depth < 0;
+    }
+    return voxels;
 }
 
 template <int Dim>
@@ -376,6 +423,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     tbb::enumerable_thread_specific<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles, 8), [&](const auto& range) {
         Core<Dim>& core = cores.local();
+        std::vector<NearVoid<Dim>> near;
         for (std::size_t n = range.begin(); n < range.end(); ++n) {
             const std::uint64_t at = entries[starts[n]].tile;
             const Vec<Dim> middle = lattice.middleOf(at);
@@ -385,31 +433,26 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                       cut);
             if (apart) continue;
             Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
+            near.clear();
             bool filled = false;
             for (std::size_t i = starts[n]; i < starts[n + 1] && !filled; ++i) {
                 const auto& e = voids[entries[i].ellipsoid];
-                if (std::min(e.a, e.b) > impl.inside + radius &&
-                    boundsAt(e, middle, radius).upper < -impl.inside)
-                    filled = true;
-                else
-                    tile.stamp(e, static_cast<double>(entries[i].lower));
+                filled = std::min(e.a, e.b) > impl.inside + radius &&
+                         boundsAt(e, middle, radius).upper < -impl.inside;
+                near.push_back({&e, static_cast<double>(entries[i].lower)});
             }
-            if (filled) tile.fillInside();
+            if (filled)
+                tile.fillInside();
+            else
+                tile.stamp(near);
             Stamped& result = made[n];
-            for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
-                float& v = tile.values()[i];
-                if (v >= (options.shell > 0 ? outside : 0)) continue;
-                float depth = v;
-                if (cut) {
-                    depth = std::max(
-                        v, static_cast<float>(core(tile.centerOf(i), static_cast<double>(v))));
-                    if (options.shell > 0) v = std::min(depth, outside);
-                }
-                result.voxels += depth < 0;
-            }
+            if (cut)
+                result.voxels = cutAtCore(tile, core, options.shell > 0);
+            else
+                result.voxels = static_cast<std::uint32_t>(tile.countInside());
             if (tile.isOutside()) continue;
             result.inside = tile.isInside();
-            if (!result.inside) result.leaf = makeLeaf(lattice.coordOf(at), tile, inside, outside);
+            if (!result.inside) result.leaf = makeLeaf(lattice.coordOf(at), tile, outside);
         }
     });
 

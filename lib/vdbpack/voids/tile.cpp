@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 
 namespace vdbpack {
 
@@ -80,31 +81,17 @@ Tile<Dim>::Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, do
     blockMax_.fill(outside_);
 }
 
-/// A void seen from the first voxel of a tile, in floats: positions are from the void's center, so
-/// that these suffice wherever the bone lies.
-template <int Dim>
-struct Tile<Dim>::Stamp {
-    Stamp(const Ellipsoid<Dim>& e, const Vec<Dim>& first)
-        : a(static_cast<float>(e.a)),
-          b(static_cast<float>(e.b)),
-          shorter(std::min(a, b)),
-          longer(std::max(a, b)),
-          inverseA(1 / a),
-          inverseB(1 / b),
-          rounds(a < b || a > kPlainRatio * b ? kLongRounds : kRounds),
-          evoluteA((a * a - b * b) * inverseA),
-          evoluteB((b * b - a * a) * inverseB) {
-        for (std::size_t d = 0; d < Dim; ++d) {
-            start[d] = static_cast<float>(first.c[d] - e.center.c[d]);
-            axis[d] = static_cast<float>(e.axis.c[d]);
-        }
-    }
+/// Ellipsoids, one or eight of them, as bounds on the distances to them take them.
+template <int Dim, class T>
+struct Form {
+    std::array<T, Dim> axis;
+    T b, shorter, inverseA, inverseB;
 
     /// Where points lie: along the axis, across it, and on the ellipsoid with half-axes f a, f b.
     struct Place {
         Lanes along, across2, f;
     };
-    Place place(const std::array<Lanes, Dim>& x) const {
+    [[gnu::always_inline]] Place place(const std::array<Lanes, Dim>& x) const {
         Place p{0.0f, 0.0f, 0.0f};
         for (std::size_t d = 0; d < Dim; ++d) p.along += x[d] * axis[d];
         for (std::size_t d = 0; d < Dim; ++d) {
@@ -117,15 +104,40 @@ struct Tile<Dim>::Stamp {
     }
 
     /// The void's surface is at least that far away, since f is convex: f - 1 <= |grad f| d;
-    /// inside, at most that deep below it.
-    Lanes lower(const Place& p) const {
-        const Lanes inner = (p.f - 1.0f) * longer;
-        const Lanes u = p.along * (inverseA * inverseA);
-        const float inverseB2 = inverseB * inverseB;
-        const Lanes steep = stdx::sqrt(u * u + p.across2 * (inverseB2 * inverseB2));
+    /// inside, at most as deep below it as the way out across the axis is long.
+    [[gnu::always_inline]] Lanes lower(const Place& p) const {
+        const Lanes u = p.along * inverseA;
+        const Lanes steep = stdx::sqrt(u * u * (inverseA * inverseA) +
+                                       p.across2 * (inverseB * inverseB * (inverseB * inverseB)));
         const auto within = p.f < 1.0f;
-        return choose(within, choose(inner > -shorter, inner, Lanes(-shorter)),
+        const Lanes cut = choose(within, 1.0f - u * u, Lanes(0.0f));
+        const Lanes out = b * stdx::sqrt(cut) - stdx::sqrt(p.across2);
+        return choose(within, -stdx::min(out, Lanes(shorter)),
                       (p.f - 1.0f) * p.f / choose(within, Lanes(1.0f), steep));
+    }
+};
+
+/// A void seen from the first voxel of a tile, in floats: positions are from the void's center, so
+/// that these suffice wherever the bone lies.
+template <int Dim>
+struct Tile<Dim>::Stamp {
+    using Place = typename Form<Dim, float>::Place;
+
+    Stamp() = default;
+    Stamp(const Ellipsoid<Dim>& e, const Vec<Dim>& first)
+        : a(static_cast<float>(e.a)),
+          b(static_cast<float>(e.b)),
+          rounds(a < b || a > kPlainRatio * b ? kLongRounds : kRounds),
+          evoluteA((a * a - b * b) / a),
+          evoluteB((b * b - a * a) / b) {
+        for (std::size_t d = 0; d < Dim; ++d) {
+            start[d] = static_cast<float>(first.c[d] - e.center.c[d]);
+            form.axis[d] = static_cast<float>(e.axis.c[d]);
+        }
+        form.b = b;
+        form.shorter = std::min(a, b);
+        form.inverseA = 1 / a;
+        form.inverseB = 1 / b;
     }
 
     /// Distance to the surface, as Ellipsoid::signedDistance finds it: the circle of curvature at
@@ -135,6 +147,7 @@ struct Tile<Dim>::Stamp {
         const Lanes x = stdx::fabs(p.along), y = stdx::sqrt(p.across2);
         // To begin with, the foot on the way to the center, which is right for balls and near the
         // ellipse; inside, where it may be the farthest one, what is right on both axes as well.
+        const float longer = std::max(a, b), shorter = form.shorter;
         const Lanes deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
         Lanes tl = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
         tl = choose(tl < 1.0f, tl, Lanes(1.0f));
@@ -154,8 +167,8 @@ struct Tile<Dim>::Stamp {
         const Lanes qx = x - ex, qy = y - ey;
         const Lanes q2 = qx * qx + qy * qy;
         const Lanes ratio = stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
-        tx = (qx * ratio + ex) * inverseA;
-        ty = (qy * ratio + ey) * inverseB;
+        tx = (qx * ratio + ex) * form.inverseA;
+        ty = (qy * ratio + ey) * form.inverseB;
         tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
         ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
         const Lanes square = tx * tx + ty * ty;
@@ -170,45 +183,148 @@ struct Tile<Dim>::Stamp {
         return stdx::sqrt(dx * dx + dy * dy);
     }
 
-    float a, b, shorter, longer;
-    float inverseA, inverseB;
+    Form<Dim, float> form;
+    float a, b;
     int rounds;
     float evoluteA, evoluteB;  ///< (evoluteA tx^3, evoluteB ty^3) is the center of curvature
-    std::array<float, Dim> start, axis;
+    std::array<float, Dim> start;
+};
+
+/// Voids that are stamped together: of all of them, each block of voxels takes the nearest first.
+template <int Dim>
+struct Tile<Dim>::Batch {
+    static constexpr std::size_t kMost = 64;
+    using Row = std::array<float, kMost>;
+
+    Batch(const NearVoid<Dim>* voids, std::size_t n, const Vec<Dim>& first)
+        : count(n), whole(padded(n)) {
+        for (std::size_t i = 0; i < whole; ++i) {
+            const Stamp s(*voids[std::min(i, n - 1)].ellipsoid, first);
+            for (std::size_t d = 0; d < Dim; ++d) {
+                start[d][i] = s.start[d];
+                axis[d][i] = s.form.axis[d];
+            }
+            b[i] = s.form.b;
+            shorter[i] = s.form.shorter;
+            inverseA[i] = s.form.inverseA;
+            inverseB[i] = s.form.inverseB;
+            if (i < n) stamps[i] = s;
+        }
+    }
+
+    /// No point of the ball about `x`, from the tile's first voxel, is nearer to each void.
+    /// @return the void with the least bound, the first of equals.
+    std::size_t lowerBounds(const std::array<float, Dim>& x, float radius, Row& bounds) const {
+        Lanes least = kTaken;
+        for (std::size_t i = 0; i < whole; i += kLanes) {
+            Form<Dim, Lanes> form;
+            std::array<Lanes, Dim> place;
+            for (std::size_t d = 0; d < Dim; ++d) {
+                form.axis[d] = load(&axis[d][i]);
+                place[d] = load(&start[d][i]) + x[d];
+            }
+            form.b = load(&b[i]);
+            form.shorter = load(&shorter[i]);
+            form.inverseA = load(&inverseA[i]);
+            form.inverseB = load(&inverseB[i]);
+            const Lanes bound = form.lower(form.place(place)) - radius;
+            bound.copy_to(&bounds[i], stdx::element_aligned);
+            least = stdx::min(least, bound);
+        }
+        for (std::size_t i = count; i < whole; ++i) bounds[i] = kTaken;
+        const float nearest = stdx::hmin(least);
+        std::size_t at = 0;
+        while (at + 1 < count && bounds[at] != nearest) ++at;
+        return at;
+    }
+
+    /// Beyond all bounds: of a void that is stamped, or of none.
+    static constexpr float kTaken = std::numeric_limits<float>::infinity();
+    std::size_t count, whole;
+    std::array<Row, Dim> start, axis;
+    Row b, shorter, inverseA, inverseB;
+    std::array<Stamp, kMost> stamps;
 };
 
 template <int Dim>
-void Tile<Dim>::stamp(const Ellipsoid<Dim>& ellipsoid, double lower) {
-    if (!(static_cast<float>(lower) < *std::max_element(blockMax_.begin(), blockMax_.end())))
-        return;
+void Tile<Dim>::stamp(const std::vector<NearVoid<Dim>>& voids) {
+    for (std::size_t i = 0; i < voids.size(); i += Batch::kMost) {
+        const float most = *std::max_element(blockMax_.begin(), blockMax_.end());
+        std::size_t n = std::min(voids.size() - i, Batch::kMost);
+        while (n > 0 && !(static_cast<float>(voids[i + n - 1].lower) < most)) --n;
+        if (n == 0) return;
+        stamp(Batch(&voids[i], n, first_));
+    }
+}
+
+/// The nearest void of each block comes first: it spares most of the others.
+template <int Dim>
+void Tile<Dim>::stamp(const Batch& batch) {
     const Blocks<Dim>& blocks = Blocks<Dim>::get();
-    const Stamp stamp(ellipsoid, first_);
     const auto h = static_cast<float>(voxelSize_);
-    const float radius = blocks.radius * h;
-    std::array<Lanes, Dim> lane, x;
-    for (std::size_t d = 0; d < Dim; ++d)
-        lane[d] = load(blocks.lane[d].data()) * h + stamp.start[d];
-    for (std::size_t group = 0; group < Blocks<Dim>::kCount; group += kLanes) {
-        // Of eight blocks, from their middles, which the void is near enough to.
+    std::array<typename Batch::Row, Blocks<Dim>::kCount> bounds;
+    std::array<Pair, kMostPairs> pairs;
+    std::size_t count = 0;
+    for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
+        std::array<float, Dim> middle;
         for (std::size_t d = 0; d < Dim; ++d)
-            x[d] = (load(&blocks.first[d][group]) + blocks.middle[d]) * h + stamp.start[d];
-        const Lanes nearest = stamp.lower(stamp.place(x)) - radius;
-        forEachSet(nearest < load(&blockMax_[group]), [&](std::size_t n) {
-            const std::size_t block = group + n;
-            for (std::size_t d = 0; d < Dim; ++d) x[d] = lane[d] + blocks.first[d][block] * h;
-            const auto place = stamp.place(x);
-            Lanes value = load(&values_[block * kLanes]);
-            const Lanes least = stamp.lower(place);
-            if (none_of(least < value)) return;
-            // Beyond the band of the level set, if what lies there is wanted at all.
-            const auto far = outside_ > inside_ ? least > inside_ : Lanes::mask_type(false);
-            const Lanes distance = stamp.distance(place, far);
-            Lanes here = choose(place.f < 1.0f, -distance, distance);
-            here = choose(here < -inside_, Lanes(-inside_), here);
-            value = choose(here < value, here, value);
-            value.copy_to(&values_[block * kLanes], stdx::element_aligned);
-            blockMax_[block] = hmax(value);
-        });
+            middle[d] = (blocks.first[d][block] + blocks.middle[d]) * h;
+        auto& row = bounds[block];
+        const std::size_t nearest = batch.lowerBounds(middle, blocks.radius * h, row);
+        pairs[count] = {static_cast<std::uint16_t>(block), static_cast<std::uint16_t>(nearest)};
+        count += row[nearest] < blockMax_[block];
+        row[nearest] = Batch::kTaken;
+    }
+    stamp(batch, pairs, count);
+    count = 0;
+    for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
+        for (std::size_t i = 0; i < batch.whole; i += kLanes)
+            forEachSet(load(&bounds[block][i]) < blockMax_[block], [&](std::size_t n) {
+                pairs[count++] = {static_cast<std::uint16_t>(block),
+                                  static_cast<std::uint16_t>(i + n)};
+            });
+        if (count + batch.whole > kMostPairs) {
+            stamp(batch, pairs, count);
+            count = 0;
+        }
+    }
+    stamp(batch, pairs, count);
+}
+
+/// In two loops without branches, so that the long chains of `distance` overlap.
+template <int Dim>
+void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count) {
+    const Blocks<Dim>& blocks = Blocks<Dim>::get();
+    const auto h = static_cast<float>(voxelSize_);
+    std::array<Lanes, Dim> lane, x;
+    for (std::size_t d = 0; d < Dim; ++d) lane[d] = load(blocks.lane[d].data());
+    const auto placeOf = [&](const Pair& pair) {
+        const Stamp& stamp = batch.stamps[pair.ellipsoid];
+        for (std::size_t d = 0; d < Dim; ++d)
+            x[d] = (lane[d] + blocks.first[d][pair.block]) * h + stamp.start[d];
+        return stamp.form.place(x);
+    };
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        const Pair pair = pairs[i];
+        const Lanes least = batch.stamps[pair.ellipsoid].form.lower(placeOf(pair));
+        pairs[left] = pair;
+        left += any_of(least < load(&values_[pair.block * kLanes]));
+    }
+    for (std::size_t i = 0; i < left; ++i) {
+        const Pair pair = pairs[i];
+        const Stamp& stamp = batch.stamps[pair.ellipsoid];
+        const auto place = placeOf(pair);
+        // Beyond the band of the level set, if what lies there is wanted at all.
+        const auto far =
+            outside_ > inside_ ? stamp.form.lower(place) > inside_ : Lanes::mask_type(false);
+        const Lanes distance = stamp.distance(place, far);
+        Lanes here = choose(place.f < 1.0f, -distance, distance);
+        here = choose(here < -inside_, Lanes(-inside_), here);
+        float* const values = &values_[pair.block * kLanes];
+        const Lanes value = stdx::min(load(values), here);
+        value.copy_to(values, stdx::element_aligned);
+        blockMax_[pair.block] = hmax(value);
     }
 }
 
@@ -228,13 +344,26 @@ bool Tile<Dim>::isOutside() const {
 }
 
 template <int Dim>
-std::size_t Tile<Dim>::inLeaf(std::size_t voxel) {
-    return Blocks<Dim>::get().inLeaf[voxel];
+std::size_t Tile<Dim>::countInside() const {
+    int count = 0;
+    for (const float v : values_) count += v < 0 ? 1 : 0;
+    return static_cast<std::size_t>(count);
+}
+
+template <int Dim>
+void Tile<Dim>::copyTo(float* values, std::size_t stride,
+                       std::bitset<kTileVoxels<Dim>>& active) const {
+    const auto& inLeaf = Blocks<Dim>::get().inLeaf;
+    for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
+        const float v = values_[i];
+        values[inLeaf[i] * stride] = v;
+        active[inLeaf[i]] = v > -inside_ && v < outside_;
+    }
 }
 
 template <int Dim>
 Vec<Dim> Tile<Dim>::centerOf(std::size_t voxel) const {
-    std::size_t at = inLeaf(voxel);
+    std::size_t at = Blocks<Dim>::get().inLeaf[voxel];
     Vec<Dim> x = first_;
     for (int d = Dim - 1; d >= 0; --d) {
         x[d] += static_cast<double>(at % kTileSide) * voxelSize_;

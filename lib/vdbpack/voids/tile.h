@@ -4,7 +4,9 @@
 #include "vdbpack/core/ellipsoid.h"
 
 #include <array>
+#include <bitset>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdbpack {
@@ -22,6 +24,13 @@ struct VoidAtTile {
     double upper = 0;  ///< no point of the tile is farther away from it, mm
 };
 
+/// A void to be stamped, and `lower` of `VoidAtTile`.
+template <int Dim>
+struct NearVoid {
+    const Ellipsoid<Dim>* ellipsoid;
+    double lower;
+};
+
 /// Distances at the centers of a tile's voxels, mm, in an order of its own (`inLeaf`).
 template <int Dim>
 class Tile {
@@ -29,22 +38,34 @@ public:
     /// @param inside, outside  widths of the band, mm: values are clamped to them.
     Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, double outside);
 
-    /// Takes the smaller of the present value and the distance to a void at every voxel.
-    /// @param lower  as of `boundsAt`: a void no nearer than all that is there changes nothing.
-    void stamp(const Ellipsoid<Dim>& ellipsoid, double lower);
+    /// Takes the least of the present value and the distances to voids at every voxel.
+    /// @param voids  by rising lower bound: those no nearer than all that is there change nothing.
+    void stamp(const std::vector<NearVoid<Dim>>& voids);
     /// All voxels lie inside, deeper than the band.
     void fillInside();
     bool isInside() const;   ///< all values are those of the band's inner end
     bool isOutside() const;  ///< all values are those of its outer end
 
+    float outside() const { return outside_; }
     Vec<Dim> centerOf(std::size_t voxel) const;
-    /// Place of a voxel where the last coordinate counts fastest.
-    static std::size_t inLeaf(std::size_t voxel);
+    std::size_t countInside() const;  ///< voxels with negative values
+    /// Copies the values to where the last coordinate counts fastest, `stride` apart.
+    /// @param active  set to those within the band.
+    void copyTo(float* values, std::size_t stride, std::bitset<kTileVoxels<Dim>>& active) const;
     std::array<float, kTileVoxels<Dim>>& values() { return values_; }
     const std::array<float, kTileVoxels<Dim>>& values() const { return values_; }
 
 private:
     struct Stamp;
+    struct Batch;
+    /// A block of eight voxels, and a void of a batch.
+    struct Pair {
+        std::uint16_t block, ellipsoid;
+    };
+    static constexpr std::size_t kMostPairs = 512;
+
+    void stamp(const Batch& batch);
+    void stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count);
 
     Vec<Dim> first_;
     double voxelSize_;
