@@ -1,5 +1,7 @@
 // vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
-#include "cli_options.h"
+#include "cli/options.h"
+#include "cli/progress_line.h"
+#include "cli/terminal.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/forecast.h"
@@ -14,6 +16,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <new>
 
 using namespace vdbpack;
@@ -40,26 +43,22 @@ void onSignal(int) {
 /// Progress on a terminal, silence elsewhere; warnings always.
 Callbacks makeCallbacks(bool quiet) {
     Callbacks callbacks;
-    callbacks.warning = [](const std::string& text) { fmt::print(stderr, "warning: {}\n", text); };
+    callbacks.warning = [](const std::string& text) {
+        clearProgressLine();
+        fmt::print(stderr, "{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO), text);
+    };
     callbacks.cancelled = [] { return interrupted.load(); };
     if (!quiet && ::isatty(STDERR_FILENO))
-        callbacks.progress = [](const Progress& p) {
-            fmt::print(stderr, "\r{:<8} {:3.0f} %  {:>12.0f}\x1b[K", p.stage, 100 * p.fraction,
-                       p.count);
-            if (p.fraction >= 1) fmt::print(stderr, "\r\x1b[K");
-            std::fflush(stderr);
+        callbacks.progress = [line = std::make_shared<ProgressLine>()](const Progress& p) {
+            line->show(p);
         };
     return callbacks;
-}
-
-void clearProgress() {
-    if (::isatty(STDERR_FILENO)) fmt::print(stderr, "\r\x1b[K");
 }
 
 /// A pack for each of several seeds.
 int study(const CliOptions& options, const Callbacks& callbacks) {
     const StudyResult result = runStudy(options.pack, options.seeds, options.table, callbacks);
-    clearProgress();
+    clearProgressLine();
     if (options.json) {
         auto all = nlohmann::ordered_json::array();
         for (const auto& report : result.reports) all.push_back(toJson(report));
@@ -76,7 +75,7 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
 }
 
 int printed(const RunResult& run, const CliOptions& options) {
-    clearProgress();
+    clearProgressLine();
     if (options.json)
         fmt::print("{}\n", toJson(run).dump(2));
     else if (!options.quiet)
@@ -103,7 +102,7 @@ int runCommand(const CliOptions& options) {
             for (auto& output : recipe.outputs) output = withSeed(output, recipe.seed);
             recipe.reportFile = withSeed(recipe.reportFile, recipe.seed);
             const RunResult run = runPack(recipe, callbacks);
-            clearProgress();
+            clearProgressLine();
             if (options.json)
                 fmt::print("{}\n", toJson(run).dump(2));
             else if (!options.quiet)
@@ -119,7 +118,7 @@ int runCommand(const CliOptions& options) {
             return printed(runCarve(options.carve, callbacks), options);
         case CliOptions::Command::verify: {
             const RunResult run = runVerify(options.verify, callbacks);
-            clearProgress();
+            clearProgressLine();
             if (options.json)
                 fmt::print("{}\n", toJson(run).dump(2));
             else
@@ -136,7 +135,7 @@ int runCommand(const CliOptions& options) {
         }
         case CliOptions::Command::measure: {
             const MeasureResult result = runMeasure(options.measure, callbacks);
-            clearProgress();
+            clearProgressLine();
             if (options.json)
                 fmt::print("{}\n", toJson(result).dump(2));
             else
@@ -170,8 +169,8 @@ int main(int argc, char** argv) {
         std::signal(SIGTERM, onSignal);
     }
     const auto fail = [](const char* message, int code) {
-        clearProgress();
-        fmt::print(stderr, "vdb_pack: {}\n", message);
+        clearProgressLine();
+        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO), message);
         return code;
     };
     try {

@@ -1,37 +1,15 @@
 #include "support/temporary_folder.h"
+#include "support/tool.h"
 #include "support/well_formed.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
 
-namespace {
-
-struct Output {
-    int code;
-    std::string text;
-};
-
-/// Runs vdb_pack with these arguments; its output and errors together.
-Output vdbPack(const std::string& arguments) {
-    const std::string command = std::string(VDBPACK_TOOL) + " " + arguments + " 2>&1";
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    REQUIRE(pipe);
-    Output output{0, {}};
-    char buffer[4096];
-    std::size_t n;
-    while ((n = std::fread(buffer, 1, sizeof buffer, pipe)) > 0) output.text.append(buffer, n);
-    const int status = ::pclose(pipe);
-    output.code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return output;
-}
-
-}  // namespace
+using vdbpack::test::vdbPack;
 
 TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
     const TemporaryFolder folder;
@@ -124,8 +102,9 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
     CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text, Catch::Contains("positive"));
-    CHECK_THAT(vdbPack("pack ball:8 --order bogus").text, Catch::Contains("fifo, sweep, wall"));
-    CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Catch::Contains("cm, m, mm, um"));
+    CHECK_THAT(vdbPack("pack ball:8 --order bogus").text,
+               Catch::Contains("sweep, wall, centre, center, fifo"));
+    CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Catch::Contains("m, cm, mm, um"));
     for (const char* gap : {"-1", "inf", "abc", "nan"}) {
         const auto out = vdbPack(std::string("pack ball:8 --gap ") + gap);
         CHECK(out.code == 2);

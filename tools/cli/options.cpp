@@ -1,34 +1,44 @@
-#include "cli_options.h"
+#include "cli/options.h"
+
+#include "cli/completion.h"
+#include "cli/help.h"
+#include "cli/recipe.h"
+#include "cli/terminal.h"
+#include "cli/usage_error.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/library_versions.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <cmath>
 #include <cstdlib>
-#include <map>
 #include <memory>
+#include <utility>
 
 using namespace vdbpack;
 
 namespace {
 
-const std::map<std::string, Unit> kUnits{{"m", Unit::meter},
-                                         {"cm", Unit::centimeter},
-                                         {"mm", Unit::millimeter},
-                                         {"um", Unit::micrometer}};
-const std::map<std::string, Effort> kEfforts{
-    {"fast", Effort::fast}, {"normal", Effort::normal}, {"dense", Effort::dense}};
-const std::map<std::string, Order> kOrders{{"sweep", Order::sweep},
-                                           {"wall", Order::wall},
-                                           {"centre", Order::center},
-                                           {"center", Order::center},
-                                           {"fifo", Order::fifo}};
-const std::map<std::string, WeightBy> kWeights{{"count", WeightBy::count},
-                                               {"volume", WeightBy::volume}};
+/// Names of values, in the order in which they are told.
+template <class Value>
+using Names = std::vector<std::pair<std::string, Value>>;
 
-const std::map<std::string, Cull> kCulls{
+const Names<Unit> kUnits{{"m", Unit::meter},
+                         {"cm", Unit::centimeter},
+                         {"mm", Unit::millimeter},
+                         {"um", Unit::micrometer}};
+const Names<Effort> kEfforts{
+    {"fast", Effort::fast}, {"normal", Effort::normal}, {"dense", Effort::dense}};
+const Names<Order> kOrders{{"sweep", Order::sweep},
+                           {"wall", Order::wall},
+                           {"centre", Order::center},
+                           {"center", Order::center},
+                           {"fifo", Order::fifo}};
+const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
+
+const Names<Cull> kCulls{
     {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
 
 const char* const kDomainHelp =
@@ -37,6 +47,14 @@ const char* const kDomainHelp =
 const std::string kRadiusSpec =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
     "psd:FILE, in mm";
+
+std::string versionText() {
+    std::string text = "vdb_pack " VDBPACK_VERSION "\n";
+    std::string libraries;
+    for (const auto& [name, version] : libraryVersions())
+        libraries += (libraries.empty() ? "" : ", ") + name + ' ' + version;
+    return text + wrapped(libraries + ", CLI11 " CLI11_VERSION, columnsOf(1), 0, 0) + '\n';
+}
 
 /// CLI11's own range checks print a range of 300 digits.
 CLI::Validator positive() {
@@ -62,21 +80,28 @@ CLI::Validator notNegative() {
         "");
 }
 
-/// Turns a name into its value, or says which names there are.
+/// An option that takes one of some names; the first of those that mean its value is the default.
 template <class Value>
-CLI::Validator oneOf(const std::map<std::string, Value>& names) {
-    return CLI::Validator(
-        [names](std::string& text) {
-            const auto found = names.find(text);
-            if (found != names.end()) {
-                text = std::to_string(static_cast<int>(found->second));
-                return std::string();
+CLI::Option* addChoice(CLI::App& command, const std::string& option, Value& value,
+                       const Names<Value>& names, const std::string& help) {
+    const auto set = [&value, &names, option](const std::string& text) {
+        for (const auto& [name, meaning] : names)
+            if (name == text) {
+                value = meaning;
+                return;
             }
-            std::string all;
-            for (const auto& [name, value] : names) all += (all.empty() ? "" : ", ") + name;
-            return "'" + text + "' is none of " + all;
-        },
-        "");
+        std::string all;
+        for (const auto& [name, meaning] : names) all += (all.empty() ? "" : ", ") + name;
+        throw CLI::ValidationError(option, "'" + text + "' is none of " + all);
+    };
+    auto* added = command.add_option_function<std::string>(option, set, help);
+    std::vector<std::string> words;
+    for (const auto& [name, meaning] : names) {
+        words.push_back(name);
+        if (meaning == value && added->get_default_str().empty()) added->default_str(name);
+    }
+    setWords(*added, words);
+    return added;
 }
 
 CLI::Validator notEmpty() {
@@ -87,27 +112,8 @@ CLI::Validator notEmpty() {
         "");
 }
 
-/// A recipe names the options of one command without saying which: they go to the one that runs.
-class RecipeFormat : public CLI::ConfigTOML {
-public:
-    explicit RecipeFormat(const CLI::App& app) : app_(app) {}
-
-    std::vector<CLI::ConfigItem> from_config(std::istream& input) const override {
-        auto found = CLI::ConfigTOML::from_config(input);
-        const auto running = app_.get_subcommands();
-        if (running.empty()) return found;
-        for (auto& item : found)
-            if (item.parents.empty()) item.parents = {running.front()->get_name()};
-        return found;
-    }
-
-private:
-    const CLI::App& app_;
-};
-
 void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
-    command.add_option("--unit", domain.unit, "unit of the domain's file: m, cm, mm or um")
-        ->transform(oneOf(kUnits))
+    addChoice(command, "--unit", domain.unit, kUnits, "unit of the domain's file: m, cm, mm or um")
         ->option_text("UNIT [mm]")
         ->group("Units");
     command.add_option("--scale", domain.scale, "further factor on the file's lengths")
@@ -139,8 +145,7 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
         ->option_text("SPEC")
         ->check(notEmpty())
         ->group("Spheres");
-    command.add_option("--weight-by", weightBy, "what the weights of table:FILE count")
-        ->transform(oneOf(kWeights))
+    addChoice(command, "--weight-by", weightBy, kWeights, "what the weights of table:FILE count")
         ->option_text("count|volume [count]")
         ->group("Spheres");
 }
@@ -155,10 +160,8 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
         ->option_text("DOMAIN")
         ->group("Domain");
     addDomainOptions(command, given.domain);
-    command
-        .add_option("--pack-unit", given.packUnit,
-                    "unit of " + std::string(name) + ", if it says none")
-        ->transform(oneOf(kUnits))
+    addChoice(command, "--pack-unit", given.packUnit, kUnits,
+              "unit of " + std::string(name) + ", if it says none")
         ->option_text("UNIT [mm]")
         ->group("Units");
     addSizeOptions(command, given.radius, given.weightBy,
@@ -223,10 +226,11 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
                orElse(spheres, "; alone it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
-    auto* cull = option("--cull", voids.cull,
-                        "centre: spheres with centers in voids go; touch: all that reach into one",
-                        "centre|touch [centre]")
-                     ->transform(oneOf(kCulls));
+    auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
+                           "centre: spheres with centers in voids go; touch: all that reach into "
+                           "one")
+                     ->option_text("centre|touch [centre]")
+                     ->group("Voids");
     command
         .add_flag("--keep-connected", voids.keepConnected,
                   "drop what does not hang together with the shell (without a shell: with the "
@@ -299,19 +303,21 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CliOptions options;
     std::string seeds = "1";
     CLI::App app(
-        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB,\n"
-        "an advancing front packs it densely without overlap, and the result is checked and\n"
-        "written for Houdini, Blender, ParaView and DEM programs.");
-    app.set_version_flag("--version", "vdb_pack " VDBPACK_VERSION);
+        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB, an "
+        "advancing front packs it densely without overlap, and the result is checked and written "
+        "for Houdini, Blender, ParaView and DEM programs.");
+    app.name("vdb_pack");
+    app.set_version_flag("--version", versionText, "print the versions of program and libraries");
     app.require_subcommand(1);
+    app.set_help_flag("-h,--help", "print this and stop");
     app.footer(
-        "--config FILE reads options from a TOML file (the same names); the command line wins.\n"
-        "Exit codes: 0 done, 1 a check failed, 2 usage, 3 unusable input, 4 reading or writing\n"
+        "Exit codes: 0 done, 1 a check failed, 2 usage, 3 unusable input, 4 reading or writing "
         "failed, 5 not enough memory or space, 130 interrupted.");
-    app.get_formatter()->column_width(30);
+    app.formatter(std::make_shared<HelpPage>(columnsOf(1), hasColor(1)));
     app.set_config("--config", "",
-                   "read options of the command from a TOML file (the same names); "
-                   "the command line wins")
+                   "read options of the command from a TOML file (the same names); the command "
+                   "line wins; runs leave one beside their first output, NAME.recipe.toml, that "
+                   "repeats them")
         ->option_text("FILE")
         ->check(CLI::ExistingFile);
     app.config_formatter(std::make_shared<RecipeFormat>(app));
@@ -328,8 +334,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);
-    pack->add_option("--out-unit", options.pack.outUnit, "unit of what is written")
-        ->transform(oneOf(kUnits))
+    addChoice(*pack, "--out-unit", options.pack.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
     addSizeOptions(*pack, options.pack.radius, options.pack.weightBy,
@@ -344,18 +349,14 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
-    pack->add_option(
-            "--effort", options.pack.effort,
-            "fast: places as they come; normal: the tightest first; dense: more pending radii")
-        ->transform(oneOf(kEfforts))
+    addChoice(*pack, "--effort", options.pack.effort, kEfforts,
+              "fast: places as they come; normal: the tightest first; dense: more pending radii")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
-    pack->add_option(
-            "--order", options.pack.order,
-            "which place is taken next: the lowest along a diagonal, the nearest to the wall or "
-            "to the middle, the one found first; all but sweep run on one thread, for "
-            "comparison")
-        ->transform(oneOf(kOrders))
+    addChoice(*pack, "--order", options.pack.order, kOrders,
+              "which place is taken next: the lowest along a diagonal, the nearest to the wall or "
+              "to the middle, the one found first; all but sweep run on one thread, for "
+              "comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
     pack->add_option("--gap", options.pack.gap,
@@ -370,8 +371,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("FILE")
         ->check(notEmpty())
         ->group("Spheres");
-    pack->add_option("--pack-unit", options.pack.packUnit, "unit of --existing, if it says none")
-        ->transform(oneOf(kUnits))
+    addChoice(*pack, "--pack-unit", options.pack.packUnit, kUnits,
+              "unit of --existing, if it says none")
         ->option_text("UNIT [mm]")
         ->group("Units");
     addVoidOptions(*pack, options.pack.voids, VoidsIn::pack);
@@ -414,8 +415,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*voids, options.voids.domain);
-    voids->add_option("--out-unit", options.voids.outUnit, "unit of what is written")
-        ->transform(oneOf(kUnits))
+    addChoice(*voids, "--out-unit", options.voids.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
     addVoidOptions(*voids, options.voids.voids, VoidsIn::nothing);
@@ -435,8 +435,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
             "may be repeated")
         ->option_text("FILE")
         ->take_all();
-    carve->add_option("--out-unit", options.carve.outUnit, "unit of what is written")
-        ->transform(oneOf(kUnits))
+    addChoice(*carve, "--out-unit", options.carve.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
     addVoidOptions(*carve, options.carve.voids, VoidsIn::file);
@@ -469,8 +468,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                      "contacts:FILE.csv: the list of touching pairs")
         ->option_text("FILE")
         ->take_all();
-    measure->add_option("--out-unit", options.measure.outUnit, "unit of what is written")
-        ->transform(oneOf(kUnits))
+    addChoice(*measure, "--out-unit", options.measure.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
     measure
@@ -489,27 +487,51 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     CLI::App* mesh = app.add_subcommand("mesh", "health report of a mesh");
     mesh->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
-    mesh->add_option("--unit", options.mesh.unit, "unit of the file")
-        ->transform(oneOf(kUnits))
+    addChoice(*mesh, "--unit", options.mesh.unit, kUnits, "unit of the file")
         ->option_text("UNIT [mm]");
     mesh->add_option("--scale", options.mesh.scale, "further factor on its lengths")
         ->option_text("F [1]");
     mesh->add_flag("--json", options.json, "print the report as JSON");
 
+    std::string shell;
+    CLI::App* completion = app.add_subcommand(
+        "completion", "what a shell needs to complete options: source <(vdb_pack completion bash)");
+    setWords(*completion->add_option("SHELL", shell, "bash, zsh or fish")->required(),
+             {"bash", "zsh", "fish"});
+
+    const std::vector<std::string> arguments(argv + 1, argv + argc);
+    const auto refuse = [&](const std::string& message) {
+        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), message);
+        exitCode = 2;
+    };
     try {
         app.parse(argc, argv);
         options.seeds = parseSeeds(seeds);
         options.pack.seed = options.seeds.front();
+        if (completion->parsed()) {
+            fmt::print("{}", completionScript(app, shell));
+            exitCode = 0;
+            return std::nullopt;
+        }
     } catch (const ParameterError& e) {
-        fmt::print(stderr, "vdb_pack: {}\n", e.what());
-        exitCode = 2;
+        refuse(e.what());
         return std::nullopt;
     } catch (const CLI::ParseError& e) {
-        exitCode = app.exit(e) == 0 ? 0 : 2;
+        exitCode = 0;
+        if (e.get_exit_code() == 0) {
+            app.exit(e);
+            return std::nullopt;
+        }
+        refuse(usageError(app, e, arguments));
+        const auto running = app.get_subcommands();
+        fmt::print(stderr, "vdb_pack {}--help tells what there is\n",
+                   running.empty() ? "" : running.front()->get_name() + ' ');
         return std::nullopt;
     }
+    for (CLI::App* command : {pack, voids, carve})
+        if (command->parsed()) options.recipe = recipeText(*command);
     std::string line;
-    for (int i = 1; i < argc; ++i) line += (line.empty() ? "" : " ") + shellQuoted(argv[i]);
+    for (const auto& word : arguments) line += (line.empty() ? "" : " ") + shellQuoted(word);
     options.voids.command = options.carve.command = line;
     options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack

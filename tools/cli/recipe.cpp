@@ -1,0 +1,142 @@
+#include "cli/recipe.h"
+
+#include "cli/suggest.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <sstream>
+
+namespace {
+
+/// Of no consequence to what comes out.
+constexpr const char* kPassing[] = {"help",    "config",  "json", "quiet",
+                                    "dry-run", "threads", "table"};
+
+/// A value as it would stand on the command line.
+std::string textOf(const toml::node& node) {
+    if (const auto* text = node.as_string()) return text->get();
+    if (const auto* number = node.as_integer()) return fmt::format("{}", number->get());
+    if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+    if (const auto* flag = node.as_boolean()) return flag->get() ? "true" : "false";
+    return {};
+}
+
+bool isPlain(const toml::node& node) {
+    return node.is_string() || node.is_number() || node.is_boolean();
+}
+
+class Reader {
+public:
+    Reader(const CLI::App& command, std::string file) : command_(command), file_(std::move(file)) {}
+
+    void readTable(const toml::table& table, bool top) {
+        for (const auto& [key, value] : table) {
+            const std::string name(key.str());
+            if (value.is_table()) {
+                if (!top) fail(value, fmt::format("[{}] lies within another table", name));
+                readCommand(name, value);
+            } else {
+                readOption(name, value);
+            }
+        }
+    }
+    const std::vector<CLI::ConfigItem>& items() const { return items_; }
+
+private:
+    void readCommand(const std::string& name, const toml::node& value) {
+        if (name == command_.get_name()) return readTable(*value.as_table(), false);
+        std::vector<std::string> commands;
+        for (const auto* other : command_.get_parent()->get_subcommands({}))
+            commands.push_back(other->get_name());
+        if (std::find(commands.begin(), commands.end(), name) == commands.end())
+            fail(value, fmt::format("[{}] is no command of vdb_pack; its options go under [{}]",
+                                    name, command_.get_name()));
+    }
+    void readOption(const std::string& name, const toml::node& value) {
+        CLI::ConfigItem item;
+        item.parents = {command_.get_name()};
+        item.name = name;
+        if (command_.get_option_no_throw(name) == nullptr &&
+            command_.get_option_no_throw("--" + name) == nullptr)
+            failName(name, value);
+        if (const auto* array = value.as_array()) {
+            for (const auto& each : *array) {
+                if (!isPlain(each)) fail(each, name + ": holds something else than plain values");
+                item.inputs.push_back(textOf(each));
+            }
+            if (item.inputs.empty()) return;
+        } else if (isPlain(value)) {
+            item.inputs = {textOf(value)};
+        } else {
+            fail(value, name + ": is a date or a time; give a text, a number, true or false");
+        }
+        items_.push_back(item);
+    }
+    [[noreturn]] void failName(const std::string& name, const toml::node& value) const {
+        std::vector<std::string> names;
+        for (const auto* option : command_.get_options())
+            for (const auto& known : option->get_lnames()) names.push_back(known);
+        const std::string like = mostLike(name, names);
+        fail(value, fmt::format("'{}' is no option of {}{}", name, command_.get_name(),
+                                like.empty() ? "" : "; did you mean '" + like + "'?"));
+    }
+    [[noreturn]] void fail(const toml::node& where, const std::string& what) const {
+        throw CLI::ConfigError(
+            fmt::format("{}: line {}: {}", file_, where.source().begin.line, what));
+    }
+
+    const CLI::App& command_;
+    std::string file_;
+    std::vector<CLI::ConfigItem> items_;
+};
+
+std::string quoted(const std::string& text) {
+    std::ostringstream out;
+    out << toml::value<std::string>(text);
+    return out.str();
+}
+
+std::string quoted(const std::vector<std::string>& texts) {
+    if (texts.size() == 1) return quoted(texts.front());
+    std::string list;
+    for (const auto& text : texts) list += (list.empty() ? "" : ", ") + quoted(text);
+    return '[' + list + ']';
+}
+
+}  // namespace
+
+std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) const {
+    const auto running = app_.get_subcommands();
+    if (running.empty()) return {};
+    const std::string file = app_.get_config_ptr()->as<std::string>();
+    try {
+        Reader reader(*running.front(), file);
+        reader.readTable(toml::parse(input), true);
+        return reader.items();
+    } catch (const toml::parse_error& e) {
+        throw CLI::ConfigError(
+            fmt::format("{}: line {}: {}; texts stand in quotes: radius = \"uniform:1,2\"", file,
+                        e.source().begin.line, e.description()));
+    }
+}
+
+std::string recipeText(const CLI::App& command) {
+    std::string text = '[' + command.get_name() + "]\n";
+    for (const auto* option : command.get_options()) {
+        const auto& longs = option->get_lnames();
+        const std::string name = longs.empty() ? option->get_name(true) : longs.front();
+        if (std::find(std::begin(kPassing), std::end(kPassing), name) != std::end(kPassing))
+            continue;
+        if (name == "seed")
+            text += "seed = \"{seed}\"\n";
+        else if (option->get_expected_max() == 0)
+            text += option->count() > 0 ? name + " = true\n" : "";
+        else if (option->count() > 0)
+            text += name + " = " + quoted(option->results()) + '\n';
+        else if (!option->get_default_str().empty())
+            text += name + " = " + quoted(option->get_default_str()) + '\n';
+    }
+    return text;
+}

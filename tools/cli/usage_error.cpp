@@ -1,0 +1,87 @@
+#include "cli/usage_error.h"
+
+#include "cli/suggest.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace {
+
+std::vector<std::string> commandsOf(const CLI::App& app) {
+    std::vector<std::string> names;
+    for (const auto* command : app.get_subcommands({}))
+        if (!command->get_group().empty()) names.push_back(command->get_name());
+    return names;
+}
+
+/// The command that is named first, if it is one.
+const CLI::App* commandOf(const CLI::App& app, const std::vector<std::string>& arguments) {
+    const auto commands = app.get_subcommands({});
+    for (const auto& word : arguments) {
+        const auto named = [&](const CLI::App* c) { return c->get_name() == word; };
+        const auto found = std::find_if(commands.begin(), commands.end(), named);
+        if (found != commands.end()) return *found;
+    }
+    return nullptr;
+}
+
+std::string withoutValue(const std::string& word) {
+    return word.substr(0, word.find('='));
+}
+
+std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word) {
+    std::vector<std::string> names;
+    for (const CLI::App* a : {&command, &app})
+        for (const auto* option : a->get_options())
+            for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+    const std::string like = mostLike(word, names);
+    std::string others;
+    for (const auto* other : app.get_subcommands({}))
+        if (other != &command && other->get_option_no_throw(word) != nullptr)
+            others += (others.empty() ? "" : ", ") + other->get_name();
+    return fmt::format("{} is no option of {}{}", word, command.get_name(),
+                       !others.empty() ? ", but of " + others
+                       : like.empty()  ? ""
+                                       : "; did you mean " + like + "?");
+}
+
+}  // namespace
+
+std::string usageError(const CLI::App& app, const CLI::ParseError& error,
+                       const std::vector<std::string>& arguments) {
+    const CLI::App* const command = commandOf(app, arguments);
+    const std::string message = error.what();
+    const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
+    if (command == nullptr) {
+        const auto commands = commandsOf(app);
+        const auto word = std::find_if(arguments.begin(), arguments.end(), [](const auto& a) {
+            return !a.empty() && a.front() != '-';
+        });
+        if (word == arguments.end())
+            return fmt::format("say what to do: {}", fmt::join(commands, ", "));
+        const std::string like = mostLike(*word, commands);
+        return fmt::format("'{}' is no command{}", *word,
+                           like.empty() ? fmt::format("; there are {}", fmt::join(commands, ", "))
+                                        : "; did you mean " + like + "?");
+    }
+    if (unexpected) {
+        for (const auto& word : arguments) {
+            const std::string name = withoutValue(word);
+            if (name.size() > 1 && name.front() == '-' &&
+                name.find_first_not_of("-0123456789.") != std::string::npos &&
+                command->get_option_no_throw(name) == nullptr &&
+                app.get_option_no_throw(name) == nullptr)
+                return unknownOption(app, *command, name);
+        }
+        const auto colon = message.find(": ");
+        return fmt::format("{} has no use for {}", command->get_name(),
+                           colon == std::string::npos ? message : message.substr(colon + 2));
+    }
+    // "--report: At Most 1 required but received 2"
+    const auto most = message.find(": At Most 1 required but received ");
+    if (most != std::string::npos)
+        return fmt::format("{} is given {} times, but takes one value", message.substr(0, most),
+                           message.substr(message.rfind(' ') + 1));
+    return message;
+}

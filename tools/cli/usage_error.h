@@ -1,0 +1,12 @@
+// Misuse, told so that it can be put right.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+/// What was wrong with the command line, with the word that was probably meant.
+/// @param arguments  as given, without the program's name.
+std::string usageError(const CLI::App& app, const CLI::ParseError& error,
+                       const std::vector<std::string>& arguments);
