@@ -2,13 +2,13 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/outputs.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <filesystem>
 
 namespace vdbpack {
 
@@ -21,11 +21,6 @@ constexpr double kLargestSizeRatio = 200;
 const char* const kExisting = "existing";
 
 }  // namespace
-
-std::string filePart(const std::string& name) {
-    const auto colon = name.find(':');
-    return colon == std::string::npos ? name : name.substr(colon + 1);
-}
 
 std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     constexpr std::uint64_t kMostSeeds = 1'000'000;
@@ -69,60 +64,8 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     return seeds;
 }
 
-bool isContactList(const std::string& output) {
-    return output.rfind("contacts:", 0) == 0;
-}
-
-bool isVoidList(const std::string& output) {
-    return output.rfind("list:", 0) == 0;
-}
-
-void requireVoidsFor(const std::string& output, const VoidRecipe& recipe) {
-    if (!isVoidList(output)) return;
-    const VoidMethod method = methodOf(recipe);
-    if (method == VoidMethod::none)
-        throw ParameterError(output + ": lists voids, and none are asked for; add --voids");
-    if (isThinning(method))
-        throw ParameterError(
-            fmt::format("{}: --voids {} takes spheres out and makes no voids to list; leave it out",
-                        output, recipe.method));
-}
-
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
     return {listFile(recipe), recipe.matrix, recipe.orientation.field};
-}
-
-void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs) {
-    namespace fs = std::filesystem;
-    std::vector<std::string> files;
-    for (const auto& output : outputs) {
-        if (!isContactList(output) && !isVoidList(output)) checkPackFormat(output);
-        files.push_back(filePart(output));
-        if (files.back().empty())
-            throw ParameterError(output + ": names a format but no file; write " + output +
-                                 "FILE.csv");
-    }
-    if (!reportFile.empty()) {
-        const std::string extension = fs::path(reportFile).extension().string();
-        if (extension != ".json" && extension != ".html")
-            throw ParameterError("--report " + reportFile +
-                                 ": reports are JSON or a page for the browser; name it .json or "
-                                 ".html");
-        files.push_back(reportFile);
-    }
-    for (std::size_t i = 0; i < files.size(); ++i) {
-        const fs::path parent = fs::path(files[i]).parent_path();
-        std::error_code ignored;
-        if (!parent.empty() && !fs::is_directory(parent, ignored))
-            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
-                                      parent.string()));
-        for (const std::string& input : inputs)
-            if (!input.empty() && fs::equivalent(files[i], filePart(input), ignored))
-                throw ParameterError(files[i] + ": is the input itself; name another output");
-        for (std::size_t j = 0; j < i; ++j)
-            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
-    }
 }
 
 void checkOutputs(const PackRecipe& recipe) {

@@ -40,26 +40,13 @@ struct PackRecipe {
 /// @throws ParameterError, IoError
 void checkOutputs(const PackRecipe& recipe);
 
-/// The same for any run: `outputs` are packs and contact lists, `reportFile` may be empty.
-void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs);
-
 /// "7", "1..50" or "1,4,9..12" as seeds, in that order.
 /// @throws ParameterError for anything else, a range that falls, a seed named twice, or more than
 /// a million seeds.
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
 
-/// Whether an output is a list of contacts, "contacts:FILE.csv".
-bool isContactList(const std::string& output);
-/// Whether an output is a list of voids, "list:FILE.csv".
-bool isVoidList(const std::string& output);
-/// @throws ParameterError for a list of voids that will not be there.
-void requireVoidsFor(const std::string& output, const VoidRecipe& recipe);
 /// The files that voids are made from; empty names where there is none.
 std::vector<std::string> voidInputs(const VoidRecipe& recipe);
-
-/// The file behind "prefix:name".
-std::string filePart(const std::string& name);
 
 /// The sizes asked for, or the default, before any scaling.
 struct RequestedSizes {

@@ -3,12 +3,11 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/outputs.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run_stages.h"
 #include "vdbpack/void_stage.h"
-#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -133,7 +132,12 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
         details = pageDetails(result.pack, source, domain, options.sizes, report);
     report.seconds.measure = clock.lap();
 
-    PackWriteOptions write;
+    RunOutputs<Dim> have;
+    have.pack = &result.pack;
+    have.voidList = &voids.list;
+    have.sliceHeight = setting.sliceHeight;
+    have.contactTolerance = recipe.contactTolerance;
+    PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
     write.levelSets = voids.levelSets();
@@ -144,19 +148,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     write.pointVoxel =
         std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
                  result.quantum * 0x1p25);
-    for (const auto& output : recipe.outputs) {
-        // Interrupted before the first block was complete: nothing is worth replacing a file.
-        if (report.interrupted && report.count == 0) break;
-        callbacks.report("write", 0, 0);
-        if (isVoidList(output))
-            writeVoidList(voids.list, filePart(output), recipe.outUnit, setting.sliceHeight);
-        else if (isContactList(output))
-            writeContacts(result.pack, listContacts(result.pack.spheres, recipe.contactTolerance),
-                          filePart(output), recipe.outUnit);
-        else
-            writePack(result.pack, output, write);
-        report.files.push_back(filePart(output));
-    }
+    // Interrupted before the first block was complete: nothing is worth replacing a file.
+    if (!report.interrupted || report.count > 0)
+        report.files = writeOutputs(recipe.outputs, have, callbacks);
     report.seconds.write = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();
@@ -238,14 +232,11 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);
-    for (const auto& output : recipe.outputs) requireVoidsFor(output, recipe.voids);
+    checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
     withThreads(recipe.threads, [&] {
         const DomainSource source(recipe.domain, keepingWarnings(callbacks, report.warnings));
         report.seconds.mesh = clock.lap();
-        for (const auto& r : recipes)
-            for (const auto& output : r.outputs)
-                if (!isContactList(output) && !isVoidList(output))
-                    checkPackFormat(output, source.dim());
+        checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         if (source.dim() == 3)
             packDomain<3>(recipes, source, report, clock, callbacks, done);
         else

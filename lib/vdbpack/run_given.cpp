@@ -5,9 +5,9 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/domain/voxel_image.h"
-#include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/outputs.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_stages.h"
@@ -261,15 +261,22 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     return result;
 }
 
+template <int Dim>
+std::vector<std::string> writeMeasured(const Pack<Dim>& pack, const MeasureRecipe& recipe,
+                                       const Callbacks& callbacks) {
+    RunOutputs<Dim> have;
+    have.pack = &pack;
+    have.contactTolerance = recipe.contactTolerance;
+    have.options.unit = recipe.outUnit;
+    return writeOutputs(recipe.outputs, have, callbacks);
+}
+
 }  // namespace
 
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
     if (recipe.shell > 0 && recipe.domain.source.empty())
         throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
-    for (const auto& output : recipe.outputs)
-        if (!isContactList(output))
-            throw ParameterError(output +
-                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+    checkOutputKinds(recipe.outputs, RunKind::measure, {});
     checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
     Report report;
     report.version = VDBPACK_VERSION;
@@ -297,15 +304,8 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
                         recipe.shell));
             });
         clock.lap();
-        for (const auto& output : recipe.outputs) {
-            std::visit(
-                [&](const auto& p) {
-                    writeContacts(p, listContacts(p.spheres, recipe.contactTolerance),
-                                  filePart(output), recipe.outUnit);
-                },
-                found.run.pack);
-            found.run.report.files.push_back(filePart(output));
-        }
+        found.run.report.files = std::visit(
+            [&](const auto& p) { return writeMeasured(p, recipe, heard); }, found.run.pack);
         found.run.report.seconds.write = clock.lap();
         found.run.report.seconds.total = clock.total();
         return found;

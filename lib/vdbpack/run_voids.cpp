@@ -1,14 +1,13 @@
 // Runs that cut voids without packing: voids and carve.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/export/contact_file.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/outputs.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_given.h"
 #include "vdbpack/run_stages.h"
 #include "vdbpack/void_stage.h"
-#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 
@@ -21,10 +20,6 @@ namespace {
 
 /// Share of the spheres outside of the domain from which on it seems to be another one.
 constexpr double kManyOutside = 0.05;
-
-bool isVdb(const std::string& file) {
-    return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
-}
 
 /// The smallest feature that the field of a domain has to resolve, mm; 0: unknown. The wall itself
 /// is asked where it matters, so that voxels may be larger than those of the voids.
@@ -53,18 +48,13 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& repo
     report.chosen = made.report.chosen;
     report.voids = made.report;
     report.seconds.measure = clock.lap();
-    PackWriteOptions write;
-    write.unit = recipe.outUnit;
-    write.generator = "vdb_pack " + report.version;
-    write.levelSets = made.levelSets();
-    for (const auto& output : recipe.outputs) {
-        callbacks.report("write", 0, 0);
-        if (isVoidList(output))
-            writeVoidList(made.list, filePart(output), recipe.outUnit, built.sliceHeight);
-        else
-            writeLevelSets(output, write);
-        report.files.push_back(filePart(output));
-    }
+    RunOutputs<Dim> have;
+    have.voidList = &made.list;
+    have.sliceHeight = built.sliceHeight;
+    have.options.unit = recipe.outUnit;
+    have.options.generator = "vdb_pack " + report.version;
+    have.options.levelSets = made.levelSets();
+    report.files = writeOutputs(recipe.outputs, have, callbacks);
     report.seconds.write = clock.lap();
 }
 
@@ -100,23 +90,18 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
             "--unit and --pack-unit right?",
             recipe.pack, report.givenProtrusions, report.count, Measure<Dim>::kSpheres));
     report.seconds.measure = clock.lap();
-    PackWriteOptions write;
+    RunOutputs<Dim> have;
+    have.pack = &pack;
+    have.voidList = &made.list;
+    have.sliceHeight = built.sliceHeight;
+    have.contactTolerance = recipe.contactTolerance;
+    PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
     write.levelSets = made.levelSets();
     if (write.levelSets.empty() && built.mesh) write.levelSets = {built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = domain.bounds();
-    for (const auto& output : recipe.outputs) {
-        callbacks.report("write", 0, 0);
-        if (isVoidList(output))
-            writeVoidList(made.list, filePart(output), recipe.outUnit, built.sliceHeight);
-        else if (isContactList(output))
-            writeContacts(pack, listContacts(pack.spheres, recipe.contactTolerance),
-                          filePart(output), recipe.outUnit);
-        else
-            writePack(pack, output, write);
-        report.files.push_back(filePart(output));
-    }
+    report.files = writeOutputs(recipe.outputs, have, callbacks);
     report.seconds.write = clock.lap();
 }
 
@@ -149,11 +134,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
         throw ParameterError(
             "no voids are asked for; say how they are made with --voids (grid, "
             "overlay, boolean or list:FILE)");
-    for (const auto& output : recipe.outputs)
-        if (!isVoidList(output) && !isVdb(output))
-            throw ParameterError(output +
-                                 ": voids are level sets or a list; name it .vdb or "
-                                 "list:FILE.csv");
+    checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids);
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
     checkFiles(recipe.outputs, recipe.reportFile, inputs);
@@ -165,11 +146,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
         Clock clock;
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
-        for (const auto& output : recipe.outputs)
-            if (source.dim() == 2 && isVdb(output))
-                throw ParameterError(output +
-                                     ": voids of a plane are no level set of space; write "
-                                     "list:FILE.csv, or pack it and write .svg");
+        checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids, source.dim());
         if (source.dim() == 3)
             voidsOf<3>(recipe, source, report, clock, heard);
         else
@@ -188,7 +165,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
             "overlay, concentric, threshold, boolean or list:FILE)");
     if (recipe.domain.source.empty())
         throw ParameterError("voids are cut into a domain; give that of the pack with --domain");
-    for (const auto& output : recipe.outputs) requireVoidsFor(output, recipe.voids);
+    checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
     inputs.push_back(recipe.pack);
@@ -202,9 +179,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
         Pack<3> given = readGiven(recipe, heard);
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
-        for (const auto& output : recipe.outputs)
-            if (!isContactList(output) && !isVoidList(output))
-                checkPackFormat(output, source.dim());
+        checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         if (source.dim() == 2) {
             Pack<2> circles = asCircles(given);
             carve<2>(recipe, source, circles, report, clock, heard);

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -56,16 +57,20 @@ const FormatName* formatNamed(std::string name) {
     return nullptr;
 }
 
+/// The format that the prefix names and the file behind it, if there is such a prefix.
+std::optional<Target> prefixed(const std::string& file) {
+    const auto colon = file.find(':');
+    if (colon == std::string::npos) return std::nullopt;
+    const auto* known = formatNamed(file.substr(0, colon));
+    if (known == nullptr) return std::nullopt;
+    if (colon + 1 == file.size())
+        throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
+    return Target{known->format, file.substr(colon + 1)};
+}
+
 /// Format by prefix, else by extension. `formats` tells which there are.
 Target target(const std::string& file, const char* formats) {
-    const auto colon = file.find(':');
-    if (colon != std::string::npos) {
-        if (const auto* known = formatNamed(file.substr(0, colon))) {
-            if (colon + 1 == file.size())
-                throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
-            return {known->format, file.substr(colon + 1)};
-        }
-    }
+    if (auto known = prefixed(file)) return *std::move(known);
     const auto dot = file.rfind('.');
     const auto slash = file.rfind('/');
     const bool extended =
@@ -125,6 +130,11 @@ void checkPack(const Pack<Dim>& pack) {
 double pointVoxelSize(double count, double measure, int dim) {
     if (!(count > 0) || !(measure > 0) || !std::isfinite(measure / count)) return 1;
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
+}
+
+std::string packPath(const std::string& file) {
+    const auto known = prefixed(file);
+    return known ? known->path : file;
 }
 
 void checkPackFormat(const std::string& file, int dim) {

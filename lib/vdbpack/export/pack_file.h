@@ -60,6 +60,10 @@ void writeLevelSets(const std::string& file, const PackWriteOptions& options);
 /// work.
 void checkPackFormat(const std::string& file, int dim = 0);
 
+/// The file that a name stands for: what follows the prefix, if that names a format ("yade:f.txt"),
+/// else all of it. @throws ParameterError for a prefix without a file
+std::string packPath(const std::string& file);
+
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
     std::string gridName;          ///< .vdb: the point grid; empty: the first one

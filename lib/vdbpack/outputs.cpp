@@ -1,0 +1,165 @@
+#include "vdbpack/outputs.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/contact_file.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/voids/void_list.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+namespace vdbpack {
+
+namespace {
+
+enum class OutputKind { pack, contacts, voidList };
+
+struct Prefix {
+    const char* text;
+    OutputKind kind;
+};
+constexpr Prefix kPrefixes[] = {
+    {"contacts:", OutputKind::contacts},
+    {"list:", OutputKind::voidList},
+};
+
+struct Target {
+    OutputKind kind;
+    std::string file;
+};
+
+/// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
+/// question.
+Target targetOf(const std::string& output) {
+    for (const Prefix& p : kPrefixes) {
+        if (output.rfind(p.text, 0) != 0) continue;
+        const std::string file = output.substr(std::string(p.text).size());
+        if (file.empty())
+            throw ParameterError(output + ": names a format but no file; write " + output +
+                                 "FILE.csv");
+        return {p.kind, file};
+    }
+    return {OutputKind::pack, packPath(output)};
+}
+
+bool isVdb(const std::string& file) {
+    return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
+}
+
+void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
+    const VoidMethod method = methodOf(recipe);
+    if (method == VoidMethod::none)
+        throw ParameterError(output + ": lists voids, and none are asked for; add --voids");
+    if (isThinning(method))
+        throw ParameterError(
+            fmt::format("{}: --voids {} takes spheres out and makes no voids to list; leave it out",
+                        output, recipe.method));
+}
+
+}  // namespace
+
+std::string filePart(const std::string& name) {
+    return targetOf(name).file;
+}
+
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files;
+    for (const auto& output : outputs) {
+        const Target target = targetOf(output);
+        if (target.kind == OutputKind::pack) checkPackFormat(output);
+        files.push_back(target.file);
+    }
+    if (!reportFile.empty()) {
+        const std::string extension = fs::path(reportFile).extension().string();
+        if (extension != ".json" && extension != ".html")
+            throw ParameterError("--report " + reportFile +
+                                 ": reports are JSON or a page for the browser; name it .json or "
+                                 ".html");
+        files.push_back(reportFile);
+    }
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const fs::path parent = fs::path(files[i]).parent_path();
+        std::error_code ignored;
+        if (!parent.empty() && !fs::is_directory(parent, ignored))
+            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
+                                      parent.string()));
+        for (const std::string& input : inputs)
+            if (!input.empty() && fs::equivalent(files[i], filePart(input), ignored))
+                throw ParameterError(files[i] + ": is the input itself; name another output");
+        for (std::size_t j = 0; j < i; ++j)
+            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
+    }
+}
+
+void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
+                      int dim) {
+    for (const std::string& output : outputs) {
+        const Target target = targetOf(output);
+        if (run == RunKind::measure && target.kind != OutputKind::contacts)
+            throw ParameterError(output +
+                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+        if (run == RunKind::voids && target.kind != OutputKind::voidList) {
+            if (target.kind != OutputKind::pack || !isVdb(output))
+                throw ParameterError(output +
+                                     ": voids are level sets or a list; name it .vdb or "
+                                     "list:FILE.csv");
+            if (dim == 2)
+                throw ParameterError(output +
+                                     ": voids of a plane are no level set of space; write "
+                                     "list:FILE.csv, or pack it and write .svg");
+        }
+        if (target.kind == OutputKind::voidList) checkVoidsToList(output, voids);
+        if (target.kind == OutputKind::pack) checkPackFormat(output, dim);
+    }
+}
+
+template <int Dim>
+std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
+    const Target target = targetOf(output);
+    const auto need = [&](bool there, const char* what) {
+        if (!there)
+            throw ParameterError(
+                fmt::format("{}: this run has no {} to write; leave it out", output, what));
+    };
+    switch (target.kind) {
+        case OutputKind::voidList:
+            need(have.voidList != nullptr, "voids");
+            writeVoidList(*have.voidList, target.file, have.options.unit, have.sliceHeight);
+            break;
+        case OutputKind::contacts:
+            need(have.pack != nullptr, "pack");
+            writeContacts(*have.pack, listContacts(have.pack->spheres, have.contactTolerance),
+                          target.file, have.options.unit);
+            break;
+        case OutputKind::pack:
+            if (have.pack)
+                writePack(*have.pack, output, have.options);
+            else
+                writeLevelSets(output, have.options);
+            break;
+    }
+    return target.file;
+}
+
+template <int Dim>
+std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+                                      const RunOutputs<Dim>& have, const Callbacks& callbacks) {
+    std::vector<std::string> files;
+    for (const std::string& output : outputs) {
+        callbacks.report("write", 0, 0);
+        files.push_back(writeOutput(output, have));
+    }
+    return files;
+}
+
+template std::string writeOutput<2>(const std::string&, const RunOutputs<2>&);
+template std::string writeOutput<3>(const std::string&, const RunOutputs<3>&);
+template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
+                                                  const RunOutputs<2>&, const Callbacks&);
+template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
+                                                  const RunOutputs<3>&, const Callbacks&);
+
+}  // namespace vdbpack

@@ -1,0 +1,69 @@
+// What runs write: every kind of `-o` target, in one place.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/voids/void_recipe.h"
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// The file behind "prefix:name", where the prefix is one that names a format.
+std::string filePart(const std::string& name);
+
+/// Refuses before the work what would fail after it: unknown formats, folders that are not there,
+/// outputs that are inputs or named twice.
+/// @param reportFile  .json or .html; may be empty.
+/// @param inputs      files, with or without the prefix of a format; empty names are passed over.
+/// @throws ParameterError, IoError
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs);
+
+/// What a run ends with.
+enum class RunKind {
+    pack,     ///< spheres, and the level sets of what they lie in
+    voids,    ///< level sets and a list, without spheres
+    measure,  ///< nothing but contacts
+};
+
+/// Refuses outputs that a run of this kind has nothing for.
+/// @param voids  how voids are made; a recipe that `checkVoids` has passed.
+/// @param dim    2 or 3; 0: not known yet.
+/// @throws ParameterError
+void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
+                      int dim = 0);
+
+/// What a run has to write.
+template <int Dim>
+struct RunOutputs {
+    const Pack<Dim>* pack = nullptr;                        ///< null: a .vdb holds level sets alone
+    const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
+    double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
+    double contactTolerance = 1e-3;                         ///< of the smaller radius
+    PackWriteOptions options;                               ///< unit, level sets, ...
+};
+
+/// Writes one target: a pack file, "contacts:FILE.csv", "list:FILE.csv" (voids), or, where there is
+/// no pack, level sets as .vdb. Each file is whole or absent.
+/// @return the file.
+/// @throws ParameterError (no such thing to write), IoError
+template <int Dim>
+std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have);
+
+/// Writes all targets in turn and tells of each; the files in their order.
+template <int Dim>
+std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+                                      const RunOutputs<Dim>& have, const Callbacks& callbacks);
+
+extern template std::string writeOutput<2>(const std::string&, const RunOutputs<2>&);
+extern template std::string writeOutput<3>(const std::string&, const RunOutputs<3>&);
+extern template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
+                                                         const RunOutputs<2>&, const Callbacks&);
+extern template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
+                                                         const RunOutputs<3>&, const Callbacks&);
+
+}  // namespace vdbpack

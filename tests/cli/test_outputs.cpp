@@ -1,0 +1,53 @@
+// What runs write: targets by prefix, and which of them a run refuses.
+#include "export/scratch.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/outputs.h"
+
+#include <catch2/catch.hpp>
+
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+TEST_CASE("only the prefix of a format is cut from the name of a file", "[outputs]") {
+    REQUIRE(filePart("contacts:a.csv") == "a.csv");
+    REQUIRE(filePart("list:b:c.csv") == "b:c.csv");
+    REQUIRE(filePart("YADE:f.txt") == "f.txt");
+    REQUIRE(filePart("monday:f.vtp") == "monday:f.vtp");
+    REQUIRE(filePart("box:1,2,3") == "box:1,2,3");
+}
+
+TEST_CASE("a pack written under a name with a colon stands in the file of that name", "[outputs]") {
+    const Scratch scratch;
+    const auto pack = latticePack<3>(5, {{0, 0, 0}}, 3, 1);
+    RunOutputs<3> have;
+    have.pack = &pack;
+    const std::string file = scratch / "monday:f.csv";
+    REQUIRE(writeOutput(file, have) == file);
+    REQUIRE(contentOf(file).rfind("id,x,y,z", 0) == 0);
+}
+
+TEST_CASE("outputs that a run has nothing for are refused with what it has", "[outputs]") {
+    VoidRecipe none, voids, thinning;
+    voids.method = "boolean";
+    thinning.method = "threshold";
+    REQUIRE_THROWS_WITH(checkOutputKinds({"p.csv"}, RunKind::measure, none),
+                        Contains("contacts:FILE.csv"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"p.csv"}, RunKind::voids, voids),
+                        Contains("list:FILE.csv"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"p.vdb"}, RunKind::voids, voids, 2),
+                        Contains("no level set of space"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"p.svg"}, RunKind::pack, none, 3), Contains("circles"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, none), Contains("--voids"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, thinning),
+                        Contains("no voids to list"));
+    REQUIRE_NOTHROW(checkOutputKinds({"list:v.csv", "p.vdb"}, RunKind::voids, voids, 3));
+    REQUIRE_NOTHROW(checkOutputKinds({"p.svg", "contacts:c.csv"}, RunKind::pack, none, 2));
+
+    RunOutputs<3> nothing;
+    REQUIRE_THROWS_AS(writeOutput("contacts:c.csv", nothing), ParameterError);
+    REQUIRE_THROWS_AS(writeOutput("list:v.csv", nothing), ParameterError);
+}
