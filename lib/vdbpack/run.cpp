@@ -5,6 +5,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/recipe_file.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run_stages.h"
 #include "vdbpack/void_stage.h"
@@ -149,8 +150,10 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
         std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
                  result.quantum * 0x1p25);
     // Interrupted before the first block was complete: nothing is worth replacing a file.
-    if (!report.interrupted || report.count > 0)
+    if (!report.interrupted || report.count > 0) {
         report.files = writeOutputs(recipe.outputs, have, callbacks);
+        leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
+    }
     report.seconds.write = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();

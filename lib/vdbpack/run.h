@@ -95,6 +95,7 @@ struct CarveRecipe : GivenPack {
     std::uint64_t seed = 1;
     std::vector<std::string> outputs;
     std::string reportFile;
+    std::string optionsText;  ///< as that of PackRecipe
     Unit outUnit = Unit::millimeter;
 };
 
@@ -112,6 +113,7 @@ struct VoidsRecipe {
     std::vector<std::string> outputs;  ///< .vdb and list:FILE.csv
     std::string reportFile;
     std::string command;
+    std::string optionsText;  ///< as that of PackRecipe
     Unit outUnit = Unit::millimeter;
 };
 

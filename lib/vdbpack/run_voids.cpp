@@ -3,6 +3,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/recipe_file.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_given.h"
@@ -55,6 +56,7 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& repo
     have.options.generator = "vdb_pack " + report.version;
     have.options.levelSets = made.levelSets();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
+    leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);
     report.seconds.write = clock.lap();
 }
 
@@ -102,6 +104,7 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     if (write.levelSets.empty() && built.mesh) write.levelSets = {built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = domain.bounds();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
+    leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);
     report.seconds.write = clock.lap();
 }
 

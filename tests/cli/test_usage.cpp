@@ -6,11 +6,15 @@
 #include "support/tool.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
+#include <cstdio>
 #include <fstream>
+#include <iterator>
 #include <sstream>
 
 using Catch::Matchers::Contains;
+using vdbpack::test::Output;
 using vdbpack::test::vdbPack;
 
 TEST_CASE("help fits the page and names every option once", "[cli]") {
@@ -125,4 +129,59 @@ TEST_CASE("the version names what it is made with", "[cli]") {
     const auto out = vdbPack("--version");
     CHECK(out.code == 0);
     CHECK_THAT(out.text, Contains("vdb_pack 0.") && Contains("OpenVDB 10.") && Contains("TBB 20"));
+}
+
+TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
+    const TemporaryFolder folder;
+    const std::string out = folder.file("a pack.csv"), recipe = folder.file("a pack.recipe.toml");
+    const auto hashOf = [](const Output& run) {
+        CAPTURE(run.text);
+        REQUIRE(run.code == 0);
+        return nlohmann::json::parse(run.text)["hash"].get<std::string>();
+    };
+    const auto textOf = [](const std::string& file) {
+        std::ifstream in(file);
+        return std::string(std::istreambuf_iterator<char>(in), {});
+    };
+    const std::string hash = hashOf(vdbPack(
+        "pack ball:8 --radius uniform:0.5,1 --clip plane:1,0,0,5 --clip plane:0,1,0,6 --shell 0.5 "
+        "--voids boolean --target-bvtv .6 --void-radius constant:1 "
+        "--void-angles \"tz=uniform:0,3;tx=0.2\" --seed 4 --json -o \"" +
+        out + "\" -o " + folder.file("p.vdb")));
+    const std::string first = textOf(recipe);
+    CHECK_THAT(first, Contains(hash) && Contains("--config \"" + recipe + "\"") &&
+                          Contains("shell = 0.5") && Contains("effort = 'normal'"));
+    for (const char* more : {"", " --threads 1"}) {
+        std::remove(out.c_str());
+        CHECK(hashOf(vdbPack("pack --json --config \"" + recipe + "\"" + more)) == hash);
+        CHECK(textOf(out).size() > 1000);
+        CHECK(textOf(recipe) == first);
+    }
+    SECTION("of voids and carved packs too") {
+        const std::string list = folder.file("v.csv"), carved = folder.file("c.csv");
+        vdbPack("voids ball:8 --voids boolean --void-count 40 --void-radius constant:1 -o list:" +
+                list);
+        const std::string before = textOf(list);
+        CHECK(vdbPack("voids --quiet --config " + folder.file("v.recipe.toml")).code == 0);
+        CHECK(textOf(list) == before);
+        const std::string cut = hashOf(vdbPack(
+            "carve \"" + out + "\" --domain ball:8 --voids list:" + list + " --json -o " + carved));
+        CHECK(hashOf(vdbPack("carve --json --config " + folder.file("c.recipe.toml"))) == cut);
+    }
+    SECTION("one a seed of a study") {
+        REQUIRE(vdbPack("pack ball:5 --radius constant:1 --seed 1..2 --quiet -o " +
+                        folder.file("s{seed}.csv"))
+                    .code == 0);
+        const std::string second = textOf(folder.file("s2.csv"));
+        std::remove(folder.file("s2.csv").c_str());
+        REQUIRE(vdbPack("pack --quiet --config " + folder.file("s2.recipe.toml")).code == 0);
+        CHECK(textOf(folder.file("s2.csv")) == second);
+    }
+    SECTION("but leaves alone what somebody else wrote") {
+        std::ofstream(recipe) << "# mine\n";
+        const auto run = vdbPack("pack ball:5 --radius constant:1 --quiet -o \"" + out + "\"");
+        CHECK(run.code == 0);
+        CHECK_THAT(run.text, Contains("stays as it is"));
+        CHECK(textOf(recipe) == "# mine\n");
+    }
 }

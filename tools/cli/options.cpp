@@ -169,6 +169,7 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
     command
         .add_option("--contact-tol", given.contactTolerance,
                     "gap up to which spheres count as touching, in smaller radii")
+        ->capture_default_str()
         ->option_text("T [0.001]")
         ->check(notNegative())
         ->group("Run");
@@ -393,6 +394,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->group("Run");
     pack->add_option("--contact-tol", options.pack.contactTolerance,
                      "gap up to which spheres count as touching, in smaller radii")
+        ->capture_default_str()
         ->option_text("T [0.001]")
         ->check(notNegative())
         ->group("Run");
@@ -529,7 +531,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         return std::nullopt;
     }
     for (CLI::App* command : {pack, voids, carve})
-        if (command->parsed()) options.recipe = recipeText(*command);
+        if (command->parsed())
+            options.pack.optionsText = options.voids.optionsText = options.carve.optionsText =
+                recipeText(*command);
     std::string line;
     for (const auto& word : arguments) line += (line.empty() ? "" : " ") + shellQuoted(word);
     options.voids.command = options.carve.command = line;

@@ -20,7 +20,6 @@ struct CliOptions {
     vdbpack::VerifyRecipe verify;
     vdbpack::MeasureRecipe measure;
     vdbpack::DomainRecipe mesh;
-    std::string recipe;  ///< of pack, voids or carve: TOML that repeats the run
     bool json = false;
     bool quiet = false;
     bool dryRun = false;

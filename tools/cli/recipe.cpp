@@ -92,7 +92,15 @@ private:
     std::vector<CLI::ConfigItem> items_;
 };
 
+/// As TOML: numbers plain where they come back as they are.
 std::string quoted(const std::string& text) {
+    try {
+        const auto parsed = toml::parse("x = " + text);
+        if (parsed.size() == 1 && parsed["x"].is_number() && textOf(*parsed.get("x")) == text)
+            return text;
+    } catch (const toml::parse_error&) {
+        // A text.
+    }
     std::ostringstream out;
     out << toml::value<std::string>(text);
     return out.str();

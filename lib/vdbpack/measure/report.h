@@ -90,10 +90,11 @@ struct Report {
     std::uint64_t peakMemoryBytes = 0;
 
     /// Not in the JSON: what was chosen by default, a sentence each ("radius uniform:0.3,0.6, so
-    /// that about 100,000 spheres fill the domain"), the files that were written, and what was
-    /// warned of.
+    /// that about 100,000 spheres fill the domain"), the files that were written, what was
+    /// warned of, and how to repeat the run.
     std::vector<std::string> chosen;
     std::vector<std::string> files;
+    std::string recipe;  ///< TOML that repeats the run; empty: none
     std::vector<std::string> warnings;
 };
 

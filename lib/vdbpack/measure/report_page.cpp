@@ -177,6 +177,9 @@ std::string again(const ReportPage& page) {
     out += "<p>" + escaped("vdb_pack " + r.version) + "</p>\n" + pairTable(page.settings);
     if (!r.chosen.empty()) out += "<p>Chosen by default:</p>\n" + listOf(r.chosen);
     if (!r.files.empty()) out += "<p>Written:</p>\n" + listOf(r.files);
+    if (!r.recipe.empty())
+        out += "<details><summary>The whole recipe</summary><pre>" + escaped(r.recipe) +
+               "</pre></details>\n";
     if (page.morphometry) return out + "</div>\n";
     if (r.task == "pack")
         out +=

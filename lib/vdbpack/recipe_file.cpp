@@ -1,0 +1,66 @@
+#include "vdbpack/recipe_file.h"
+
+#include "vdbpack/core/output_file.h"
+#include "vdbpack/outputs.h"
+#include "vdbpack/run.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr const char* kMark = "# Written by vdb_pack";
+
+/// Whether there is a file that somebody else wrote.
+bool isForeign(const std::string& file) {
+    std::ifstream in(file);
+    std::string line;
+    return in && std::getline(in, line) && line.compare(0, std::string(kMark).size(), kMark) != 0;
+}
+
+}  // namespace
+
+std::string recipeFileFor(const std::vector<std::string>& outputs) {
+    if (outputs.empty()) return {};
+    std::string name = filePart(outputs.front());
+    const auto slash = name.rfind('/');
+    const auto dot = name.rfind('.');
+    if (dot != std::string::npos && dot > 0 && (slash == std::string::npos || dot > slash + 1))
+        name.resize(dot);
+    return name + ".recipe.toml";
+}
+
+std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report) {
+    const bool blank = file.find(' ') != std::string::npos;
+    std::string text = fmt::format(
+        "{} {}: this repeats the run, from the folder that it was started in\n"
+        "#   vdb_pack {} --config {}\n",
+        kMark, report.version, report.task, blank ? '"' + file + '"' : file);
+    if (report.count > 0 || report.task == "pack")
+        text += fmt::format("# and gave {} {}, hash {:016x}\n", grouped(report.count),
+                            report.dim == 2 ? "circles" : "spheres", report.hash);
+    for (const auto& sentence : report.chosen) text += "# chosen: " + sentence + '\n';
+    return text + withSeed(toml, report.seed);
+}
+
+void leaveRecipe(const std::string& toml, const std::vector<std::string>& outputs, Report& report,
+                 const Callbacks& callbacks) {
+    const std::string file = recipeFileFor(outputs);
+    if (toml.empty() || file.empty()) return;
+    report.recipe = recipeFileText(toml, file, report);
+    if (isForeign(file)) {
+        callbacks.warn(file +
+                       ": is no recipe that vdb_pack wrote, so it stays as it is; to have one that "
+                       "repeats this run, move it away");
+        return;
+    }
+    OutputFile out(file);
+    out.write(report.recipe);
+    out.commit();
+    report.files.push_back(file);
+}
+
+}  // namespace vdbpack
