@@ -1,0 +1,43 @@
+# Installs the library, the headers that its users include, and what find_package(vdbpack) reads.
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
+
+# These and all that they include.
+set(entry_headers
+    forecast.h library_versions.h report_file.h run.h
+    domain/analytic_domain.h domain/mesh_domain.h domain/voxel_image.h
+    export/contact_file.h export/pack_file.h
+    measure/attached.h measure/density.h measure/morphometry.h measure/pair_correlation.h
+    measure/report_page.h measure/structure.h measure/verify.h
+    mesh/mesh_check.h mesh/mesh_io.h
+    pack/packer.h
+    voids/cull.h voids/stamp.h voids/void_field.h voids/void_list.h
+)
+list(TRANSFORM entry_headers PREPEND "vdbpack/")
+set(headers)
+while(entry_headers)
+    list(POP_FRONT entry_headers header)
+    if(header IN_LIST headers)
+        continue()
+    endif()
+    list(APPEND headers "${header}")
+    file(STRINGS "${CMAKE_CURRENT_SOURCE_DIR}/${header}" includes REGEX "^#include \"vdbpack/")
+    list(TRANSFORM includes REPLACE "^#include \"(.*)\".*" "\\1")
+    list(APPEND entry_headers ${includes})
+endwhile()
+
+install(TARGETS vdbpack EXPORT vdbpackTargets ARCHIVE DESTINATION "${CMAKE_INSTALL_LIBDIR}")
+foreach(header ${headers})
+    get_filename_component(folder "${header}" DIRECTORY)
+    install(FILES "${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/${folder}")
+endforeach()
+
+set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/vdbpack")
+install(EXPORT vdbpackTargets NAMESPACE vdbpack:: DESTINATION "${package_folder}")
+configure_package_config_file(vdbpackConfig.cmake.in
+    "${CMAKE_CURRENT_BINARY_DIR}/vdbpackConfig.cmake" INSTALL_DESTINATION "${package_folder}")
+write_basic_package_version_file("${CMAKE_CURRENT_BINARY_DIR}/vdbpackConfigVersion.cmake"
+    COMPATIBILITY SameMinorVersion)
+install(FILES "${CMAKE_CURRENT_BINARY_DIR}/vdbpackConfig.cmake"
+              "${CMAKE_CURRENT_BINARY_DIR}/vdbpackConfigVersion.cmake"
+        DESTINATION "${package_folder}")
