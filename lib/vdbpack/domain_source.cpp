@@ -171,6 +171,18 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             text, extent, unitName(recipe.unit)));
 }
 
+void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks) {
+    const std::string& text = recipe.source;
+    const bool levelSet = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
+    if (!recipe.gridName.empty() && !levelSet)
+        callbacks.warn("--grid " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+    if (source.isFile()) return;
+    if (recipe.unit != Unit::millimeter)
+        callbacks.warn("--unit has no effect: " + text + " is a shape, in mm");
+    if (recipe.scale != 1) callbacks.warn("--scale has no effect: " + text + " is a shape, in mm");
+}
+
 int DomainSource::dim() const {
     return plane_ || slice_ ? 2 : 3;
 }

@@ -48,8 +48,7 @@ public:
         double sliceHeight = 0;                  ///< mm
     };
     /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set
-    /// in
-    ///                   such voxels then comes with it. 0: none.
+    ///                   in such voxels then comes with it. 0: none.
     Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
                 double voxelSize = 0) const;
 
@@ -77,5 +76,9 @@ private:
     Box<3> fileBounds_;
     double fileVolume_ = 0;
 };
+
+/// Warns of settings that mean nothing to such a domain: units of shapes, grids of meshes.
+void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks);
 
 }  // namespace vdbpack

@@ -208,7 +208,9 @@ nlohmann::ordered_json toJson(const RunResult& run) {
         std::visit(
             [&](const auto& pack) {
                 const auto checks = toJson(checksOf(run.report), pack);
-                if (checks.contains("worst")) json["worst"] = checks["worst"];
+                for (const char* check : {"overlap", "protrusion"})
+                    if (checks[check].contains("worst"))
+                        json[check]["worst"] = checks[check]["worst"];
             },
             run.pack);
     return json;
@@ -239,6 +241,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
     withThreads(recipe.threads, [&] {
         const DomainSource source(recipe.domain, keepingWarnings(callbacks, report.warnings));
         report.seconds.mesh = clock.lap();
+        warnOfUnused(recipe.domain, source, keepingWarnings(callbacks, report.warnings));
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         if (source.dim() == 3)
             packDomain<3>(recipes, source, report, clock, callbacks, done);

@@ -34,7 +34,8 @@ struct RunResult {
     bool passed = false;  ///< the checks found no overlap and no protrusion
 };
 
-/// The report as JSON; where a check failed, the spheres at fault under `worst`.
+/// The report as JSON; where a check failed, the spheres at fault under `worst`
+/// of the check.
 nlohmann::ordered_json toJson(const RunResult& run);
 /// For people: what failed and which spheres are at fault, a line each; empty if all passed.
 std::string failures(const RunResult& run);

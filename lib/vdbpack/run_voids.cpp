@@ -149,6 +149,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
         Clock clock;
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
+        warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids, source.dim());
         if (source.dim() == 3)
             voidsOf<3>(recipe, source, report, clock, heard);

@@ -185,3 +185,24 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
         CHECK(textOf(recipe) == "# mine\n");
     }
 }
+
+TEST_CASE("options without effect are told", "[cli]") {
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --unit m").text,
+               Contains("--unit has no effect"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --grid solid").text,
+               Contains("--grid solid has no effect"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1").text, !Contains("no effect"));
+}
+
+TEST_CASE("a failed check names the spheres in JSON", "[cli]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n1.5,0,0,1\n4.5,0,0,1\n";
+    const auto out = vdbPack("verify " + folder.file("p.csv") + " --domain ball:5 --json");
+    CHECK(out.code == 1);
+    const auto report = nlohmann::json::parse(
+        out.text.substr(out.text.find('{'), out.text.rfind("\n}") + 2 - out.text.find('{')));
+    CHECK(report["overlap"]["worst"].size() == 1);
+    CHECK(report["overlap"]["worst"][0]["overlap"].get<double>() == Approx(0.5));
+    CHECK(report["protrusion"]["worst"].size() == 1);
+    CHECK(report["protrusion"]["worst"][0]["protrusion"].get<double>() == Approx(0.5));
+}
