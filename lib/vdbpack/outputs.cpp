@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 
 namespace vdbpack {
@@ -116,6 +118,32 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
     }
 }
 
+double particleDensity(const std::string& text, std::optional<double> solidFraction) {
+    if (text.empty()) return 0;
+    const std::string bulk = "bulk:";
+    const bool isBulk = text.rfind(bulk, 0) == 0;
+    const std::string number = isBulk ? text.substr(bulk.size()) : text;
+    char* end = nullptr;
+    const double value = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != 0 || !(value > 0) || !std::isfinite(value))
+        throw ParameterError(fmt::format(
+            "--density '{}': is no density; write that of the spheres in kg/m³ (1900), or bulk:D "
+            "for that of the whole (bulk:1100)",
+            text));
+    if (!isBulk) return value;
+    if (!solidFraction)
+        throw ParameterError(fmt::format(
+            "--density {}: a bulk density is that of a domain; give one with --domain", text));
+    if (!(*solidFraction > 0))
+        throw ParameterError(
+            fmt::format("--density {}: no sphere lies in the domain to carry its mass", text));
+    return value / *solidFraction;
+}
+
+void checkDensity(const std::string& text) {
+    particleDensity(text, 1.0);
+}
+
 template <int Dim>
 std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
     const Target target = targetOf(output);
@@ -131,7 +159,8 @@ std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have) 
             break;
         case OutputKind::contacts:
             need(have.pack != nullptr, "pack");
-            writeContacts(*have.pack, listContacts(have.pack->spheres, have.contactTolerance),
+            writeContacts(*have.pack,
+                          listContacts(have.pack->spheres, have.options.contactTolerance),
                           target.file, have.options.unit);
             break;
         case OutputKind::pack:

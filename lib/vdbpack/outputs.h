@@ -7,6 +7,7 @@
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/voids/void_recipe.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,14 +38,23 @@ enum class RunKind {
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
                       int dim = 0);
 
+/// Density of the spheres from what `--density` says, kg/m³: a number, or bulk:D, the mass of all
+/// spheres by the volume of the domain (2D: with area fractions, for discs).
+/// @param solidFraction  of the spheres in the domain; nothing if there is none.
+/// @return 0 for an empty text.
+/// @throws ParameterError for anything else, or bulk:D without a solid fraction.
+double particleDensity(const std::string& text, std::optional<double> solidFraction);
+
+/// The same without knowing the solid fraction yet. @throws ParameterError
+void checkDensity(const std::string& text);
+
 /// What a run has to write.
 template <int Dim>
 struct RunOutputs {
     const Pack<Dim>* pack = nullptr;                        ///< null: a .vdb holds level sets alone
     const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
-    double contactTolerance = 1e-3;                         ///< of the smaller radius
-    PackWriteOptions options;                               ///< unit, level sets, ...
+    PackWriteOptions options;  ///< unit, level sets, contact tolerance, ...
 };
 
 /// Writes one target: a pack file, "contacts:FILE.csv", "list:FILE.csv" (voids), or, where there is

@@ -30,7 +30,8 @@ struct PackRecipe {
     std::uint64_t seed = 1;
     int threads = 0;  ///< 0: all cores
     Unit outUnit = Unit::millimeter;
-    double contactTolerance = 1e-3;    ///< of the smaller radius
+    double contactTolerance = 1e-3;  ///< of the smaller radius
+    std::string density;             ///< of the spheres in DEM files, as `particleDensity` takes it
     std::vector<std::string> outputs;  ///< -o
     std::string reportFile;            ///< .json or .html; empty: none
     std::string command;               ///< for the report; empty: what is packed

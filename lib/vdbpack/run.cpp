@@ -137,10 +137,11 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     have.pack = &result.pack;
     have.voidList = &voids.list;
     have.sliceHeight = setting.sliceHeight;
-    have.contactTolerance = recipe.contactTolerance;
+    have.options.contactTolerance = recipe.contactTolerance;
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
+    write.particleDensity = particleDensity(recipe.density, report.solidFractionTotal);
     write.levelSets = voids.levelSets();
     if (write.levelSets.empty() && prepared.built.mesh)
         write.levelSets = {prepared.built.mesh->grid()};
@@ -228,6 +229,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
              const std::function<bool(RunResult&&)>& done) {
     const PackRecipe& recipe = recipes.front();
     for (const auto& r : recipes) checkOutputs(r);
+    checkDensity(recipe.density);
     Clock clock;
     Report report;
     report.version = VDBPACK_VERSION;

@@ -94,6 +94,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {})
 struct CarveRecipe : GivenPack {
     VoidRecipe voids;
     std::uint64_t seed = 1;
+    std::string density;  ///< as `particleDensity` takes it
     std::vector<std::string> outputs;
     std::string reportFile;
     std::string optionsText;  ///< as that of PackRecipe

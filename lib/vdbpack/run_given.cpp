@@ -266,7 +266,7 @@ std::vector<std::string> writeMeasured(const Pack<Dim>& pack, const MeasureRecip
                                        const Callbacks& callbacks) {
     RunOutputs<Dim> have;
     have.pack = &pack;
-    have.contactTolerance = recipe.contactTolerance;
+    have.options.contactTolerance = recipe.contactTolerance;
     have.options.unit = recipe.outUnit;
     return writeOutputs(recipe.outputs, have, callbacks);
 }

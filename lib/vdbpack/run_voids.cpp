@@ -96,10 +96,11 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     have.pack = &pack;
     have.voidList = &made.list;
     have.sliceHeight = built.sliceHeight;
-    have.contactTolerance = recipe.contactTolerance;
+    have.options.contactTolerance = recipe.contactTolerance;
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
     write.generator = "vdb_pack " + report.version;
+    write.particleDensity = particleDensity(recipe.density, report.solidFractionTotal);
     write.levelSets = made.levelSets();
     if (write.levelSets.empty() && built.mesh) write.levelSets = {built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = domain.bounds();
@@ -170,6 +171,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     if (recipe.domain.source.empty())
         throw ParameterError("voids are cut into a domain; give that of the pack with --domain");
     checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
+    checkDensity(recipe.density);
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
     inputs.push_back(recipe.pack);

@@ -51,3 +51,14 @@ TEST_CASE("outputs that a run has nothing for are refused with what it has", "[o
     REQUIRE_THROWS_AS(writeOutput("contacts:c.csv", nothing), ParameterError);
     REQUIRE_THROWS_AS(writeOutput("list:v.csv", nothing), ParameterError);
 }
+
+TEST_CASE("a bulk density is that of the spheres times their solid fraction", "[outputs]") {
+    REQUIRE(particleDensity("", std::nullopt) == 0);
+    REQUIRE(particleDensity("1900", std::nullopt) == 1900);
+    REQUIRE(particleDensity("bulk:1200", 0.6) == 2000);
+    REQUIRE_THROWS_WITH(particleDensity("bulk:1200", std::nullopt), Contains("--domain"));
+    for (const char* bad : {"bulk:", "-3", "0", "heavy", "1900kg", "inf", "bulk:nan"}) {
+        CAPTURE(bad);
+        REQUIRE_THROWS_AS(checkDensity(bad), ParameterError);
+    }
+}

@@ -363,10 +363,133 @@ TEST_CASE("a damaged LAMMPS file is an error or another pack", "[export]") {
     }
 }
 
-TEST_CASE("LAMMPS files are not written", "[export]") {
-    for (const std::string file : {"p.data", "p.dump", "lammps:p.txt", "dump:p", "liggghts:p"}) {
+TEST_CASE("dumps are not written", "[export]") {
+    for (const std::string file : {"p.dump", "dump:p"}) {
         CAPTURE(file);
         REQUIRE_THROWS_WITH(checkPackFormat(file), Contains("not written") && Contains(".csv"));
     }
-    REQUIRE_THROWS_WITH(readPack("p.xyz"), Contains(".lammpstrj") && Contains("lammps:FILE"));
+    REQUIRE_THROWS_WITH(readPack("p.odt"), Contains(".lammpstrj") && Contains("lammps:FILE"));
+}
+
+namespace {
+
+Pack<3> touchingRow() {
+    Pack<3> pack;
+    for (int i = 0; i < 4; ++i) {
+        pack.spheres.push_back({{{2.0 * i + 0.1, 1.0 / 3, -7}}, 1});
+        pack.region.push_back(i % 2);
+    }
+    return pack;
+}
+
+std::string written(const Pack<3>& pack, const PackWriteOptions& options = {},
+                    const std::string& prefix = "lammps:") {
+    const Scratch scratch;
+    writePack(pack, prefix + (scratch / "p.txt"), options);
+    return contentOf(scratch / "p.txt");
+}
+
+}  // namespace
+
+TEST_CASE("a LAMMPS data file holds whole spheres and says what its numbers mean", "[export]") {
+    PackWriteOptions options;
+    options.particleDensity = 1900;
+    const auto text = written(touchingRow(), options);
+    CAPTURE(text);
+    REQUIRE(text.substr(0, text.find('\n')) ==
+            "atom_style sphere or granular; atom = id + 1; type = region + 1; density in t/mm3; "
+            "unit of length: mm");
+    REQUIRE_THAT(text, Contains("\n4 atoms\n2 atom types\n"));
+    REQUIRE_THAT(text, Contains("\n-0.9") && Contains(" 7.0999999999999996 xlo xhi\n"));
+    REQUIRE_THAT(text, Contains("\n-8.0 -6.0 zlo zhi\n"));
+    // No hint: LIGGGHTS wants the bare word.
+    REQUIRE_THAT(text, Contains("\n\nAtoms\n\n1 1 2.0 1.9000000000000001e-09 "));
+}
+
+TEST_CASE("densities go with the unit of length", "[export]") {
+    const auto [unit, name, number] = GENERATE(table<Unit, std::string, std::string>(
+        {{Unit::meter, "kg/m3", " 1900.0 "},
+         {Unit::centimeter, "g/cm3", " 1.8999999999999999 "},
+         {Unit::millimeter, "t/mm3", " 1.9000000000000001e-09 "},
+         {Unit::micrometer, "pg/um3", " 1.8999999999999999 "}}));
+    PackWriteOptions options;
+    options.particleDensity = 1900;
+    options.unit = unit;
+    const auto text = written(touchingRow(), options);
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("density in " + name + ";") && Contains(number));
+}
+
+TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or without",
+          "[export]") {
+    const std::string prefix = GENERATE(as<std::string>{}, "lammps:", "liggghts:", "lammps-bonds:");
+    const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
+    const bool named = GENERATE(false, true);
+    CAPTURE(prefix, unitName(unit), named);
+    const Scratch scratch;
+    auto pack = latticePack<3>(200, {{30, -20, 500}}, 40, 3);
+    if (named)
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+            pack.id.push_back(static_cast<std::int64_t>(7 + 3 * i));
+    PackWriteOptions options;
+    options.unit = unit;
+    writePack(pack, prefix + (scratch / "p.txt"), options);
+    const auto read = readPack(prefix + (scratch / "p.txt"));
+    REQUIRE(read.id == pack.id);
+    REQUIRE(read.region == pack.region);
+    REQUIRE(read.spheres.size() == pack.spheres.size());
+    REQUIRE(read.columns.size() == 1);
+    REQUIRE(read.columns[0].name == "density");
+    for (std::size_t i = 0; i < read.spheres.size(); ++i) {
+        if (unit == Unit::millimeter) {
+            REQUIRE(read.spheres[i] == pack.spheres[i]);
+        } else {
+            REQUIRE(length(read.spheres[i].center - pack.spheres[i].center) < 1e-12 * 600);
+        }
+    }
+}
+
+TEST_CASE("each touching pair is a bond between its atoms", "[export]") {
+    auto pack = touchingRow();
+    pack.id = {10, 20, 30, 40};
+    pack.spheres[3].center[0] += 0.1;
+    const auto text = written(pack, {}, "lammps-bonds:");
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("\n2 bonds\n1 bond types\n"));
+    REQUIRE_THAT(text, Contains("\nAtoms # hybrid\n\n10 1 0.1"));
+    REQUIRE(text.substr(text.find("Bonds\n")) == "Bonds\n\n1 1 10 20\n2 1 20 30\n");
+    PackWriteOptions options;
+    options.contactTolerance = 0.2;
+    REQUIRE_THAT(written(pack, options, "lammps-bonds:"), Contains("\n3 1 30 40\n"));
+}
+
+TEST_CASE("ids that LAMMPS cannot take are counted from one", "[export]") {
+    auto pack = touchingRow();
+    pack.id =
+        GENERATE(std::vector<std::int64_t>{-1, 2, 3, 4}, std::vector<std::int64_t>{1, 1, 2, 3},
+                 std::vector<std::int64_t>{1, 2, 3, 0x80000000});
+    const auto text = written(pack);
+    REQUIRE_THAT(text,
+                 Contains("atoms are counted") && Contains("\n1 1 2.0 ") && Contains("\n4 2 2.0 "));
+}
+
+TEST_CASE("types and densities of a data file are written again", "[export]") {
+    const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
+    const auto text = written(pack);
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("\n3 atom types\n") && Contains("\n7 1 1.0 2500.0 ") &&
+                           Contains("\n4 3 2.0 1000.0 ") && Contains("density as it was given"));
+    PackWriteOptions options;
+    options.particleDensity = 1;
+    REQUIRE_THAT(written(pack, options), Contains("\n7 1 1.0 9.9999999999999998e-13 "));
+}
+
+TEST_CASE("an empty pack is a data file without atoms", "[export]") {
+    REQUIRE(readText("p.data", written(Pack<3>{})).spheres.empty());
+}
+
+TEST_CASE("regions that are no atom types are refused", "[export]") {
+    auto pack = touchingRow();
+    pack.region[2] = -1;
+    REQUIRE_THROWS_AS(written(pack), ParameterError);
 }

@@ -222,8 +222,7 @@ TEST_CASE("CSV with every attribute has the header that scripts expect", "[expor
 
 TEST_CASE("an unknown format is refused before anything is written", "[export]") {
     const Scratch scratch;
-    for (const char* file :
-         {"pack.xyz", "pack", "lammps:p.data", "p.yade", "dir.csv/pack", "csv:"}) {
+    for (const char* file : {"pack.odt", "pack", "dump:p.data", "p.yade", "dir.csv/pack", "csv:"}) {
         CAPTURE(file);
         REQUIRE_THROWS_AS(checkPackFormat(file), ParameterError);
         REQUIRE_THROWS_WITH(writePack(Pack<3>{}, file, {}), Contains("csv"));

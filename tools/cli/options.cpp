@@ -150,6 +150,22 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
         ->group("Spheres");
 }
 
+void addDensityOption(CLI::App& command, std::string& density) {
+    command
+        .add_option("--density", density,
+                    "of the spheres in DEM files, kg/m3; bulk:D: such that all of them weigh what "
+                    "the domain weighs at D")
+        ->option_text("D|bulk:D [1000]")
+        ->check(notEmpty())
+        ->group("Spheres");
+}
+
+/// What -o of runs with spheres takes.
+const char* const kOutputHelp =
+    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv, .data or lammps:FILE (LAMMPS, "
+    "LIGGGHTS), lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, .svg (circles). "
+    "Lists: contacts:FILE.csv (touching pairs), list:FILE.csv (voids)";
+
 const char* const kPackHelp =
     ".vdb (point grid), .csv, .vtp, .ply, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or "
     "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
@@ -328,10 +344,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CLI::App* pack =
         app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
     pack->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
-    pack->add_option(
-            "-o,--output", options.pack.outputs,
-            "file to write: .vdb .vtp .ply .csv yade:FILE.txt, .svg for circles, contacts:FILE.csv "
-            "for the list of touching pairs, list:FILE.csv for that of voids; may be repeated")
+    pack->add_option("-o,--output", options.pack.outputs, kOutputHelp)
         ->option_text("FILE")
         ->take_all();
     addDomainOptions(*pack, options.pack.domain);
@@ -376,6 +389,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
               "unit of --existing, if it says none")
         ->option_text("UNIT [mm]")
         ->group("Units");
+    addDensityOption(*pack, options.pack.density);
     addVoidOptions(*pack, options.pack.voids, VoidsIn::pack);
     pack->add_option("--seed", seeds,
                      "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
@@ -430,16 +444,13 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CLI::App* carve =
         app.add_subcommand("carve", "cut voids into a pack that exists")->fallthrough();
     addGivenPack(*carve, options.carve, "PACK", kPackHelp);
-    carve
-        ->add_option(
-            "-o,--output", options.carve.outputs,
-            "file to write, as pack does (.vdb: with level sets surface, voids and solid); "
-            "may be repeated")
+    carve->add_option("-o,--output", options.carve.outputs, kOutputHelp)
         ->option_text("FILE")
         ->take_all();
     addChoice(*carve, "--out-unit", options.carve.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
+    addDensityOption(*carve, options.carve.density);
     addVoidOptions(*carve, options.carve.voids, VoidsIn::file);
     addRunOptions(*carve, options.carve.seed, options.carve.reportFile, options);
 

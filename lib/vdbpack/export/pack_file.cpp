@@ -18,11 +18,13 @@ namespace vdbpack {
 
 namespace {
 
-constexpr const char* kWritten = "use .vdb, .vtp, .ply, .csv, yade:FILE, or .svg for circles";
+constexpr const char* kWritten =
+    "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, or .svg for "
+    "circles";
 constexpr const char* kRead =
     "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, yade:FILE";
 
-enum class Format { vdb, vtp, ply, csv, svg, yade, lammpsData, lammpsDump };
+enum class Format { vdb, vtp, ply, csv, svg, yade, lammpsData, lammpsBonds, lammpsDump };
 
 /// A prefix ("yade:f.txt") or extension and what it stands for.
 struct FormatName {
@@ -40,6 +42,7 @@ constexpr FormatName kFormatNames[] = {
     {"data", Format::lammpsData},
     {"lammps", Format::lammpsData, false},
     {"liggghts", Format::lammpsData, false},
+    {"lammps-bonds", Format::lammpsBonds, false},
     {"dump", Format::lammpsDump},
     {"lammpstrj", Format::lammpsDump},
 };
@@ -84,8 +87,8 @@ Target target(const std::string& file, const char* formats) {
 
 Target targetToWrite(const std::string& file, int dim) {
     Target t = target(file, kWritten);
-    if (t.format == Format::lammpsData || t.format == Format::lammpsDump)
-        throw ParameterError(file + ": LAMMPS files are read but not written; " + kWritten);
+    if (t.format == Format::lammpsDump)
+        throw ParameterError(file + ": dumps are read but not written; " + kWritten);
     if (t.format == Format::svg && dim == 3)
         throw ParameterError(
             file + ": is a picture of circles; for spheres write .vtp, .vdb or --slice z=V");
@@ -150,6 +153,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             fmt::format("voxel edge of the point grid is {} mm; give a positive "
                         "length, or 0 to derive it",
                         options.pointVoxel));
+    if (!(options.particleDensity >= 0) || !std::isfinite(options.particleDensity))
+        throw ParameterError(fmt::format("density of the spheres is {} kg/m³; give a positive one",
+                                         options.particleDensity));
     if (options.frame) {
         const Vec<2> size = options.frame->size();
         if (!(size[0] > 0 && size[0] < 1e30 && size[1] > 0 && size[1] < 1e30))
@@ -179,6 +185,13 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             writeYade(view, options, out);
             break;
         case Format::lammpsData:
+            writeLammps(view, options, nullptr, out);
+            break;
+        case Format::lammpsBonds: {
+            const auto bonds = listContacts(pack.spheres, options.contactTolerance);
+            writeLammps(view, options, &bonds, out);
+            break;
+        }
         case Format::lammpsDump:
             break;  // refused above
     }
@@ -201,6 +214,7 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
             case Format::csv:
                 return readCsv(t.path, options);
             case Format::lammpsData:
+            case Format::lammpsBonds:
                 return readLammpsData(t.path, options);
             case Format::lammpsDump:
                 return readLammpsDump(t.path, options);

@@ -21,6 +21,9 @@ class VdbGrid;
 /// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
+/// Density of the spheres where none is given, kg/m³: that of water.
+inline constexpr double kDefaultDensity = 1000;
+
 struct PackWriteOptions {
     Unit unit = Unit::millimeter;  ///< of what is written
     std::string generator;         ///< program and version, recorded where the format can
@@ -29,13 +32,17 @@ struct PackWriteOptions {
     /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
+    /// Density of the spheres for DEM programs, kg/m³; 0: that of the pack's column `density`, as
+    /// it stands there, or else `kDefaultDensity`.
+    double particleDensity = 0;
+    double contactTolerance = 1e-3;  ///< gap up to which bonds are written, in smaller radii
     /// Drawn around the circles of an .svg and shown whole: the bounds of the domain, mm.
     std::optional<Box<2>> frame;
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv, and .svg for circles. Whole or absent: a former file stays as it is until the new one is
-/// complete.
+/// .csv .data (or lammps:, liggghts:, lammps-bonds:), and .svg for circles. Whole or absent: a
+/// former file stays as it is until the new one is complete.
 ///
 /// .csv and .vtp keep every double and every column. .vdb keeps positions to 2^-26 of a voxel (in
 /// mm those of a packer exactly) and radii as float; points lie sorted by place, and `readPack`
@@ -43,6 +50,15 @@ struct PackWriteOptions {
 /// hold no further attributes. .svg is a picture: y up, so cy = -y, numbers to six digits of its
 /// extent, colors by region. Columns of attributes that are empty are left out. The unit is
 /// recorded in every format but .csv, which has no place for it. 2D: z = `sliceHeight`.
+///
+/// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
+/// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. Ids
+/// that begin with 0 are one more in the file; where some are negative, double or beyond 2^31 - 1,
+/// atoms are counted from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si), g/cm³
+/// (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and pressures in
+/// MPa. The title says all that, and `readPack` takes it back. lammps-bonds adds a bond of type 1
+/// for each touching pair; it is for atom style hybrid sphere bond: `id type x y z diameter density
+/// molecule`.
 ///
 /// @throws ParameterError (unknown format; spheres as .svg; attributes of the wrong length; a
 /// sphere that is not finite or has no positive radius; an empty frame), IoError
@@ -78,9 +94,9 @@ struct PackReadOptions {
 /// - .csv: commas, semicolons, tabs or blanks between the cells, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
-/// - .data, lammps:, liggghts: data files of LAMMPS and LIGGGHTS with atom style sphere, granular
-/// or
-///   bpm/sphere. type, density, molecule and image flags are kept, other sections left out.
+/// - .data, lammps:, liggghts:, lammps-bonds: data files of LAMMPS and LIGGGHTS with atom style
+///   sphere, granular or bpm/sphere, and of `writePack`. type, density, molecule and image flags
+///   are kept, other sections left out.
 /// - .dump, .lammpstrj, dump: their text dumps with a column radius or diameter; of several frames
 ///   the last one. x y z are taken, or else xs ys zs, xu yu zu or xsu ysu zsu.
 ///

@@ -4,11 +4,13 @@
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/export/pack_view.h"
+#include "vdbpack/measure/contacts.h"
 
 #include <cstddef>
 #include <functional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
@@ -19,6 +21,9 @@ void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile&
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+/// @param bonds  null: atoms alone.
+void writeLammps(const PackView& pack, const PackWriteOptions& options,
+                 const std::vector<Contact>* bonds, OutputFile& out);
 
 /// Each reads the file at `path`. @throws IoError, InputError
 Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
@@ -43,6 +48,11 @@ std::string escapedXml(const std::string& text);
 /// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
 /// @return false if it names a unit that is not known.
 bool parseUnitComment(std::string_view comment, Unit& unit);
+
+/// What the title of our LAMMPS data files says of the numbers below, so that they can be undone.
+inline constexpr const char* kLammpsIdShift = "atom = id + 1";
+inline constexpr const char* kLammpsTypeIsRegion = "type = region + 1";
+inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
 
 /// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
 /// whose lengths (angstrom, reduced) are none of ours.

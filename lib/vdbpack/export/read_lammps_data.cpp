@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -156,6 +157,12 @@ private:
         if (!parseUnitComment(line, unit_))
             fail(fmt::format("unknown unit in '{}'; use m, cm, mm or um",
                              trimmed(line).substr(0, 80)));
+        const auto says = [&](const char* words) {
+            return line.find(words) != std::string_view::npos;
+        };
+        shifted_ = says(kLammpsIdShift);
+        regions_ = says(kLammpsTypeIsRegion);
+        bonded_ = says(kLammpsBonded);
     }
 
     static const char* countOf(std::string_view section) {
@@ -181,6 +188,8 @@ private:
     /// Columns of an atom's line without image flags; `hint` is what follows "Atoms #".
     std::vector<std::string> columnsOf(std::string_view hint) const {
         const std::string style(hint.substr(0, hint.find_first_of(" \t")));
+        if (style == "hybrid" && bonded_)
+            return {"id", "type", "x", "y", "z", "diameter", "density", "molecule"};
         if (style == "bpm/sphere")
             return {"id", "molecule", "type", "diameter", "density", "x", "y", "z"};
         if (!style.empty() && style != "sphere" && style != "granular")
@@ -220,9 +229,13 @@ private:
             file_.seek(begin, lineBefore);
         }
         const std::string columns = fmt::format("{}", fmt::join(table.names, " "));
-        const bool molecules = table.names[1] == "molecule";
-        const std::size_t type = molecules ? 2 : 1;
-        const std::size_t density = molecules ? 4 : 3;
+        const auto columnOf = [&](const char* name) {
+            return static_cast<std::size_t>(
+                std::find(table.names.begin(), table.names.end(), name) - table.names.begin());
+        };
+        const std::size_t type = columnOf("type");
+        const std::size_t density = columnOf("density");
+        if (regions_) table.names[type] = "region";
         const auto types = counts_.find("atom types");
         const auto largestType = types != counts_.end() && types->second > 0
                                      ? types->second
@@ -260,7 +273,14 @@ private:
                                 cells[density].substr(0, 40), columns));
             return true;
         };
+        if (shifted_ || regions_)
+            table.adjustRow = [&](PackBuilder& builder, const Cells& cells) {
+                std::int64_t number = 0;
+                if (shifted_ && parseNumber(cells[0], number)) builder.set(0, number - 1);
+                if (regions_ && parseNumber(cells[type], number)) builder.set(type, number - 1);
+            };
         Pack<3> pack = readTable(file_, table);
+        if (table.names.back() == "molecule") pack.columns.pop_back();  // molecules that say nothing
         if (nextContent(line) && isNumber(words_.front()))
             fail(fmt::format("more atoms follow than the {} of the header; correct it", count));
         return pack;
@@ -268,6 +288,7 @@ private:
 
     InputFile file_;
     Unit unit_;
+    bool shifted_ = false, regions_ = false, bonded_ = false;   ///< as the title says
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;
 };
