@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/contact_file.h"
+#include "vdbpack/export/write_blender.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -15,15 +16,17 @@ namespace vdbpack {
 
 namespace {
 
-enum class OutputKind { pack, contacts, voidList };
+enum class OutputKind { pack, contacts, voidList, blender };
 
 struct Prefix {
     const char* text;
     OutputKind kind;
+    const char* example;
 };
 constexpr Prefix kPrefixes[] = {
-    {"contacts:", OutputKind::contacts},
-    {"list:", OutputKind::voidList},
+    {"contacts:", OutputKind::contacts, "FILE.csv"},
+    {"list:", OutputKind::voidList, "FILE.csv"},
+    {"blender:", OutputKind::blender, "FILE.py"},
 };
 
 struct Target {
@@ -39,7 +42,7 @@ Target targetOf(const std::string& output) {
         const std::string file = output.substr(std::string(p.text).size());
         if (file.empty())
             throw ParameterError(output + ": names a format but no file; write " + output +
-                                 "FILE.csv");
+                                 p.example);
         return {p.kind, file};
     }
     return {OutputKind::pack, packPath(output)};
@@ -47,6 +50,15 @@ Target targetOf(const std::string& output) {
 
 bool isVdb(const std::string& file) {
     return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
+}
+
+/// The .vdb among some outputs that level sets are to be found in; empty: none.
+std::string volumeAmong(const std::vector<std::string>& outputs) {
+    for (const auto& output : outputs) {
+        const Target target = targetOf(output);
+        if (target.kind == OutputKind::pack && isVdb(target.file)) return target.file;
+    }
+    return {};
 }
 
 void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
@@ -72,7 +84,13 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     for (const auto& output : outputs) {
         const Target target = targetOf(output);
         if (target.kind == OutputKind::pack) checkPackFormat(output);
-        files.push_back(target.file);
+        if (target.kind == OutputKind::blender) {
+            // Whether there are level sets is not known yet.
+            const auto all = blenderFiles(target.file, true, volumeAmong(outputs));
+            files.insert(files.end(), all.begin(), all.end());
+        } else {
+            files.push_back(target.file);
+        }
     }
     if (!reportFile.empty()) {
         const std::string extension = fs::path(reportFile).extension().string();
@@ -145,7 +163,7 @@ void checkDensity(const std::string& text) {
 }
 
 template <int Dim>
-std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
+std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
     const Target target = targetOf(output);
     const auto need = [&](bool there, const char* what) {
         if (!there)
@@ -169,23 +187,29 @@ std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have) 
             else
                 writeLevelSets(output, have.options);
             break;
+        case OutputKind::blender:
+            need(have.pack != nullptr, "pack");
+            return writeBlender(*have.pack, target.file, have.options, have.volume);
     }
-    return target.file;
+    return {target.file};
 }
 
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks) {
     std::vector<std::string> files;
+    RunOutputs<Dim> all = have;
+    all.volume = volumeAmong(outputs);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);
-        files.push_back(writeOutput(output, have));
+        const auto written = writeOutput(output, all);
+        files.insert(files.end(), written.begin(), written.end());
     }
     return files;
 }
 
-template std::string writeOutput<2>(const std::string&, const RunOutputs<2>&);
-template std::string writeOutput<3>(const std::string&, const RunOutputs<3>&);
+template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
+template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
 template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
                                                   const RunOutputs<2>&, const Callbacks&);
 template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,

@@ -13,7 +13,7 @@
 
 namespace vdbpack {
 
-/// The file behind "prefix:name", where the prefix is one that names a format.
+/// The first file behind "prefix:name", where the prefix is one that names a format.
 std::string filePart(const std::string& name);
 
 /// Refuses before the work what would fail after it: unknown formats, folders that are not there,
@@ -54,23 +54,26 @@ struct RunOutputs {
     const Pack<Dim>* pack = nullptr;                        ///< null: a .vdb holds level sets alone
     const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
-    PackWriteOptions options;  ///< unit, level sets, contact tolerance, ...
+    PackWriteOptions options;                               ///< unit, level sets, contact tolerance
+    std::string volume;  ///< a .vdb of this run with those level sets; empty: none
 };
 
 /// Writes one target: a pack file, "contacts:FILE.csv", "list:FILE.csv" (voids), or, where there is
-/// no pack, level sets as .vdb. Each file is whole or absent.
-/// @return the file.
+/// no pack, level sets as .vdb. "blender:FILE.py" is a script with files beside it; its level sets
+/// are those of `volume`, if there is one. Each file is whole or absent.
+/// @return the files.
 /// @throws ParameterError (no such thing to write), IoError
 template <int Dim>
-std::string writeOutput(const std::string& output, const RunOutputs<Dim>& have);
+std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have);
 
-/// Writes all targets in turn and tells of each; the files in their order.
+/// Writes all targets in turn and tells of each; the files in their order. The first .vdb among
+/// them is the `volume` of the others.
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks);
 
-extern template std::string writeOutput<2>(const std::string&, const RunOutputs<2>&);
-extern template std::string writeOutput<3>(const std::string&, const RunOutputs<3>&);
+extern template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
+extern template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
 extern template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
                                                          const RunOutputs<2>&, const Callbacks&);
 extern template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,

@@ -26,7 +26,7 @@ TEST_CASE("a pack written under a name with a colon stands in the file of that n
     RunOutputs<3> have;
     have.pack = &pack;
     const std::string file = scratch / "monday:f.csv";
-    REQUIRE(writeOutput(file, have) == file);
+    REQUIRE(writeOutput(file, have) == std::vector<std::string>{file});
     REQUIRE(contentOf(file).rfind("id,x,y,z", 0) == 0);
 }
 

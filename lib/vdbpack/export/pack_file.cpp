@@ -95,6 +95,8 @@ Target targetToWrite(const std::string& file, int dim) {
     return t;
 }
 
+}  // namespace
+
 template <int Dim>
 void checkPack(const Pack<Dim>& pack) {
     const std::size_t n = pack.spheres.size();
@@ -128,7 +130,8 @@ void checkPack(const Pack<Dim>& pack) {
         throw ParameterError("the height of the slice is not finite; give it in mm");
 }
 
-}  // namespace
+template void checkPack<2>(const Pack<2>&);
+template void checkPack<3>(const Pack<3>&);
 
 double pointVoxelSize(double count, double measure, int dim) {
     if (!(count > 0) || !(measure > 0) || !std::isfinite(measure / count)) return 1;
