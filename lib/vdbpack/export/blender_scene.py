@@ -29,6 +29,7 @@ COLOR = "radius"  # radius, region, depth, order, contacts, or another column of
 SURFACE = ""      # show this level set too: surface, solid or voids; "" is none
 OPACITY = 0.25    # of that surface
 VIEW = ""         # from where the camera looks, as "x,y,z"; "" is a view from the front
+UP = "0,0,1"      # what is up in the picture
 CUT = []          # planes such as "x=0" (keeps x <= 0) or "z>100", in the unit of the file
 SIZE = "1200x1200"
 SAMPLES = 64      # of Cycles, a pixel
@@ -44,7 +45,7 @@ RAMPS = {
     # Dark blue to pale yellow through green, even in lightness, fit for color-blind readers.
     "even": ["#26336F", "#1F6B99", "#299E94", "#85C770", "#F5E382"],
     # Cortical bone like ivory, trabecular like brick.
-    "region": ["#EBDDBD", "#B5523B"],
+    "region": ["#EBDDBD", "#C0694F"],
 }
 SURFACE_COLOR = "#E3D9C6"
 LENGTHS = ("radius", "depth")
@@ -127,6 +128,7 @@ def parse_arguments(words):
     add("--opacity", type=share, default=OPACITY, help="of that surface, 0 to 1")
     add("--no-spheres", action="store_true", help="leaves the spheres out of the picture")
     add("--view", type=vector, default=VIEW or None, metavar="X,Y,Z", help="from where to look")
+    add("--up", type=vector, default=UP, metavar="X,Y,Z", help=f"up in the picture (default {UP})")
     add("--size", type=image_size, default=SIZE, metavar="WxH", help="of the picture, pixels")
     add("--samples", type=positive, default=SAMPLES, help="rays a pixel")
     add("--background", choices=("white", "black", "transparent"), default=BACKGROUND)
@@ -162,7 +164,7 @@ def read_spheres():
         data = np.load(path, mmap_mode=None, allow_pickle=False)
     except (OSError, ValueError) as problem:
         fail(f"{path}: cannot be read: {problem}; keep it beside the script")
-    if len(data) != PACK["count"] or zlib.crc32(data.tobytes()) != PACK["crc32"]:
+    if len(data) != PACK["count"] or zlib.crc32(data.view(np.uint8)) != PACK["crc32"]:
         fail(f"{path}: is not the file that was written with this script; write both again with "
              "vdb_pack")
     return data
@@ -325,8 +327,11 @@ def color_by(material, name, limits):
 
 def column_limits(data):
     """Least and largest value of each column to color by."""
-    limits = {name: (float(data[name].min()), float(data[name].max()))
-              for name in data.dtype.names if name not in NOT_SHOWN}
+    limits = {}
+    for name in data.dtype.names:
+        values = data[name][np.isfinite(data[name])]
+        if name not in NOT_SHOWN and len(values) > 0:
+            limits[name] = (float(values.min()), float(values.max()))
     if "region" in limits:
         limits["region"] = (0.0, 1.0)
     return limits
@@ -406,8 +411,9 @@ def basis(ahead, up):
     """Right, up and backward of a camera that looks from `ahead` at the origin."""
     back = ahead / np.linalg.norm(ahead)
     right = np.cross(up, back)
-    if np.linalg.norm(right) < 1e-6:
-        right = np.cross((0.0, 1.0, 0.0), back)
+    for other in ((0.0, 1.0, 0.0), (1.0, 0.0, 0.0)):
+        if np.linalg.norm(right) < 1e-6 * np.linalg.norm(up):  # looking along `up`
+            right = np.cross(other, back)
     right /= np.linalg.norm(right)
     return np.stack([right, np.cross(back, right), back])
 
@@ -420,11 +426,15 @@ def pose(target, axes, position):
     target.matrix_world = matrix
 
 
-def make_camera(scene, collection, data, scale, view):
+def make_camera(scene, collection, data, scale, view, up):
     """A camera that sees all spheres and little else; clipped close around them."""
     flat = PACK["dim"] == 2
-    axes = basis(view if view is not None else np.array((0, 0, 1.0) if flat else (0.45, -1, 0.3)),
-                 np.array((0.0, 0.0, 1.0)))
+    if view is None:
+        # From the front and a little above; circles from straight above.
+        upright = abs(up[1]) < max(abs(up[0]), abs(up[2]))
+        right, above, front = basis(np.array((0, -1.0, 0) if upright else (0, 0, 1.0)), up)
+        view = np.array((0, 0, 1.0)) if flat else 0.45 * right + 0.3 * above + front
+    axes = basis(view, up)
     camera = bpy.data.cameras.new("vdb_pack camera")
     camera.lens = 70
     width, height = scene.render.resolution_x, scene.render.resolution_y
@@ -617,7 +627,7 @@ def main():
         shown.hide_render = grid.name != arguments.surface
         shown.hide_set(shown.hide_render)
 
-    axes, camera = make_camera(scene, collection, data, scale, arguments.view)
+    axes, camera = make_camera(scene, collection, data, scale, arguments.view, arguments.up)
     make_light(scene, collection, axes, arguments.background)
     unit = " " + PACK["unit"] if arguments.color in LENGTHS else ""
     print(f"{PACK['name']}: {len(data)} of {PACK['count']} spheres, colored by {arguments.color} "
