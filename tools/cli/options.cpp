@@ -346,7 +346,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     pack->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
     pack->add_option("-o,--output", options.pack.outputs, kOutputHelp)
         ->option_text("FILE")
-        ->take_all();
+        ->take_all()
+        ->group("Output");
     addDomainOptions(*pack, options.pack.domain);
     addChoice(*pack, "--out-unit", options.pack.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
@@ -429,7 +430,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                      "file to write: .vdb (level sets surface, voids, solid), list:FILE.csv for "
                      "the list of voids; may be repeated")
         ->option_text("FILE")
-        ->take_all();
+        ->take_all()
+        ->group("Output");
     addDomainOptions(*voids, options.voids.domain);
     addChoice(*voids, "--out-unit", options.voids.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
@@ -446,7 +448,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     addGivenPack(*carve, options.carve, "PACK", kPackHelp);
     carve->add_option("-o,--output", options.carve.outputs, kOutputHelp)
         ->option_text("FILE")
-        ->take_all();
+        ->take_all()
+        ->group("Output");
     addChoice(*carve, "--out-unit", options.carve.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
@@ -480,7 +483,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->add_option("-o,--output", options.measure.outputs,
                      "contacts:FILE.csv: the list of touching pairs")
         ->option_text("FILE")
-        ->take_all();
+        ->take_all()
+        ->group("Output");
     addChoice(*measure, "--out-unit", options.measure.outUnit, kUnits, "unit of what is written")
         ->option_text("UNIT [mm]")
         ->group("Units");
