@@ -514,7 +514,8 @@ def show_in_windows(scene, camera):
                 if space.type == "VIEW_3D":
                     space.clip_start = camera.clip_start / 20
                     space.clip_end = camera.clip_end * 5
-                    space.shading.type = "MATERIAL"
+                    # Solid shows the spheres in gray, Material Preview not at all (3.4).
+                    space.shading.type = "RENDERED"
                     space.region_3d.view_perspective = "CAMERA"
 
 
