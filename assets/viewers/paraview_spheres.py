@@ -1,6 +1,6 @@
 """Shows a pack (.vtp of vdb_pack) in ParaView as spheres of true radius; 5.10 and later.
 
-    paraview bone.vtp --script=paraview_spheres.py             in the window, on the file it opened
+    paraview bone.vtp paraview_spheres.py                      in the window, on the file it opened
     pvpython paraview_spheres.py bone.vtp --color region --render bone.png     a picture
 
 The same by hand: representation Point Gaussian, shader preset Sphere, Gaussian radius 1, scale by
@@ -48,7 +48,7 @@ def source_of(file):
     if file is None:
         source = simple.GetActiveSource()
         if source is None:
-            fail("no file is open; name one: paraview FILE.vtp --script=paraview_spheres.py")
+            fail("no file is open; name one: paraview FILE.vtp paraview_spheres.py")
         return source
     if not os.path.isfile(file):
         fail(f"{file}: there is no such file")

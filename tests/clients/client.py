@@ -47,6 +47,12 @@ def run(*command, fails=False, **options):
     return done.stdout
 
 
+def run_on_display(*command, **options):
+    """The same on an X server of its own. Two that look for a free number at once take the same."""
+    number = 1000 + os.getpid() % 30000
+    return run("xvfb-run", "-n", number, "-s", "-screen 0 1280x1024x24", *command, **options)
+
+
 def vdb_pack(*arguments):
     return run(VDB_PACK, *arguments)
 

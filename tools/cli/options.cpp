@@ -164,7 +164,8 @@ void addDensityOption(CLI::App& command, std::string& density) {
 const char* const kOutputHelp =
     "file to write; may be repeated. Packs: .vdb .vtp .ply .csv, .data or lammps:FILE (LAMMPS, "
     "LIGGGHTS), lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, .svg (circles). "
-    "Lists: contacts:FILE.csv (touching pairs), list:FILE.csv (voids)";
+    "blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv (touching pairs), "
+    "list:FILE.csv (voids)";
 
 const char* const kPackHelp =
     ".vdb (point grid), .csv, .vtp, .ply, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or "
