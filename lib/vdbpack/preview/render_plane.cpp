@@ -1,0 +1,121 @@
+// Circles at true scale.
+#include "vdbpack/core/error.h"
+#include "vdbpack/preview/scene.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr int kSide = 4;  // samples along a side of a pixel
+constexpr double kMargin = 0.02;
+/// Room below for the scale bar, of the height.
+constexpr double kFoot = 0.05;
+constexpr double kOutline = 1.2;      // half its width, pixels
+constexpr double kRim = 0.9;          // of circles, pixels
+constexpr double kLargestRim = 0.12;  // of their radius
+constexpr float kRimShade = 0.42f;
+
+/// Bilinear; far outside beyond the lattice.
+double distanceAt(const PlaneField& field, const Vec<2>& x) {
+    const double i = (x[0] - field.origin[0]) / field.step,
+                 j = (x[1] - field.origin[1]) / field.step;
+    if (!(i >= 0 && j >= 0 && i < static_cast<double>(field.columns - 1) &&
+          j < static_cast<double>(field.rows - 1)))
+        return 1e300;
+    const auto i0 = static_cast<std::int64_t>(i), j0 = static_cast<std::int64_t>(j);
+    const double u = i - static_cast<double>(i0), v = j - static_cast<double>(j0);
+    const float* at = &field.distance[static_cast<std::size_t>(j0 * field.columns + i0)];
+    const double low = at[0] + u * (at[1] - at[0]);
+    const double high = at[field.columns] + u * (at[field.columns + 1] - at[field.columns]);
+    return low + v * (high - low);
+}
+
+void checkField(const PlaneField& field) {
+    if (field.columns < 2 || field.rows < 2 || !(field.step > 0) ||
+        field.distance.size() != static_cast<std::size_t>(field.columns * field.rows))
+        throw ParameterError(
+            fmt::format("preview: a field of {} x {} distances, {} mm apart, with {} values; give "
+                        "as many as there are places",
+                        field.columns, field.rows, field.step, field.distance.size()));
+}
+
+}  // namespace
+
+Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
+    checkPreviewSize(options.width, options.height);
+    if (options.cut) throw ParameterError("--preview-cut: a plane is flat already; leave it out");
+    Box<2> bounds = scene.bounds;
+    if (scene.pack) checkSpheres(*scene.pack);
+    if (scene.pack)
+        for (const auto& s : scene.pack->spheres) {
+            const auto square = Box<2>{s.center, s.center}.grown(s.radius);
+            bounds.add(square.lo);
+            bounds.add(square.hi);
+        }
+    if (bounds.empty())
+        throw ParameterError("preview: there is nothing to see; give circles or bounds");
+    if (scene.field) checkField(*scene.field);
+    SphereColors colors;
+    if (scene.pack) colors = sphereColors(*scene.pack, options.color);
+
+    Image image;
+    image.width = options.width;
+    image.height = options.height;
+    image.pixels.assign(
+        3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 255);
+    const Vec<2> size = bounds.size();
+    const double pixel = std::max({size[0] / (options.width * (1 - 2 * kMargin)),
+                                   size[1] / (options.height * (1 - 2 * kMargin - kFoot)), 1e-300});
+    const Vec<2> middle = bounds.center();
+    const auto placeOf = [&](double x, double y) {
+        return Vec<2>{{middle[0] + (x - 0.5 * options.width) * pixel,
+                       middle[1] - (y - 0.5 * (1 - kFoot) * options.height) * pixel}};
+    };
+
+    std::vector<std::int32_t> indices;
+    std::vector<Sphere<2>> circles;
+    if (scene.pack) {
+        circles = scene.pack->spheres;
+        for (std::size_t i = 0; i < circles.size(); ++i)
+            indices.push_back(static_cast<std::int32_t>(i));
+    }
+    const PlaneDiscs discs(std::move(circles), std::move(indices));
+    const Color white{1, 1, 1}, inside = scene.pack ? fromSrgb(0xf3efe7) : boneCutColor();
+    const auto colorAt = [&](const Vec<2>& x) {
+        Color color = white;
+        if (scene.field) {
+            const double d = distanceAt(*scene.field, x);
+            if (std::fabs(d) < kOutline * pixel) return inkColor();
+            if (d < 0) color = inside;
+        }
+        const auto found = discs.at(x);
+        if (found.index < 0) return color;
+        const auto i = static_cast<std::size_t>(found.index);
+        const double rim = std::min(kRim * pixel, kLargestRim * scene.pack->spheres[i].radius);
+        return colors.color[i] * (found.rim < rim ? kRimShade : 1);
+    };
+    tbb::parallel_for(0, image.height, [&](int y) {
+        for (int x = 0; x < image.width; ++x) {
+            Color sum;
+            for (int j = 0; j < kSide; ++j)
+                for (int i = 0; i < kSide; ++i)
+                    sum += colorAt(placeOf(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide));
+            toSrgb(sum * (1.0f / (kSide * kSide)), image.pixel(x, y));
+        }
+    });
+    const ScaleBar bar = scaleBarFor(pixel, image.width);
+    drawScaleBar(bar, pixel, image);
+    describe(scene.pack ? groupedCount(scene.pack->spheres.size()) + " circles" : "a solid",
+             fmt::format("{}{}scale bar {:g} mm in {} parts", colors.words,
+                         colors.words.empty() ? "" : "; ", bar.length, bar.parts),
+             image);
+    return image;
+}
+
+}  // namespace vdbpack

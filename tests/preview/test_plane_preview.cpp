@@ -1,0 +1,146 @@
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/preview/preview.h"
+#include "vdbpack/preview/scene.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+using namespace vdbpack;
+
+namespace {
+
+bool isWhite(const Image& image, int x, int y) {
+    const auto* p = image.pixel(x, y);
+    return p[0] > 250 && p[1] > 250 && p[2] > 250;
+}
+
+struct Span {
+    int first = -1, last = -1;
+    int length() const { return last - first + 1; }
+};
+/// Columns that are not white between two rows.
+Span drawn(const Image& image, int y0, int y1) {
+    Span span;
+    for (int x = 0; x < image.width; ++x)
+        for (int y = y0; y < y1; ++y)
+            if (!isWhite(image, x, y)) {
+                if (span.first < 0) span.first = x;
+                span.last = x;
+            }
+    return span;
+}
+
+double scaleBarIn(const Image& image) {
+    const std::string& words = image.texts.at(1).second;
+    const std::string key = "scale bar ";
+    return std::strtod(words.c_str() + words.find(key) + key.size(), nullptr);
+}
+
+/// A disc of radius 20 as a field.
+PlaneField discField() {
+    PlaneField field;
+    field.step = 0.1;
+    field.columns = field.rows = 441;
+    field.origin = {{-22, -22}};
+    for (int j = 0; j < 441; ++j)
+        for (int i = 0; i < 441; ++i)
+            field.distance.push_back(
+                static_cast<float>(std::hypot(-22 + 0.1 * i, -22 + 0.1 * j) - 20));
+    return field;
+}
+
+}  // namespace
+
+TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
+    Pack<2> pack;
+    pack.spheres = {{{{0, 0}}, 10}};
+    const PlaneField field = discField();
+    PlanePreview scene;
+    scene.pack = &pack;
+    scene.field = &field;
+    scene.bounds.add({{-20, -20}});
+    scene.bounds.add({{20, 20}});
+    PreviewOptions options;
+    options.width = 800;
+    options.height = 600;
+    const Image image = renderPreview(scene, options);
+    const Span bar = drawn(image, 578, 600);
+    const double pixel = scaleBarIn(image) / bar.length();
+    CAPTURE(scaleBarIn(image), bar.length());
+    const Span outline = drawn(image, 0, 565);
+    CHECK(outline.length() * pixel == Approx(40).margin(5 * pixel));
+    // The area of the circle: pixels of the one color there is, rims left out.
+    const int middle = (outline.first + outline.last) / 2;
+    std::uint8_t color[3];
+    toSrgb(rampColor(0.5), color);
+    int count = 0, right = middle;
+    for (int y = 0; y < 565; ++y)
+        for (int x = 0; x < image.width; ++x)
+            if (std::equal(color, color + 3, image.pixel(x, y))) {
+                ++count;
+                right = std::max(right, x);
+            }
+    CHECK(count * pixel * pixel == Approx(kPi * 100).epsilon(0.03));
+    CHECK((right - middle) * pixel == Approx(10).margin(3 * pixel));
+}
+
+TEST_CASE("y points up, and a circle lies where it is", "[preview]") {
+    Pack<2> pack;
+    pack.spheres = {{{{705, 905}}, 1}, {{{715, 915}}, 2}};
+    PlanePreview scene;
+    scene.pack = &pack;
+    PreviewOptions options;
+    options.width = options.height = 400;
+    const Image image = renderPreview(scene, options);
+    const auto darkest = [&](int x0, int x1, int y0, int y1) {
+        int sum = 765;
+        for (int y = y0; y < y1; ++y)
+            for (int x = x0; x < x1; ++x) {
+                const auto* p = image.pixel(x, y);
+                sum = std::min(sum, p[0] + p[1] + p[2]);
+            }
+        return sum;
+    };
+    CHECK(darkest(0, 190, 200, 370) < 765);
+    CHECK(darkest(200, 400, 0, 190) < 765);
+    CHECK(darkest(0, 190, 0, 190) == 765);
+    CHECK(darkest(220, 400, 220, 370) == 765);
+}
+
+TEST_CASE("a plane picture is the same for any number of threads", "[preview]") {
+    Pack<2> pack;
+    for (int i = 0; i < 20; ++i)
+        for (int j = 0; j < 20; ++j) pack.spheres.push_back({{{2.0 * i, 2.0 * j}}, 0.5 + 0.02 * i});
+    PlanePreview scene;
+    scene.pack = &pack;
+    PreviewOptions options;
+    options.width = options.height = 200;
+    const auto with = [&](int threads) {
+        return withThreads(threads, [&] { return encodePng(renderPreview(scene, options)); });
+    };
+    CHECK(with(1) == with(3));
+}
+
+TEST_CASE("what a plane picture cannot show is refused", "[preview]") {
+    PlanePreview scene;
+    PreviewOptions options;
+    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("nothing to see"));
+    Pack<2> pack;
+    pack.spheres = {{{{0, 0}}, 1}};
+    scene.pack = &pack;
+    options.color = PreviewColor::depth;
+    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("depth"));
+    options.color = PreviewColor::radius;
+    options.cut = PreviewCut{0, 0};
+    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("flat"));
+    options.cut.reset();
+    PlaneField field;
+    field.columns = field.rows = 3;
+    field.step = 1;
+    scene.field = &field;
+    CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
+}
