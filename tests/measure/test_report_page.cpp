@@ -274,3 +274,30 @@ TEST_CASE("a histogram of radii holds all of them beside what was asked for", "[
     }
     CHECK(radiusHistogram({}).counts.empty());
 }
+
+TEST_CASE("a page shows its picture, and says what it shows", "[report]") {
+    ReportPage page = fullPage(3);
+    const auto without = reportPage(page, {});
+    CHECK(without.find("<img") == std::string::npos);
+    page.picture = "picture";
+    page.pictureWidth = 40;
+    page.pictureHeight = 30;
+    page.pictureWords = "5 spheres <'&\">";
+    const auto with = reportPage(page, {});
+    CHECK(flawIn(with).empty());
+    CHECK(with.find("<img src='data:image/png;base64,cGljdHVyZQ==' width='40' height='30'") !=
+          std::string::npos);
+    CHECK(with.find("<figcaption class='words'>5 spheres &lt;") != std::string::npos);
+}
+
+TEST_CASE("bytes in base64 are those of RFC 4648", "[report]") {
+    const char* const known[][2] = {{"", ""},
+                                    {"f", "Zg=="},
+                                    {"fo", "Zm8="},
+                                    {"foo", "Zm9v"},
+                                    {"foob", "Zm9vYg=="},
+                                    {"fooba", "Zm9vYmE="},
+                                    {"foobar", "Zm9vYmFy"}};
+    for (const auto& pair : known) CHECK(base64(pair[0]) == pair[1]);
+    CHECK(base64(std::string("\xff\xfe\x00", 3)) == "//4A");
+}

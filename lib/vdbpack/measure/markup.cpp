@@ -212,6 +212,22 @@ std::string escaped(const std::string& text) {
     return out;
 }
 
+std::string base64(const std::string& bytes) {
+    static const char* const letters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (k < left ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += k <= left ? letters[three >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
 std::string figureText(double value) {
     return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–";
 }

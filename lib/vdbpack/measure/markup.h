@@ -13,6 +13,9 @@ namespace vdbpack {
 /// no UTF-8 and control characters that XML forbids become U+FFFD.
 std::string escaped(const std::string& text);
 
+/// Bytes in the letters of RFC 4648, for data URIs.
+std::string base64(const std::string& bytes);
+
 /// Six digits, for people; a dash where it is not finite.
 std::string figureText(double value);
 

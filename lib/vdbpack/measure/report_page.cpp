@@ -30,6 +30,9 @@ h4 { font-size: .875rem; margin: .6rem 0 .2rem; }
 p { margin: .3rem 0; }
 .under, .words, .none { color: var(--soft); }
 .words { font-size: .8125rem; }
+.picture { margin: 1rem 0 0; }
+.picture img { display: block; width: 100%; max-width: 60rem; height: auto; margin: 0 auto .4rem;
+  background: #fff; border-radius: .3rem; }
 .keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(10rem, 1fr)); gap: .6rem;
   margin: 1rem 0 0; }
 .keys div, figure, section, .card { background: var(--card); border: 1px solid var(--line);
@@ -220,6 +223,13 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
            (r.requested.empty() ? "" : ", radii " + escaped(r.requested)) + "; lengths in mm</p>\n";
     if (r.interrupted) out += "<p class='bad'>Interrupted: this is what was complete.</p>\n";
     out += keys.html();
+    if (!page.picture.empty()) {
+        const std::string words = escaped(page.pictureWords);
+        out += fmt::format(
+            "<figure class='picture'>\n<img src='data:image/png;base64,{}' width='{}' "
+            "height='{}' alt='{}'/>\n<figcaption class='words'>{}</figcaption>\n</figure>\n",
+            base64(page.picture), page.pictureWidth, page.pictureHeight, words, words);
+    }
     if (!r.warnings.empty())
         out += "<h2>Warnings</h2>\n<div class='card'>" + listOf(r.warnings) + "</div>\n";
     if (!page.morphometry)

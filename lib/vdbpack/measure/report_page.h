@@ -20,7 +20,10 @@ struct ReportPage {
     Report report;
     Structure structure;
     RadiusHistogram radii;
-    std::optional<Morphometry> morphometry;  ///< of a solid: then nothing of the above but the run
+    std::string picture;                      ///< bytes of a PNG file; empty: none
+    int pictureWidth = 0, pictureHeight = 0;  ///< pixels
+    std::string pictureWords;                 ///< what it shows
+    std::optional<Morphometry> morphometry;   ///< of a solid: then nothing of the above but the run
     /// What the run was told or chose, name and value, in the order of the table.
     std::vector<std::pair<std::string, std::string>> settings;
 };
