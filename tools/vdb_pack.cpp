@@ -101,6 +101,7 @@ int runCommand(const CliOptions& options) {
             PackRecipe recipe = options.pack;
             for (auto& output : recipe.outputs) output = withSeed(output, recipe.seed);
             recipe.reportFile = withSeed(recipe.reportFile, recipe.seed);
+            recipe.preview.file = withSeed(recipe.preview.file, recipe.seed);
             const RunResult run = runPack(recipe, callbacks);
             clearProgressLine();
             if (options.json)

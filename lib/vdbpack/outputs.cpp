@@ -78,7 +78,7 @@ std::string filePart(const std::string& name) {
 }
 
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs) {
+                const std::vector<std::string>& inputs, const std::string& picture) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
     for (const auto& output : outputs) {
@@ -100,6 +100,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                                  ".html");
         files.push_back(reportFile);
     }
+    if (!picture.empty()) files.push_back(picture);
     for (std::size_t i = 0; i < files.size(); ++i) {
         const fs::path parent = fs::path(files[i]).parent_path();
         std::error_code ignored;

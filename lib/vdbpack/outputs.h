@@ -20,9 +20,10 @@ std::string filePart(const std::string& name);
 /// outputs that are inputs or named twice.
 /// @param reportFile  .json or .html; may be empty.
 /// @param inputs      files, with or without the prefix of a format; empty names are passed over.
+/// @param picture     a further file that is written; may be empty.
 /// @throws ParameterError, IoError
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs);
+                const std::vector<std::string>& inputs, const std::string& picture = {});
 
 /// What a run ends with.
 enum class RunKind {

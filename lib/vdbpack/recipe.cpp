@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/preview_stage.h"
 
 #include <fmt/format.h>
 
@@ -72,7 +73,8 @@ void checkOutputs(const PackRecipe& recipe) {
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
     inputs.push_back(recipe.existing);
-    checkFiles(recipe.outputs, recipe.reportFile, inputs);
+    checkPreview(recipe.preview, recipe.reportFile);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
 }
 
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {

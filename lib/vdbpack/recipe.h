@@ -5,6 +5,7 @@
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain_source.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/preview/preview_recipe.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
@@ -34,6 +35,7 @@ struct PackRecipe {
     std::string density;             ///< of the spheres in DEM files, as `particleDensity` takes it
     std::vector<std::string> outputs;  ///< -o
     std::string reportFile;            ///< .json or .html; empty: none
+    PreviewRecipe preview;
     std::string command;               ///< for the report; empty: what is packed
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
     /// output as NAME.recipe.toml. Empty: none is written.

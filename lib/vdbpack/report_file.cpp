@@ -22,6 +22,13 @@ void write(const std::string& path, const std::string& text) {
     file.commit();
 }
 
+void addPicture(const PreviewPicture& picture, ReportPage& page) {
+    page.picture = picture.png;
+    page.pictureWidth = picture.width;
+    page.pictureHeight = picture.height;
+    page.pictureWords = picture.words;
+}
+
 /// Names of files are any bytes; JSON is UTF-8.
 std::string jsonText(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -178,6 +185,7 @@ void writeReport(const RunResult& run, const PageDetails& details, const PackRec
     ReportPage page;
     page.subject = recipe.domain.source;
     page.report = run.report;
+    addPicture(run.picture, page);
     page.structure = details.structure;
     page.radii = details.radii;
     page.settings = settingsOf(recipe, run.report);
@@ -190,6 +198,7 @@ void writeReport(const RunResult& run, const CarveRecipe& recipe) {
     ReportPage page;
     page.subject = recipe.pack;
     page.report = run.report;
+    addPicture(run.picture, page);
     std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
     page.settings = settingsOf(recipe, run.report);
     write(recipe.reportFile, reportPage(page, figures));
@@ -201,6 +210,7 @@ void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
     ReportPage page;
     page.subject = recipe.domain.source;
     page.report = run.report;
+    addPicture(run.picture, page);
     Settings s;
     s.add("DOMAIN", recipe.domain.source);
     s.add(recipe.domain, run.report);

@@ -5,6 +5,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/preview_stage.h"
 #include "vdbpack/recipe_file.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run_stages.h"
@@ -52,6 +53,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         checkRoom(VoidSetting<Dim>{recipe.voids, prepared.domain(), prepared.built.sliceHeight,
                                    recipe.seed, sizes.max() * scale, callbacks},
                   true);
+    checkPreview<Dim>(recipe.preview, prepared.domain(), nullptr);
     if (recipe.existing.empty()) return prepared;
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
     // What they do among themselves is not this run's doing.
@@ -151,14 +153,20 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
         std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
                  result.quantum * 0x1p25);
     // Interrupted before the first block was complete: nothing is worth replacing a file.
-    if (!report.interrupted || report.count > 0) {
+    if (!report.interrupted || report.count > 0)
         report.files = writeOutputs(recipe.outputs, have, callbacks);
-        leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
+    RunResult run;
+    if (report.count > 0) {
+        callbacks.report("write", 0, 0);
+        run.picture = drawPreview(recipe.preview, recipe.reportFile, source, prepared.built, voids,
+                                  &result.pack);
+        if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
     }
+    if (!report.files.empty())
+        leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
     report.seconds.write = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();
-    RunResult run;
     run.passed = passed(report);
     if (!recipe.reportFile.empty()) report.files.push_back(recipe.reportFile);
     run.report = std::move(report);
@@ -272,6 +280,7 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
         r.seed = seed;
         for (auto& output : r.outputs) output = withSeed(output, seed);
         r.reportFile = withSeed(r.reportFile, seed);
+        r.preview.file = withSeed(r.preview.file, seed);
         recipes.push_back(std::move(r));
     }
     if (seeds.size() > 1)
@@ -283,6 +292,10 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
         throw ParameterError("--report " + recipe.reportFile +
                              ": each seed would replace it; name it with {seed}, or ask for "
                              "--table FILE.csv");
+    if (seeds.size() > 1 && !recipe.preview.file.empty() &&
+        withSeed(recipe.preview.file, 1) == recipe.preview.file)
+        throw ParameterError("--preview " + recipe.preview.file +
+                             ": each seed would replace it; name it with {seed}");
     std::optional<OutputFile> file;
     if (!table.empty()) {
         if (table.size() < 5 || table.compare(table.size() - 4, 4, ".csv") != 0)
@@ -292,7 +305,7 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
         for (const auto& r : recipes) {
             auto all = r.outputs;
             all.push_back("contacts:" + table);
-            checkFiles(all, r.reportFile, {r.domain.source, r.existing});
+            checkFiles(all, r.reportFile, {r.domain.source, r.existing}, r.preview.file);
         }
         file.emplace(table);
     }

@@ -27,8 +27,16 @@ struct PlacesLeft {
     std::uint64_t samples = 0;  ///< points asked for, spread over the domain
 };
 
+/// A picture as the bytes of a PNG file.
+struct PreviewPicture {
+    std::string png;  ///< empty: none
+    int width = 0, height = 0;
+    std::string words;  ///< what it shows
+};
+
 struct RunResult {
     Report report;
+    PreviewPicture picture;            ///< of --preview, or of the report page
     std::optional<PlacesLeft> places;  ///< if asked for
     std::variant<Pack<3>, Pack<2>> pack;
     bool passed = false;  ///< the checks found no overlap and no protrusion
@@ -98,6 +106,7 @@ struct CarveRecipe : GivenPack {
     std::vector<std::string> outputs;
     std::string reportFile;
     std::string optionsText;  ///< as that of PackRecipe
+    PreviewRecipe preview;
     Unit outUnit = Unit::millimeter;
 };
 
@@ -114,6 +123,7 @@ struct VoidsRecipe {
     int threads = 0;                   ///< 0: all cores
     std::vector<std::string> outputs;  ///< .vdb and list:FILE.csv
     std::string reportFile;
+    PreviewRecipe preview;
     std::string command;
     std::string optionsText;  ///< as that of PackRecipe
     Unit outUnit = Unit::millimeter;

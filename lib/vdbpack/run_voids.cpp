@@ -3,6 +3,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/preview_stage.h"
 #include "vdbpack/recipe_file.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
@@ -30,8 +31,9 @@ double detailFor(const VoidRecipe& recipe) {
 }
 
 template <int Dim>
-void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& report, Clock& clock,
+void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& run, Clock& clock,
              const Callbacks& callbacks) {
+    Report& report = run.report;
     const auto built = source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3,
                                     callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(built);
@@ -43,6 +45,7 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& repo
     const VoidSetting<Dim> setting{recipe.voids, domain, built.sliceHeight,
                                    recipe.seed,  0,      callbacks};
     checkRoom(setting, false);
+    checkPreview<Dim>(recipe.preview, domain, nullptr);
     MadeVoids<Dim> made = makeVoids(setting);
     report.seconds.voids = clock.lap();
     measureVoids<Dim>(setting, 0, nullptr, made);
@@ -56,14 +59,17 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, Report& repo
     have.options.generator = "vdb_pack " + report.version;
     have.options.levelSets = made.levelSets();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
+    run.picture = drawPreview<Dim>(recipe.preview, recipe.reportFile, source, built, made, nullptr);
+    if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
     leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);
     report.seconds.write = clock.lap();
 }
 
 /// Cuts, measures and writes a pack that was read.
 template <int Dim>
-void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pack, Report& report,
+void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pack, RunResult& run,
            Clock& clock, const Callbacks& callbacks) {
+    Report& report = run.report;
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     const auto built = source.build(fieldDetail(radius.min, radius.mean),
                                     std::max(radius.max, depthForShell(recipe.voids) / 3),
@@ -73,6 +79,7 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     const VoidSetting<Dim> setting{recipe.voids, domain,     built.sliceHeight,
                                    recipe.seed,  radius.max, callbacks};
     checkRoom(setting, false);
+    checkPreview<Dim>(recipe.preview, domain, &pack);
     if (!recipe.radius.empty())
         measureSizes(pack, SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy), report);
     MadeVoids<Dim> made = makeVoids(setting);
@@ -105,6 +112,10 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     if (write.levelSets.empty() && built.mesh) write.levelSets = {built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = domain.bounds();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
+    if (!pack.spheres.empty()) {
+        run.picture = drawPreview(recipe.preview, recipe.reportFile, source, built, made, &pack);
+        if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
+    }
     leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);
     report.seconds.write = clock.lap();
 }
@@ -141,7 +152,8 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
     checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids);
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
-    checkFiles(recipe.outputs, recipe.reportFile, inputs);
+    checkPreview(recipe.preview, recipe.reportFile);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
     RunResult run;
     Report& report = run.report;
     begin(report, recipe, "voids", recipe.domain.source);
@@ -153,9 +165,9 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids, source.dim());
         if (source.dim() == 3)
-            voidsOf<3>(recipe, source, report, clock, heard);
+            voidsOf<3>(recipe, source, run, clock, heard);
         else
-            voidsOf<2>(recipe, source, report, clock, heard);
+            voidsOf<2>(recipe, source, run, clock, heard);
         report.seconds.total = clock.total();
     });
     finish(run, recipe);
@@ -175,7 +187,8 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     auto inputs = voidInputs(recipe.voids);
     inputs.push_back(recipe.domain.source);
     inputs.push_back(recipe.pack);
-    checkFiles(recipe.outputs, recipe.reportFile, inputs);
+    checkPreview(recipe.preview, recipe.reportFile);
+    checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
     RunResult run;
     Report& report = run.report;
     begin(report, recipe, "carve", recipe.pack);
@@ -188,10 +201,10 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         if (source.dim() == 2) {
             Pack<2> circles = asCircles(given);
-            carve<2>(recipe, source, circles, report, clock, heard);
+            carve<2>(recipe, source, circles, run, clock, heard);
             run.pack = std::move(circles);
         } else {
-            carve<3>(recipe, source, given, report, clock, heard);
+            carve<3>(recipe, source, given, run, clock, heard);
             run.pack = std::move(given);
         }
         report.seconds.total = clock.total();

@@ -38,6 +38,11 @@ const Names<Order> kOrders{{"sweep", Order::sweep},
                            {"fifo", Order::fifo}};
 const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
 
+const Names<PreviewColor> kPreviewColors{{"radius", PreviewColor::radius},
+                                         {"region", PreviewColor::region},
+                                         {"depth", PreviewColor::depth},
+                                         {"order", PreviewColor::order}};
+
 const Names<Cull> kCulls{
     {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
 
@@ -219,6 +224,36 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
     command.add_flag("--json", options.json, "print the report as JSON instead of the summary")
         ->group("Run");
     command.add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+}
+
+void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
+    command
+        .add_option("--preview", preview.file,
+                    "draw what was made; with a report page, also the picture in it")
+        ->option_text("FILE.png")
+        ->check(notEmpty())
+        ->group("Run");
+    command
+        .add_option_function<std::string>(
+            "--preview-cut", [&](const std::string& text) { preview.cut = parsePreviewCut(text); },
+            "cut the picture open at a plane, mm; lower x and z stay, and higher y")
+        ->option_text("x=V|y=V|z=V")
+        ->group("Run");
+    addChoice(command, "--preview-color", preview.color, kPreviewColors,
+              "what spheres are colored by, from dark (small, outside, early) to light")
+        ->option_text("NAME [radius]")
+        ->group("Run");
+    command
+        .add_option_function<std::string>(
+            "--preview-size",
+            [&](const std::string& text) {
+                const auto size = parsePreviewSize(text);
+                preview.width = size[0];
+                preview.height = size[1];
+            },
+            "width and height in pixels")
+        ->option_text("WxH [1600x1200]")
+        ->group("Run");
 }
 
 /// What there is to cut: spheres while they are packed, those of a file, or none.
@@ -419,6 +454,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                      "browser (measures more, as measure does)")
         ->option_text("FILE.json|FILE.html")
         ->group("Run");
+    addPreviewOptions(*pack, options.pack.preview);
     pack->add_flag("--json", options.json, "print the report as JSON instead of the summary")
         ->group("Run");
     pack->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
@@ -439,6 +475,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->group("Units");
     addVoidOptions(*voids, options.voids.voids, VoidsIn::nothing);
     addRunOptions(*voids, options.voids.seed, options.voids.reportFile, options);
+    addPreviewOptions(*voids, options.voids.preview);
     voids->add_option("--threads", options.voids.threads, "threads")
         ->option_text("T [all cores]")
         ->check(CLI::Range(1, 4096))
@@ -457,6 +494,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     addDensityOption(*carve, options.carve.density);
     addVoidOptions(*carve, options.carve.voids, VoidsIn::file);
     addRunOptions(*carve, options.carve.seed, options.carve.reportFile, options);
+    addPreviewOptions(*carve, options.carve.preview);
 
     CLI::App* verify =
         app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();

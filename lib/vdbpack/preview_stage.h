@@ -1,0 +1,32 @@
+// Private to runs: pictures of what they made.
+#pragma once
+
+#include "vdbpack/domain_source.h"
+#include "vdbpack/preview/preview_recipe.h"
+#include "vdbpack/run.h"
+#include "vdbpack/void_stage.h"
+
+#include <optional>
+#include <string>
+
+namespace vdbpack {
+
+/// Refuses before anything is read what cannot be drawn. @throws ParameterError
+void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile);
+
+/// The same once the domain is known: a cut beside it or in a plane, a build without Embree.
+/// @param pack  what will be drawn, where it is there already; null: still to be packed, or none.
+/// @throws ParameterError
+template <int Dim>
+void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack);
+
+/// Draws what a run made, if `recipe` asks for a file, which is then written, or the report is a
+/// page (smaller, where there is no file). A page without Embree goes without.
+/// @param pack  null: the solid that `made` leaves is drawn.
+/// @throws as `renderPreview`, `writePng`
+template <int Dim>
+PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
+                           const DomainSource& source, const DomainSource::Built& built,
+                           const MadeVoids<Dim>& made, const Pack<Dim>* pack);
+
+}  // namespace vdbpack

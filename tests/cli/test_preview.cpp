@@ -1,0 +1,161 @@
+#include "cli/recipes.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
+using namespace vdbpack;
+using test::recipeFor;
+
+namespace {
+
+std::string content(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+}
+
+bool isPng(const std::string& path) {
+    return content(path).rfind("\x89PNG\r\n\x1a\n", 0) == 0;
+}
+
+PackRecipe drawn(const std::string& domain, const std::string& file) {
+    PackRecipe recipe = recipeFor(domain, "uniform:1,2");
+    recipe.preview.file = file;
+    recipe.preview.width = 160;
+    recipe.preview.height = 120;
+    return recipe;
+}
+
+}  // namespace
+
+TEST_CASE("packs of space and of the plane are drawn and listed", "[preview][run]") {
+    const std::string domain = GENERATE("ball:10", "rect:30,20", "box:20,20,20");
+    if (domain != "rect:30,20" && !canDrawSpace()) return;
+    CAPTURE(domain);
+    const TemporaryFolder folder;
+    const auto color = GENERATE(PreviewColor::radius, PreviewColor::region, PreviewColor::depth,
+                                PreviewColor::order);
+    auto recipe = drawn(domain, folder.file("a.png"));
+    recipe.preview.color = color;
+    const auto run = runPack(recipe);
+    CHECK(isPng(folder.file("a.png")));
+    CHECK(run.report.files == std::vector<std::string>{folder.file("a.png")});
+    CHECK(run.picture.png == content(folder.file("a.png")));
+    CHECK(run.picture.width == 160);
+}
+
+TEST_CASE("clipped, sliced and voided domains are drawn", "[preview][run]") {
+    if (!canDrawSpace()) return;
+    const TemporaryFolder folder;
+    auto clipped = drawn("ball:10", folder.file("clipped.png"));
+    clipped.domain.clips = {"plane:0,0,1,2"};
+    clipped.preview.cut = PreviewCut{0, 1};
+    runPack(clipped);
+    CHECK(isPng(folder.file("clipped.png")));
+    auto sliced = drawn("ball:10", folder.file("sliced.png"));
+    sliced.domain.slices = {"z=1"};
+    runPack(sliced);
+    CHECK(isPng(folder.file("sliced.png")));
+    auto shelled = drawn("ball:12", folder.file("shelled.png"));
+    shelled.voids.method = "boolean";
+    shelled.voids.shell = 2;
+    shelled.voids.targetBvtv = 0.4;
+    shelled.preview.color = PreviewColor::region;
+    runPack(shelled);
+    CHECK(isPng(folder.file("shelled.png")));
+}
+
+TEST_CASE("voids alone are drawn as the solid that they leave", "[preview][run]") {
+    const std::string domain = GENERATE("ball:10", "rect:30,20");
+    if (domain == "ball:10" && !canDrawSpace()) return;
+    CAPTURE(domain);
+    const TemporaryFolder folder;
+    VoidsRecipe recipe;
+    recipe.domain.source = domain;
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "uniform:1,2";
+    recipe.voids.targetBvtv = 0.5;
+    recipe.preview.file = folder.file("v.png");
+    recipe.preview.width = 160;
+    recipe.preview.height = 120;
+    const auto run = runVoids(recipe);
+    CHECK(isPng(folder.file("v.png")));
+    CHECK(run.report.files == std::vector<std::string>{folder.file("v.png")});
+}
+
+TEST_CASE("what is carved is drawn", "[preview][run]") {
+    if (!canDrawSpace()) return;
+    const TemporaryFolder folder;
+    auto pack = recipeFor("ball:10", "uniform:1,2");
+    pack.outputs = {folder.file("p.csv")};
+    runPack(pack);
+    CarveRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    recipe.domain.source = "ball:10";
+    recipe.voids.method = "boolean";
+    recipe.voids.targetBvtv = 0.5;
+    recipe.preview.file = folder.file("c.png");
+    recipe.preview.cut = PreviewCut{1, 0};
+    const auto run = runCarve(recipe);
+    CHECK(isPng(folder.file("c.png")));
+    CHECK(run.report.files == std::vector<std::string>{folder.file("c.png")});
+}
+
+TEST_CASE("a report page shows the picture, asked for or not", "[preview][run]") {
+    const TemporaryFolder folder;
+    auto recipe = recipeFor("rect:30,20", "uniform:1,2");
+    recipe.reportFile = folder.file("r.html");
+    runPack(recipe);
+    const auto page = content(folder.file("r.html"));
+    CHECK(page.find("<img src='data:image/png;base64,iVBORw0KGgo") != std::string::npos);
+    CHECK(page.find("width='960'") != std::string::npos);
+    CHECK(page.find("colored by radius") != std::string::npos);
+    recipe.preview.file = folder.file("p.png");
+    recipe.preview.width = recipe.preview.height = 100;
+    runPack(recipe);
+    CHECK(content(folder.file("r.html")).find("width='100'") != std::string::npos);
+    CHECK(isPng(folder.file("p.png")));
+}
+
+TEST_CASE("pictures that cannot be are refused before the work", "[preview][run]") {
+    const TemporaryFolder folder;
+    CHECK_THROWS_WITH(runPack(drawn("rect:30,20", folder.file("a.jpg"))),
+                      Catch::Contains("name it .png"));
+    CHECK_THROWS_AS(runPack(drawn("rect:30,20", folder.file("no/a.png"))), IoError);
+    auto small = drawn("rect:30,20", folder.file("a.png"));
+    small.preview.height = 3;
+    CHECK_THROWS_WITH(runPack(small), Catch::Contains("160x3"));
+    auto flat = drawn("rect:30,20", folder.file("a.png"));
+    flat.preview.cut = PreviewCut{0, 0};
+    CHECK_THROWS_WITH(runPack(flat), Catch::Contains("flat"));
+    auto unseen = drawn("ball:10", "");
+    unseen.preview.cut = PreviewCut{0, 0};
+    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("add --preview"));
+    auto missed = drawn("ball:10", folder.file("a.png"));
+    missed.preview.cut = PreviewCut{2, 11};
+    CHECK_THROWS_WITH(runPack(missed),
+                      Catch::Contains(canDrawSpace() ? "between z" : "libembree-dev"));
+    auto twice = drawn("rect:30,20", folder.file("a.png"));
+    twice.reportFile = folder.file("a.png");
+    CHECK_THROWS_AS(runPack(twice), ParameterError);
+    CHECK(std::filesystem::is_empty(folder.path()));
+}
+
+TEST_CASE("each seed of a study has its picture", "[preview][run]") {
+    const TemporaryFolder folder;
+    auto recipe = drawn("rect:30,20", folder.file("a.png"));
+    CHECK_THROWS_WITH(runStudy(recipe, {1, 2}, ""), Catch::Contains("{seed}"));
+    recipe.preview.file = folder.file("a{seed}.png");
+    runStudy(recipe, {1, 2}, "");
+    CHECK(isPng(folder.file("a1.png")));
+    CHECK(isPng(folder.file("a2.png")));
+    CHECK(content(folder.file("a1.png")) != content(folder.file("a2.png")));
+}
