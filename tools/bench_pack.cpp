@@ -3,6 +3,7 @@
 // meshToVolume at the same voxel size and band; and how fast it answers. Each in one run.
 #include "bench_lookups.h"
 #include "bench_measure.h"
+#include "bench_preview.h"
 #include "bench_voids.h"
 
 #include "vdbpack/core/parallel.h"
@@ -359,9 +360,11 @@ int main(int argc, char** argv) {
         if (words.size() > 1 && words[0] == "lookups")
             return benchAllLookups({words.begin() + 1, words.end()});
         std::vector<std::string> meshes;
+        const bool preview = !words.empty() && words[0] == "preview";
         const bool measures = !words.empty() && words[0] == "measure";
         const bool voids = !words.empty() && words[0] == "voids";
-        bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures || voids);
+        bool quick = false,
+             usable = !words.empty() && (words[0] == "packs" || measures || voids || preview);
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
             if (words[i] == "--quick")
@@ -374,7 +377,13 @@ int main(int argc, char** argv) {
             else
                 usable = false;
         }
-        if (usable && voids) {
+        if (usable && preview) {
+            const double count = meshes.empty() ? 1e6 : std::atof(meshes[0].c_str());
+            if (meshes.size() < 2 && count >= 1 && count <= 1e9) {
+                benchPreview(threads, count);
+                return 0;
+            }
+        } else if (usable && voids) {
             for (const auto& mesh : meshes) benchVoids(mesh, threads, quick ? 50000 : 349748);
             if (!meshes.empty()) return 0;
         } else if (usable && measures) {
@@ -400,6 +409,8 @@ int main(int argc, char** argv) {
                "bench_pack voids [--quick] [--threads T] MESH[:UNIT] ...\n"
                "    what stamping 100,000 ellipsoids costs, beside csgDifference one by one and\n"
                "    beside packing\n"
+               "bench_pack preview [--threads T] [N]\n"
+               "    what drawing about N spheres (a million) costs\n"
                "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
                "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
     return 2;
