@@ -167,13 +167,15 @@ void addDensityOption(CLI::App& command, std::string& density) {
 
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
-    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv, .data or lammps:FILE (LAMMPS, "
+    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz, .data or lammps:FILE "
+    "(LAMMPS, "
     "LIGGGHTS), lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, .svg (circles). "
     "blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv (touching pairs), "
     "list:FILE.csv (voids)";
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .ply, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data or "
+    ".vdb (point grid), .csv, .vtp, .ply, .xyz, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data "
+    "or "
     "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
 void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const std::string& help) {

@@ -19,12 +19,14 @@ namespace vdbpack {
 namespace {
 
 constexpr const char* kWritten =
-    "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, or .svg for "
+    "use .vdb, .vtp, .ply, .csv, .xyz, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, or .svg "
+    "for "
     "circles";
 constexpr const char* kRead =
-    "use .vdb, .vtp, .ply, .csv, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, yade:FILE";
+    "use .vdb, .vtp, .ply, .csv, .xyz, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, "
+    "yade:FILE";
 
-enum class Format { vdb, vtp, ply, csv, svg, yade, lammpsData, lammpsBonds, lammpsDump };
+enum class Format { vdb, vtp, ply, csv, xyz, svg, yade, lammpsData, lammpsBonds, lammpsDump };
 
 /// A prefix ("yade:f.txt") or extension and what it stands for.
 struct FormatName {
@@ -37,6 +39,8 @@ constexpr FormatName kFormatNames[] = {
     {"vtp", Format::vtp},
     {"ply", Format::ply},
     {"csv", Format::csv},
+    {"xyz", Format::xyz},
+    {"extxyz", Format::xyz},
     {"svg", Format::svg},
     {"yade", Format::yade, false},
     {"data", Format::lammpsData},
@@ -181,6 +185,9 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
         case Format::csv:
             writeCsv(view, out);
             break;
+        case Format::xyz:
+            writeXyz(view, options, out);
+            break;
         case Format::svg:
             writeSvg(view, options, out);
             break;
@@ -216,6 +223,8 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
                 return readPly(t.path, options);
             case Format::csv:
                 return readCsv(t.path, options);
+            case Format::xyz:
+                return readXyz(t.path, options);
             case Format::lammpsData:
             case Format::lammpsBonds:
                 return readLammpsData(t.path, options);

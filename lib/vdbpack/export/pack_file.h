@@ -41,15 +41,16 @@ struct PackWriteOptions {
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv .data (or lammps:, liggghts:, lammps-bonds:), and .svg for circles. Whole or absent: a
+/// .csv .xyz .data (or lammps:, liggghts:, lammps-bonds:), and .svg for circles. Whole or absent: a
 /// former file stays as it is until the new one is complete.
 ///
-/// .csv and .vtp keep every double and every column. .vdb keeps positions to 2^-26 of a voxel (in
-/// mm those of a packer exactly) and radii as float; points lie sorted by place, and `readPack`
-/// gives them back by id. .ply (float positions, radius, id) and YADE (positions, radius, region)
-/// hold no further attributes. .svg is a picture: y up, so cy = -y, numbers to six digits of its
-/// extent, colors by region. Columns of attributes that are empty are left out. The unit is
-/// recorded in every format but .csv, which has no place for it. 2D: z = `sliceHeight`.
+/// .csv, .vtp and .xyz keep every double and every column (texts in .xyz as one word each). .vdb
+/// keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float; points
+/// lie sorted by place, and `readPack` gives them back by id. .ply (float positions, radius, id)
+/// and YADE (positions, radius, region) hold no further attributes. .svg is a picture: y up, so cy
+/// = -y, numbers to six digits of its extent, colors by region. Columns of attributes that are
+/// empty are left out. The unit is recorded in every format but .csv, which has no place for it.
+/// 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
 /// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. Ids
@@ -94,6 +95,7 @@ struct PackReadOptions {
 /// - .csv: commas, semicolons, tabs or blanks between the cells, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
+/// - .xyz: extended XYZ with a column radius; of several frames the last one.
 /// - .data, lammps:, liggghts:, lammps-bonds: data files of LAMMPS and LIGGGHTS with atom style
 ///   sphere, granular or bpm/sphere, and of `writePack`. type, density, molecule and image flags
 ///   are kept, other sections left out.

@@ -28,6 +28,7 @@ void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile
 void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 /// @param bonds  null: atoms alone.
 void writeLammps(const PackView& pack, const PackWriteOptions& options,
@@ -38,6 +39,7 @@ Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
 Pack<3> readYade(const std::string& path, const PackReadOptions& options);
 Pack<3> readPly(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
