@@ -11,6 +11,7 @@ set(entry_headers
     measure/report_page.h measure/structure.h measure/verify.h
     mesh/mesh_check.h mesh/mesh_io.h
     pack/packer.h
+    preview/preview.h
     voids/cull.h voids/stamp.h voids/void_field.h voids/void_list.h
 )
 list(TRANSFORM entry_headers PREPEND "vdbpack/")
