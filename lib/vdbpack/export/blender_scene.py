@@ -341,7 +341,8 @@ def surface_material(opacity, cuts, scale):
     """Translucent, and clear beyond the cut planes."""
     material = bpy.data.materials.new("vdb_pack surface")
     material.use_nodes = True
-    material.blend_method = "BLEND" if opacity < 1 else "CLIP"
+    if hasattr(material, "blend_method"):  # of EEVEE, until 4.2
+        material.blend_method = "BLEND" if opacity < 1 else "CLIP"
     nodes = Nodes(material.node_tree)
     amount = opacity
     if cuts:
@@ -575,8 +576,6 @@ def render(scene, arguments):
         fail(f"--render {arguments.render}: there is no such folder; create it first")
     animated = arguments.grow and "#" in os.path.basename(path)
     scene.render.filepath = path
-    if arguments.grow and not animated:
-        scene.frame_set(scene.frame_end)
     bpy.ops.render.render(animation=bool(animated), write_still=not animated, scene=scene.name)
 
 
@@ -604,6 +603,7 @@ def main():
             fail("--grow: the pack has no column 'order'; pack it anew")
         grow = (*limits["order"], arguments.grow)
         scene.frame_start, scene.frame_end = 1, arguments.grow
+        scene.frame_current = arguments.grow  # all of it, until played
     spheres = bpy.data.objects.new(SPHERES, make_points(data, scale))
     spheres.modifiers.new("Spheres", "NODES").node_group = sphere_nodes(material, grow)
     spheres.data.materials.append(material)
