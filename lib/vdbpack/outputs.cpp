@@ -1,13 +1,17 @@
 #include "vdbpack/outputs.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/export/contact_file.h"
+#include "vdbpack/export/stl_file.h"
 #include "vdbpack/export/write_blender.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -16,23 +20,41 @@ namespace vdbpack {
 
 namespace {
 
-enum class OutputKind { pack, contacts, voidList, blender };
+enum class OutputKind { pack, contacts, voidList, contour, levelSets, fog, blender };
+
+constexpr const char* kSurface = "surface";
+constexpr const char* kVoids = "voids";
+constexpr const char* kSolid = "solid";
 
 struct Prefix {
     const char* text;
     OutputKind kind;
-    const char* example;
+    const char* extension;  ///< that its files have; null: any
+    const char* grid;       ///< level set that it names; empty: the one left, of several
 };
 constexpr Prefix kPrefixes[] = {
-    {"contacts:", OutputKind::contacts, "FILE.csv"},
-    {"list:", OutputKind::voidList, "FILE.csv"},
-    {"blender:", OutputKind::blender, "FILE.py"},
+    {"contacts:", OutputKind::contacts, nullptr, ""},
+    {"list:", OutputKind::voidList, nullptr, ""},
+    {"surface:", OutputKind::contour, ".stl", kSurface},
+    {"voids:", OutputKind::contour, ".stl", kVoids},
+    {"solid:", OutputKind::contour, ".stl", kSolid},
+    {"levelsets:", OutputKind::levelSets, ".vdb", ""},
+    {"fog:", OutputKind::fog, ".vdb", ""},
+    {"blender:", OutputKind::blender, ".py", ""},
 };
 
 struct Target {
     OutputKind kind;
     std::string file;
+    std::string grid;
 };
+
+bool endsWith(const std::string& file, const std::string& end) {
+    if (file.size() <= end.size()) return false;
+    return std::equal(end.rbegin(), end.rend(), file.rbegin(), [](char a, char b) {
+        return a == b || (b >= 'A' && b <= 'Z' && a == b + 32);
+    });
+}
 
 /// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
 /// question.
@@ -41,22 +63,24 @@ Target targetOf(const std::string& output) {
         if (output.rfind(p.text, 0) != 0) continue;
         const std::string file = output.substr(std::string(p.text).size());
         if (file.empty())
-            throw ParameterError(output + ": names a format but no file; write " + output +
-                                 p.example);
-        return {p.kind, file};
+            throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
+                                 (p.extension ? p.extension : ".csv"));
+        if (p.extension && !endsWith(file, p.extension))
+            throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
+                                             p.extension, p.text, p.extension));
+        return {p.kind, file, p.grid};
     }
-    return {OutputKind::pack, packPath(output)};
-}
-
-bool isVdb(const std::string& file) {
-    return file.size() > 4 && file.compare(file.size() - 4, 4, ".vdb") == 0;
+    if (endsWith(output, ".stl")) return {OutputKind::contour, output, ""};
+    return {OutputKind::pack, packPath(output), ""};
 }
 
 /// The .vdb among some outputs that level sets are to be found in; empty: none.
 std::string volumeAmong(const std::vector<std::string>& outputs) {
     for (const auto& output : outputs) {
         const Target target = targetOf(output);
-        if (target.kind == OutputKind::pack && isVdb(target.file)) return target.file;
+        if (target.kind == OutputKind::pack && endsWith(target.file, ".vdb") &&
+            output.rfind("points:", 0) != 0)
+            return target.file;
     }
     return {};
 }
@@ -71,10 +95,55 @@ void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
                         output, recipe.method));
 }
 
+/// The level set that a target is made from. @throws ParameterError if it is not there
+const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name,
+                              const std::vector<std::shared_ptr<const VdbGrid>>& levelSets) {
+    const auto named = [&](const std::string& wanted) -> const VdbGrid* {
+        for (const auto& set : levelSets)
+            if (set && levelSetName(*set) == wanted) return set.get();
+        return nullptr;
+    };
+    const VdbGrid* found = name.empty() ? named(kSolid) : named(name);
+    if (!found && name.empty()) found = named(kSurface);
+    if (!found && name.empty() && !levelSets.empty()) found = levelSets.front().get();
+    if (!found)
+        throw ParameterError(fmt::format("{}: this run has no level set{} to write; leave it out",
+                                         output, name.empty() ? "" : " '" + name + "'"));
+    return *found;
+}
+
+/// Those of the run, or that of its domain.
+template <int Dim>
+std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have) {
+    if constexpr (Dim == 3) {
+        constexpr double kVoxelsAcross = 256;
+        if (have.options.levelSets.empty() && have.domain) {
+            const Vec<3> size = have.domain->bounds().size();
+            return {surfaceLevelSet(
+                *have.domain, *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross)};
+        }
+    }
+    return have.options.levelSets;
+}
+
 }  // namespace
 
 std::string filePart(const std::string& name) {
     return targetOf(name).file;
+}
+
+bool isSolidOutput(const std::string& output) {
+    const Target target = targetOf(output);
+    switch (target.kind) {
+        case OutputKind::contour:
+        case OutputKind::levelSets:
+        case OutputKind::fog:
+            return true;
+        case OutputKind::pack:
+            return target.file == output && endsWith(output, ".vdb");
+        default:
+            return false;
+    }
 }
 
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
@@ -122,15 +191,29 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
         if (run == RunKind::measure && target.kind != OutputKind::contacts)
             throw ParameterError(output +
                                  ": measure writes contact lists alone; name it contacts:FILE.csv");
+        const bool solid = isSolidOutput(output);
+        const bool levelSet = solid && target.kind != OutputKind::pack;
         if (run == RunKind::voids && target.kind != OutputKind::voidList) {
-            if (target.kind != OutputKind::pack || !isVdb(output))
+            if (!solid)
                 throw ParameterError(output +
-                                     ": voids are level sets or a list; name it .vdb or "
+                                     ": voids are level sets or a list; name it .vdb, .stl or "
                                      "list:FILE.csv");
             if (dim == 2)
                 throw ParameterError(output +
                                      ": voids of a plane are no level set of space; write "
                                      "list:FILE.csv, or pack it and write .svg");
+        }
+        if (levelSet && dim == 2)
+            throw ParameterError(output +
+                                 ": is made from a level set of space, and circles have none; "
+                                 "write .svg, or leave --slice out");
+        if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
+            const VoidMethod method = methodOf(voids);
+            if (method == VoidMethod::none || isThinning(method))
+                throw ParameterError(
+                    fmt::format("{}: there is no level set '{}' without voids; add --voids with a "
+                                "method that makes some, or write surface:{}",
+                                output, target.grid, target.file));
         }
         if (target.kind == OutputKind::voidList) checkVoidsToList(output, voids);
         if (target.kind == OutputKind::pack) checkPackFormat(output, dim);
@@ -182,6 +265,21 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
                           listContacts(have.pack->spheres, have.options.contactTolerance),
                           target.file, have.options.unit);
             break;
+        case OutputKind::contour:
+            writeStl(levelSetMesh(chosenLevelSet(output, target.grid, levelSetsOf(have)), output),
+                     target.file, have.options.unit, have.options.generator);
+            break;
+        case OutputKind::fog:
+            writeFog(chosenLevelSet(output, target.grid, levelSetsOf(have)), target.file,
+                     have.options);
+            break;
+        case OutputKind::levelSets: {
+            PackWriteOptions sets = have.options;
+            sets.levelSets = levelSetsOf(have);
+            need(!sets.levelSets.empty(), "level set");
+            writeLevelSets(target.file, sets);
+            break;
+        }
         case OutputKind::pack:
             if (have.pack)
                 writePack(*have.pack, output, have.options);

@@ -4,6 +4,7 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -24,6 +25,9 @@ std::string filePart(const std::string& name);
 /// @throws ParameterError, IoError
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
                 const std::vector<std::string>& inputs, const std::string& picture = {});
+
+/// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
+bool isSolidOutput(const std::string& output);
 
 /// What a run ends with.
 enum class RunKind {
@@ -55,13 +59,23 @@ struct RunOutputs {
     const Pack<Dim>* pack = nullptr;                        ///< null: a .vdb holds level sets alone
     const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
-    PackWriteOptions options;                               ///< unit, level sets, contact tolerance
+    const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
+    PackWriteOptions options;             ///< unit, level sets, contact tolerance, ...
     std::string volume;  ///< a .vdb of this run with those level sets; empty: none
 };
 
-/// Writes one target: a pack file, "contacts:FILE.csv", "list:FILE.csv" (voids), or, where there is
-/// no pack, level sets as .vdb. "blender:FILE.py" is a script with files beside it; its level sets
-/// are those of `volume`, if there is one. Each file is whole or absent.
+/// Writes one target, a file that is whole or absent:
+///
+/// - a pack, as `writePack` names them; where there is no pack, a .vdb of the level sets;
+/// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids;
+/// - FILE.stl, the zero contour of `solid`, or of `surface` where nothing was cut; "surface:",
+///   "voids:" or "solid:" before it chooses;
+/// - "levelsets:FILE.vdb", the level sets alone; "fog:FILE.vdb", the inside of `solid`, or of
+///   `surface`, as fog ("points:FILE.vdb", the points alone, is a pack);
+/// - "blender:FILE.py", a script with files beside it; its level sets are those of `volume`, if
+///   there is one.
+///
+/// Where `options` has no level set, that of the domain is made: 256 voxels along its longest side.
 /// @return the files.
 /// @throws ParameterError (no such thing to write), IoError
 template <int Dim>

@@ -137,6 +137,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
 
     RunOutputs<Dim> have;
     have.pack = &result.pack;
+    have.domain = &domain;
     have.voidList = &voids.list;
     have.sliceHeight = setting.sliceHeight;
     have.options.contactTolerance = recipe.contactTolerance;

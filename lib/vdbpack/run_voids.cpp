@@ -101,6 +101,7 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     report.seconds.measure = clock.lap();
     RunOutputs<Dim> have;
     have.pack = &pack;
+    have.domain = &domain;
     have.voidList = &made.list;
     have.sliceHeight = built.sliceHeight;
     have.options.contactTolerance = recipe.contactTolerance;

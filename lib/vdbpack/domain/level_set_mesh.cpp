@@ -185,6 +185,10 @@ Box<3> bandBounds(const VdbGrid& grid) {
     return box;
 }
 
+std::string levelSetName(const VdbGrid& grid) {
+    return grid.grid->getName();
+}
+
 double voxelSizeOf(const VdbGrid& grid) {
     return grid.grid->voxelSize()[0];
 }

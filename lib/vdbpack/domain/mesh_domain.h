@@ -65,6 +65,8 @@ bool holdsLevelSet(const std::string& path);
 std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
                                             double scale);
 
+/// The name of a level set's grid.
+std::string levelSetName(const VdbGrid& grid);
 /// Edge of a voxel of a level set, mm.
 double voxelSizeOf(const VdbGrid& grid);
 /// The box around the band of a level set, mm.

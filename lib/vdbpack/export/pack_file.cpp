@@ -19,14 +19,28 @@ namespace vdbpack {
 namespace {
 
 constexpr const char* kWritten =
-    "use .vdb, .vtp, .ply, .csv, .xyz, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, or .svg "
+    "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, "
+    "or .svg "
     "for "
     "circles";
 constexpr const char* kRead =
-    "use .vdb, .vtp, .ply, .csv, .xyz, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, "
+    "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, "
     "yade:FILE";
 
-enum class Format { vdb, vtp, ply, csv, xyz, svg, yade, lammpsData, lammpsBonds, lammpsDump };
+enum class Format {
+    vdb,
+    points,
+    vtp,
+    ply,
+    csv,
+    xyz,
+    npz,
+    svg,
+    yade,
+    lammpsData,
+    lammpsBonds,
+    lammpsDump
+};
 
 /// A prefix ("yade:f.txt") or extension and what it stands for.
 struct FormatName {
@@ -39,6 +53,8 @@ constexpr FormatName kFormatNames[] = {
     {"vtp", Format::vtp},
     {"ply", Format::ply},
     {"csv", Format::csv},
+    {"points", Format::points, false},
+    {"npz", Format::npz},
     {"xyz", Format::xyz},
     {"extxyz", Format::xyz},
     {"svg", Format::svg},
@@ -185,6 +201,15 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
         case Format::csv:
             writeCsv(view, out);
             break;
+        case Format::points: {
+            PackWriteOptions alone = options;
+            alone.levelSets.clear();
+            writeVdb(view, alone, out);
+            break;
+        }
+        case Format::npz:
+            writeNpz(view, options, out);
+            break;
         case Format::xyz:
             writeXyz(view, options, out);
             break;
@@ -216,6 +241,7 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
     try {
         switch (t.format) {
             case Format::vdb:
+            case Format::points:
                 return readVdb(t.path, options);
             case Format::vtp:
                 return readVtp(t.path, options);
@@ -223,6 +249,8 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
                 return readPly(t.path, options);
             case Format::csv:
                 return readCsv(t.path, options);
+            case Format::npz:
+                return readNpz(t.path, options);
             case Format::xyz:
                 return readXyz(t.path, options);
             case Format::lammpsData:

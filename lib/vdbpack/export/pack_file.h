@@ -41,14 +41,15 @@ struct PackWriteOptions {
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv .xyz .data (or lammps:, liggghts:, lammps-bonds:), and .svg for circles. Whole or absent: a
+/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), points: for a .vdb without
+/// level sets, and .svg for circles. Whole or absent: a
 /// former file stays as it is until the new one is complete.
 ///
-/// .csv, .vtp and .xyz keep every double and every column (texts in .xyz as one word each). .vdb
-/// keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float; points
-/// lie sorted by place, and `readPack` gives them back by id. .ply (float positions, radius, id)
-/// and YADE (positions, radius, region) hold no further attributes. .svg is a picture: y up, so cy
-/// = -y, numbers to six digits of its extent, colors by region. Columns of attributes that are
+/// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
+/// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
+/// points lie sorted by place, and `readPack` gives them back by id. .ply (float positions, radius,
+/// id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture: y up, so
+/// cy = -y, numbers to six digits of its extent, colors by region. Columns of attributes that are
 /// empty are left out. The unit is recorded in every format but .csv, which has no place for it.
 /// 2D: z = `sliceHeight`.
 ///
@@ -71,6 +72,11 @@ extern template void writePack<3>(const Pack<3>&, const std::string&, const Pack
 
 /// Writes the level sets of `options` alone as a .vdb file. Whole or absent. @throws IoError
 void writeLevelSets(const std::string& file, const PackWriteOptions& options);
+
+/// Writes the inside of a level set as fog, alone in a .vdb: FloatGrid `density`, 0 outside, rising
+/// from 0 at the wall to 1 at the depth of its band. Whole or absent. `options.levelSets` are not
+/// looked at. @throws IoError
+void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteOptions& options);
 
 /// Whether `file` names a format that `writePack` knows, and one for packs of `dim` dimensions (0:
 /// not known yet). @throws ParameterError if not, with the list of formats: ask before hours of
@@ -96,6 +102,8 @@ struct PackReadOptions {
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
 /// - .xyz: extended XYZ with a column radius; of several frames the last one.
+/// - .npz: numpy's savez or savez_compressed: arrays positions (N, 3) or x, y, z (N), and radii,
+///   radius or diameters (N); others of N numbers or texts as the columns of their names.
 /// - .data, lammps:, liggghts:, lammps-bonds: data files of LAMMPS and LIGGGHTS with atom style
 ///   sphere, granular or bpm/sphere, and of `writePack`. type, density, molecule and image flags
 ///   are kept, other sections left out.

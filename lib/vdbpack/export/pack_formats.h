@@ -29,6 +29,7 @@ void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile&
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 /// @param bonds  null: atoms alone.
 void writeLammps(const PackView& pack, const PackWriteOptions& options,
@@ -40,6 +41,7 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options);
 Pack<3> readPly(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
+Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);

@@ -11,6 +11,7 @@
 #include <openvdb/openvdb.h>
 #include <openvdb/points/AttributeArrayString.h>
 #include <openvdb/points/PointDataGrid.h>
+#include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tree/LeafManager.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
@@ -676,6 +677,21 @@ void writeLevelSets(const std::string& file, const PackWriteOptions& options) {
     OutputFile out(file);
     openvdb::initialize();
     writeGrids(options, {}, out);
+    out.commit();
+}
+
+void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteOptions& options) {
+    OutputFile out(file);
+    openvdb::initialize();
+    // Shares of the band's depth: no unit, but voxels have one.
+    const auto grid = levelSet.grid->deepCopy();
+    grid->setTransform(levelSet.grid->transform().copy());
+    grid->transform().postScale(fromMillimeters(1.0, options.unit));
+    openvdb::tools::sdfToFogVolume(*grid);
+    grid->setName("density");
+    PackWriteOptions alone = options;
+    alone.levelSets.clear();
+    writeGrids(alone, {grid}, out);
     out.commit();
 }
 
