@@ -3,6 +3,7 @@
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
 
+#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/forecast.h"
 #include "vdbpack/mesh/mesh_check.h"
@@ -140,6 +141,15 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 fmt::print("{}\n", toJson(result).dump(2));
             else
+                fmt::print("{}", summary(result));
+            return kDone;
+        }
+        case CliOptions::Command::convert: {
+            const ConvertResult result = runConvert(options.convert, callbacks);
+            clearProgress();
+            if (options.json)
+                fmt::print("{}\n", toJson(result).dump(2));
+            else if (!options.quiet)
                 fmt::print("{}", summary(result));
             return kDone;
         }

@@ -167,14 +167,16 @@ void addDensityOption(CLI::App& command, std::string& density) {
 
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
-    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz, .data or lammps:FILE "
-    "(LAMMPS, "
-    "LIGGGHTS), lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, .svg (circles). "
-    "blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv (touching pairs), "
-    "list:FILE.csv (voids)";
+    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz .npz, .data or lammps:FILE or "
+    "liggghts:FILE, lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, "
+    "points:FILE.vdb "
+    "(no level sets), .svg (circles). Solids: .stl (surface:, voids: or solid:FILE.stl chooses), "
+    "levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: "
+    "contacts:FILE.csv (touching pairs), list:FILE.csv (voids)";
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .ply, .xyz, YADE text (yade:FILE.txt), LAMMPS or LIGGGHTS data "
+    ".vdb (point grid), .csv, .vtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), LAMMPS or "
+    "LIGGGHTS data "
     "or "
     "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
@@ -466,8 +468,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     voids->add_option("DOMAIN", options.voids.domain.source, kDomainHelp)->required();
     voids
         ->add_option("-o,--output", options.voids.outputs,
-                     "file to write: .vdb (level sets surface, voids, solid), list:FILE.csv for "
-                     "the list of voids; may be repeated")
+                     "file to write: .vdb (level sets surface, voids, solid), .stl (of solid; "
+                     "surface: or voids:FILE.stl chooses), fog:FILE.vdb, list:FILE.csv for the "
+                     "list of voids; may be repeated")
         ->option_text("FILE")
         ->take_all()
         ->group("Output");
@@ -543,6 +546,60 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->group("Run");
     measure->add_flag("--json", options.json, "print all figures as JSON")->group("Run");
 
+    CLI::App* convert =
+        app.add_subcommand("convert", "between formats: packs, level sets and meshes")
+            ->fallthrough();
+    convert
+        ->add_option("PACK", options.convert.pack,
+                     std::string("a pack: ") + kPackHelp +
+                         "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)")
+        ->required();
+    convert->add_option("-o,--output", options.convert.outputs, kOutputHelp)
+        ->option_text("FILE")
+        ->take_all()
+        ->group("Output");
+    addChoice(*convert, "--pack-unit", options.convert.packUnit, kUnits,
+              "unit of PACK, if it says none")
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addChoice(*convert, "--out-unit", options.convert.outUnit, kUnits, "unit of what is written")
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    addChoice(*convert, "--unit", options.convert.domain.unit, kUnits, "unit of the domain's file")
+        ->option_text("UNIT [mm]")
+        ->group("Units");
+    convert
+        ->add_option("--grid", options.convert.packGrid,
+                     "point grid (or level set) to take from a .vdb")
+        ->option_text("NAME [first]")
+        ->group("Domain");
+    convert
+        ->add_option("--domain", options.convert.domain.source,
+                     std::string("written as level set or surface too, and what a bulk density is "
+                                 "of: ") +
+                         kDomainHelp)
+        ->option_text("DOMAIN")
+        ->group("Domain");
+    convert
+        ->add_option("--voxel", options.convert.domain.voxelSize,
+                     "edge of a voxel of the level set made of a mesh, mm")
+        ->option_text("H [chosen]")
+        ->check(positive())
+        ->group("Domain");
+    convert
+        ->add_option("--contact-tol", options.convert.contactTolerance,
+                     "gap up to which spheres count as touching, in smaller radii")
+        ->option_text("T [0.001]")
+        ->check(notNegative())
+        ->group("Run");
+    addDensityOption(*convert, options.convert.density);
+    convert->add_option("--threads", options.convert.threads, "threads")
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+    convert->add_flag("--json", options.json, "print what was converted as JSON")->group("Run");
+    convert->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+
     CLI::App* mesh = app.add_subcommand("mesh", "health report of a mesh");
     mesh->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
     addChoice(*mesh, "--unit", options.mesh.unit, kUnits, "unit of the file")
@@ -593,12 +650,14 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     std::string line;
     for (const auto& word : arguments) line += (line.empty() ? "" : " ") + shellQuoted(word);
     options.voids.command = options.carve.command = line;
+    options.convert.command = line;
     options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack
                       : voids->parsed()   ? CliOptions::Command::voids
                       : carve->parsed()   ? CliOptions::Command::carve
                       : verify->parsed()  ? CliOptions::Command::verify
                       : measure->parsed() ? CliOptions::Command::measure
+                      : convert->parsed() ? CliOptions::Command::convert
                                           : CliOptions::Command::mesh;
     return options;
 }

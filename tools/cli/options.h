@@ -1,6 +1,7 @@
 // The command line of vdb_pack.
 #pragma once
 
+#include "vdbpack/convert.h"
 #include "vdbpack/run.h"
 
 #include <cstdint>
@@ -10,7 +11,7 @@
 
 /// What was asked for.
 struct CliOptions {
-    enum class Command { pack, voids, carve, verify, measure, mesh };
+    enum class Command { pack, voids, carve, verify, measure, convert, mesh };
     Command command = Command::pack;
     vdbpack::PackRecipe pack;
     std::vector<std::uint64_t> seeds{1};  ///< of pack: one run each
@@ -19,6 +20,7 @@ struct CliOptions {
     vdbpack::CarveRecipe carve;
     vdbpack::VerifyRecipe verify;
     vdbpack::MeasureRecipe measure;
+    vdbpack::ConvertRecipe convert;
     vdbpack::DomainRecipe mesh;
     bool json = false;
     bool quiet = false;

@@ -1,0 +1,134 @@
+// From one format to another, and what is made of level sets on the way.
+#include "export/scratch.h"
+
+#include "vdbpack/convert.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/verify.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/outputs.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <string>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+ConvertRecipe recipeFor(const std::string& from, const std::vector<std::string>& to) {
+    ConvertRecipe recipe;
+    recipe.pack = from;
+    recipe.outputs = to;
+    return recipe;
+}
+
+}  // namespace
+
+TEST_CASE("a pack through every format and back is the same doubles", "[convert]") {
+    const Scratch scratch;
+    auto pack = latticePack<3>(300, {{0, 10, 40}}, 30, 2);
+    writePack(pack, scratch / "first.csv", {});
+    std::string from = scratch / "first.csv";
+    for (const std::string to : {"a.npz", "b.xyz", "c.vtp", "d.vdb", "e.csv", "f.data"}) {
+        CAPTURE(from, to);
+        const auto result = runConvert(recipeFor(from, {scratch / to}));
+        REQUIRE(result.kind == "spheres");
+        REQUIRE(result.count == 300);
+        REQUIRE(result.hash == packHash(pack));
+        REQUIRE(result.files == std::vector<std::string>{scratch / to});
+        from = scratch / to;
+        const auto read = readPack(from);
+        REQUIRE(read.spheres == pack.spheres);
+        REQUIRE(read.id == pack.id);
+        REQUIRE(read.region == pack.region);
+        if (to == "f.data") continue;
+        REQUIRE(read.order == pack.order);
+        REQUIRE(read.depth == pack.depth);
+        REQUIRE(read.contacts == pack.contacts);
+    }
+    runConvert(recipeFor(from, {"yade:" + (scratch / "g.txt"), "points:" + (scratch / "h.vdb")}));
+    REQUIRE(readPack("yade:" + (scratch / "g.txt")).spheres == pack.spheres);
+    REQUIRE(readPack(scratch / "h.vdb").spheres == pack.spheres);
+}
+
+TEST_CASE("circles stay circles", "[convert]") {
+    const Scratch scratch;
+    auto pack = latticePack<2>(50, {{0, 10}}, 30, 2);
+    pack.sliceHeight = 7;
+    writePack(pack, scratch / "p.csv", {});
+    const auto result =
+        runConvert(recipeFor(scratch / "p.csv", {scratch / "p.svg", scratch / "p.npz"}));
+    REQUIRE(result.kind == "circles");
+    REQUIRE(asCircles(readPack(scratch / "p.npz")).spheres == pack.spheres);
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.stl"})),
+                        Contains("circles have none"));
+}
+
+TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[convert]") {
+    const Scratch scratch;
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}};
+    writePack(pack, scratch / "p.csv", {});
+    auto recipe = recipeFor(scratch / "p.csv",
+                            {scratch / "p.data", scratch / "p.stl", "fog:" + (scratch / "fog.vdb"),
+                             "levelsets:" + (scratch / "l.vdb")});
+    recipe.density = "bulk:1000";
+    REQUIRE_THROWS_WITH(runConvert(recipe), Contains("--domain"));
+    recipe.domain.source = "ball:2";
+    recipe.outUnit = Unit::meter;
+    runConvert(recipe);
+    // A ball of half the radius takes an eighth.
+    const auto read = readPack(scratch / "p.data");
+    REQUIRE(read.columns[0].numbers[0] == Approx(8000).epsilon(1e-6));
+    MeshReadOptions meters;
+    meters.unit = Unit::meter;
+    const auto mesh = readMesh(scratch / "p.stl", meters);
+    const auto health = toJson(checkMesh(mesh));
+    CAPTURE(health.dump(1));
+    REQUIRE(mesh.bounds().size()[0] == Approx(4).epsilon(0.01));
+    double volume = 0;
+    for (const auto& t : mesh.triangles)
+        volume += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]])) / 6;
+    REQUIRE(volume == Approx(4 * kPi / 3 * 8).epsilon(0.01));  // positive: outward
+    REQUIRE(holdsLevelSet(scratch / "l.vdb"));
+    REQUIRE_FALSE(holdsLevelSet(scratch / "fog.vdb"));
+    REQUIRE_THROWS_AS(readPack(scratch / "l.vdb"), InputError);
+}
+
+TEST_CASE("solids are converted between level set and surface", "[convert]") {
+    const Scratch scratch;
+    auto recipe = recipeFor(scratch / "p.csv", {"levelsets:" + (scratch / "l.vdb")});
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}};
+    writePack(pack, scratch / "p.csv", {});
+    recipe.domain.source = "ball:5";
+    runConvert(recipe);
+    REQUIRE(runConvert(recipeFor(scratch / "l.vdb", {scratch / "s.stl"})).kind == "level set");
+    const auto again =
+        runConvert(recipeFor(scratch / "s.stl", {scratch / "t.vdb", scratch / "t.stl"}));
+    REQUIRE(again.kind == "mesh");
+    REQUIRE(readMesh(scratch / "t.stl").vertices == readMesh(scratch / "s.stl").vertices);
+    REQUIRE(holdsLevelSet(scratch / "t.vdb"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "s.stl", {scratch / "t.csv"})),
+                        Contains("holds spheres"));
+}
+
+TEST_CASE("a conversion that cannot be is refused before anything is written", "[convert]") {
+    const Scratch scratch;
+    writePack(latticePack<3>(5, {}, 4, 1), scratch / "p.csv", {});
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {})), Contains("-o"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.csv"})),
+                        Contains("input itself"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.stl"})),
+                        Contains("no level set"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"fog:" + (scratch / "p.txt")})),
+                        Contains("fog:FILE.vdb"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"solid:" + (scratch / "p.stl")})),
+                        Contains("--voids"));
+    REQUIRE(scratch.files() == 1);
+}
