@@ -84,7 +84,7 @@ TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[
     runConvert(recipe);
     // A ball of half the radius takes an eighth.
     const auto read = readPack(scratch / "p.data");
-    REQUIRE(read.columns[0].numbers[0] == Approx(8000).epsilon(1e-6));
+    REQUIRE(read.columns.back().numbers[0] == Approx(8000).epsilon(1e-6));
     MeshReadOptions meters;
     meters.unit = Unit::meter;
     const auto mesh = readMesh(scratch / "p.stl", meters);
