@@ -5,6 +5,7 @@
 #include "bench_measure.h"
 #include "bench_preview.h"
 #include "bench_voids.h"
+#include "bench_write.h"
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
@@ -363,8 +364,9 @@ int main(int argc, char** argv) {
         const bool preview = !words.empty() && words[0] == "preview";
         const bool measures = !words.empty() && words[0] == "measure";
         const bool voids = !words.empty() && words[0] == "voids";
-        bool quick = false,
-             usable = !words.empty() && (words[0] == "packs" || measures || voids || preview);
+        const bool writes = !words.empty() && words[0] == "write";
+        bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures || voids ||
+                                                        preview || writes);
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
             if (words[i] == "--quick")
@@ -386,6 +388,11 @@ int main(int argc, char** argv) {
         } else if (usable && voids) {
             for (const auto& mesh : meshes) benchVoids(mesh, threads, quick ? 50000 : 349748);
             if (!meshes.empty()) return 0;
+        } else if (usable && writes) {
+            if (meshes.empty()) {
+                benchWrite(threads, quick ? 120 : 370);
+                return 0;
+            }
         } else if (usable && measures) {
             if (meshes.empty()) {
                 benchMeasure(threads, quick ? 120 : 370, quick ? 128 : 256);
@@ -406,6 +413,8 @@ int main(int argc, char** argv) {
                "same\n    voxel size and band; the least of three runs each, in turn\n"
                "bench_pack measure [--quick] [--threads T]\n"
                "    what all measures of a pack and the morphometry of a sample cost\n"
+               "bench_pack write [--quick] [--threads T]\n"
+               "    what writing a pack to each format costs beside packing it\n"
                "bench_pack voids [--quick] [--threads T] MESH[:UNIT] ...\n"
                "    what stamping 100,000 ellipsoids costs, beside csgDifference one by one and\n"
                "    beside packing\n"
