@@ -146,7 +146,7 @@ int runCommand(const CliOptions& options) {
         }
         case CliOptions::Command::convert: {
             const ConvertResult result = runConvert(options.convert, callbacks);
-            clearProgress();
+            clearProgressLine();
             if (options.json)
                 fmt::print("{}\n", toJson(result).dump(2));
             else if (!options.quiet)

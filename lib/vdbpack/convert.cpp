@@ -123,7 +123,8 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
             continue;
         }
         if (have.options.levelSets.empty()) have.options.levelSets = {levelSet()};
-        result.files.push_back(writeOutput(output, have));
+        const auto written = writeOutput(output, have);
+        result.files.insert(result.files.end(), written.begin(), written.end());
     }
 }
 

@@ -4,8 +4,13 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <openvdb/version.h>
+#include <png.h>
 #include <tbb/version.h>
 #include <zlib.h>
+
+#ifdef VDBPACK_EMBREE
+#include <embree3/rtcore_config.h>
+#endif
 
 namespace vdbpack {
 
@@ -15,6 +20,10 @@ std::vector<std::pair<std::string, std::string>> libraryVersions() {
         {"TBB", TBB_runtime_version()},
         {"Blosc", BLOSC_VERSION_STRING},
         {"zlib", zlibVersion()},
+        {"libpng", PNG_LIBPNG_VER_STRING},
+#ifdef VDBPACK_EMBREE
+        {"Embree", RTC_VERSION_STRING},
+#endif
         {"fmt",
          fmt::format("{}.{}.{}", FMT_VERSION / 10000, FMT_VERSION / 100 % 100, FMT_VERSION % 100)},
         {"nlohmann-json", fmt::format("{}.{}.{}", NLOHMANN_JSON_VERSION_MAJOR,
