@@ -144,3 +144,13 @@ TEST_CASE("what a plane picture cannot show is refused", "[preview]") {
     scene.field = &field;
     CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
 }
+
+TEST_CASE("lines are near within their reach and nowhere else", "[preview]") {
+    const double reach = GENERATE(0.1, 0.30000000000000004, 1.7);
+    const PlaneLines lines({{{{0, 0}}, {{10, 0}}}, {{{3, 5}}, {{3, 5}}}}, reach);
+    CHECK(lines.distance({{5, 0.5 * reach}}) == Approx(0.5 * reach));
+    CHECK(lines.distance({{-0.5 * reach, 0}}) == Approx(0.5 * reach));
+    CHECK(lines.distance({{3, 5 + 0.5 * reach}}) == Approx(0.5 * reach));
+    CHECK(std::isinf(lines.distance({{5, 1.001 * reach}})));
+    CHECK(std::isinf(lines.distance({{100, 100}})));
+}

@@ -64,7 +64,7 @@ public:
     };
     /// @param reach  the largest distance that will be asked for, mm.
     PlaneLines(std::vector<Line> lines, double reach);
-    /// Distance to the nearest line if less than `reach`; else `reach`.
+    /// Distance to the nearest line if less than `reach`; else infinity.
     double distance(const Vec<2>& x) const;
 
 private:

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace vdbpack {
@@ -60,7 +61,8 @@ double PlaneLines::distance(const Vec<2>& x) const {
         const double t = square > 0 ? std::clamp(dot(to, along) / square, 0.0, 1.0) : 0.0;
         nearest = std::min(nearest, squaredLength(to - along * t));
     });
-    return std::sqrt(nearest);
+    return nearest < reach_ * reach_ ? std::sqrt(nearest)
+                                     : std::numeric_limits<double>::infinity();
 }
 
 PlaneDiscs sectionOf(const Pack<3>& pack, const PreviewCut& cut) {
