@@ -61,7 +61,7 @@ struct RunOutputs {
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
     const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
     PackWriteOptions options;             ///< unit, level sets, contact tolerance, ...
-    std::string volume;  ///< a .vdb of this run with those level sets; empty: none
+    std::string volume;                   ///< a .vdb of this run with those level sets; empty: none
 };
 
 /// Writes one target, a file that is whole or absent:

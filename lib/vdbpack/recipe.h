@@ -36,7 +36,7 @@ struct PackRecipe {
     std::vector<std::string> outputs;  ///< -o
     std::string reportFile;            ///< .json or .html; empty: none
     PreviewRecipe preview;
-    std::string command;               ///< for the report; empty: what is packed
+    std::string command;  ///< for the report; empty: what is packed
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
     /// output as NAME.recipe.toml. Empty: none is written.
     std::string optionsText;

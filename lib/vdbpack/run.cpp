@@ -163,8 +163,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                                   &result.pack);
         if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
     }
-    if (!report.files.empty())
-        leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
+    if (!report.files.empty()) leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
     report.seconds.write = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();

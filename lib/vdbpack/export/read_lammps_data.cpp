@@ -280,7 +280,8 @@ private:
                 if (regions_ && parseNumber(cells[type], number)) builder.set(type, number - 1);
             };
         Pack<3> pack = readTable(file_, table);
-        if (table.names.back() == "molecule") pack.columns.pop_back();  // molecules that say nothing
+        if (table.names.back() == "molecule")
+            pack.columns.pop_back();  // molecules that say nothing
         if (nextContent(line) && isNumber(words_.front()))
             fail(fmt::format("more atoms follow than the {} of the header; correct it", count));
         return pack;

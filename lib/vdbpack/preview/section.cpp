@@ -61,8 +61,7 @@ double PlaneLines::distance(const Vec<2>& x) const {
         const double t = square > 0 ? std::clamp(dot(to, along) / square, 0.0, 1.0) : 0.0;
         nearest = std::min(nearest, squaredLength(to - along * t));
     });
-    return nearest < reach_ * reach_ ? std::sqrt(nearest)
-                                     : std::numeric_limits<double>::infinity();
+    return nearest < reach_ * reach_ ? std::sqrt(nearest) : std::numeric_limits<double>::infinity();
 }
 
 PlaneDiscs sectionOf(const Pack<3>& pack, const PreviewCut& cut) {
