@@ -6,6 +6,7 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/outputs.h"
+#include "vdbpack/preview_stage.h"
 #include "vdbpack/run_given.h"
 #include "vdbpack/run_stages.h"
 
@@ -53,15 +54,16 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     write.contactTolerance = recipe.contactTolerance;
     DomainSource::Built built;
     std::optional<double> solid;
+    std::optional<DomainSource> source;
     if (!recipe.domain.source.empty()) {
-        const DomainSource source(recipe.domain, callbacks);
-        if (source.dim() != Dim)
+        source.emplace(recipe.domain, callbacks);
+        if (source->dim() != Dim)
             throw ParameterError(
                 fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
                             "it lies in",
-                            recipe.domain.source, source.dim(), Dim));
+                            recipe.domain.source, source->dim(), Dim));
         const RadiusStatistics radius = radiusStatistics(pack.spheres);
-        built = source.build(fieldDetail(radius.min, radius.mean), radius.max, callbacks);
+        built = source->build(fieldDetail(radius.min, radius.mean), radius.max, callbacks);
         have.domain = ofDim<Dim>(built).get();
         if (built.mesh) write.levelSets = {built.mesh->grid()};
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
@@ -72,6 +74,8 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     result.count = pack.spheres.size();
     result.hash = packHash(pack);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
+    if (drawGiven(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built))
+        result.files.push_back(recipe.preview.file);
 }
 
 /// A level set or a mesh.
@@ -126,17 +130,22 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         const auto written = writeOutput(output, have);
         result.files.insert(result.files.end(), written.begin(), written.end());
     }
+    if (recipe.preview.file.empty()) return;
+    if (!isMesh) mesh = levelSetMesh(*levelSet(), recipe.pack);
+    drawGiven(recipe.preview, recipe.pack, *mesh);
+    result.files.push_back(recipe.preview.file);
 }
 
 }  // namespace
 
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks) {
-    if (recipe.outputs.empty())
-        throw ParameterError("nothing is to be written; name a file with -o");
+    if (recipe.outputs.empty() && recipe.preview.file.empty())
+        throw ParameterError("nothing is to be written; name a file with -o or --preview");
+    checkPreview(recipe.preview, {});
     checkDensity(recipe.density);
     checkOutputKinds(recipe.outputs, RunKind::pack, {});
     requireDomain(recipe);
-    checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source});
+    checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source}, recipe.preview.file);
     ConvertResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(callbacks, warnings);

@@ -16,7 +16,8 @@ namespace vdbpack {
 /// `domain.voxelSize` is also that of the level set made of a mesh. `radius` is not looked at.
 struct ConvertRecipe : GivenPack {
     std::string density;               ///< of spheres in DEM files, as `particleDensity` takes it
-    std::vector<std::string> outputs;  ///< at least one, as `writeOutput` names them
+    std::vector<std::string> outputs;  ///< as `writeOutput` names them; at least one, or a picture
+    PreviewRecipe preview;
     Unit outUnit = Unit::millimeter;
 };
 

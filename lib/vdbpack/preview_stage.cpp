@@ -13,6 +13,8 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <type_traits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -120,6 +122,33 @@ Image draw(const PreviewOptions& options, const DomainSource&, const DomainSourc
     return renderPreview(scene, options);
 }
 
+PreviewOptions optionsOf(const PreviewRecipe& recipe) {
+    PreviewOptions options;
+    options.color = recipe.color;
+    options.cut = recipe.cut;
+    options.width = recipe.width;
+    options.height = recipe.height;
+    return options;
+}
+
+/// Encodes a picture, and writes it if it has a file.
+PreviewPicture finished(Image image, const PreviewRecipe& recipe, const std::string& source) {
+    PreviewPicture picture;
+    for (const auto& [keyword, text] : image.texts)
+        picture.words += (picture.words.empty() ? "" : ", ") + text;
+    image.texts.emplace_back("Software", "vdb_pack " VDBPACK_VERSION);
+    image.texts.emplace_back("Source", source);
+    picture.png = encodePng(image);
+    picture.width = image.width;
+    picture.height = image.height;
+    if (!recipe.file.empty()) {
+        OutputFile file(recipe.file);
+        file.write(picture.png);
+        file.commit();
+    }
+    return picture;
+}
+
 }  // namespace
 
 void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
@@ -155,32 +184,44 @@ template <int Dim>
 PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
                            const DomainSource& source, const DomainSource::Built& built,
                            const MadeVoids<Dim>& made, const Pack<Dim>* pack) {
-    PreviewPicture picture;
-    if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace())))
-        return picture;
-    PreviewOptions options;
-    options.color = recipe.color;
-    options.cut = recipe.cut;
-    options.width = recipe.file.empty() ? kPageWidth : recipe.width;
-    options.height = recipe.file.empty() ? kPageHeight : recipe.height;
-    Image image = draw(options, source, built, made, pack);
-    for (const auto& [keyword, text] : image.texts)
-        picture.words += (picture.words.empty() ? "" : ", ") + text;
-    image.texts.emplace_back("Software", "vdb_pack " VDBPACK_VERSION);
-    image.texts.emplace_back("Source", source.recipe().source);
-    picture.png = encodePng(image);
-    picture.width = image.width;
-    picture.height = image.height;
-    if (!recipe.file.empty()) {
-        OutputFile file(recipe.file);
-        file.write(picture.png);
-        file.commit();
+    if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
+    PreviewOptions options = optionsOf(recipe);
+    if (recipe.file.empty()) {
+        options.width = kPageWidth;
+        options.height = kPageHeight;
     }
-    return picture;
+    return finished(draw(options, source, built, made, pack), recipe, source.recipe().source);
+}
+
+template <int Dim>
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+               const DomainSource* source, const DomainSource::Built& built) {
+    if (recipe.file.empty()) return false;
+    const PreviewOptions options = optionsOf(recipe);
+    if (source) {
+        finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack), recipe, name);
+        return true;
+    }
+    std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
+    scene.pack = &pack;
+    finished(renderPreview(scene, options), recipe, name);
+    return true;
+}
+
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const TriangleMesh& solid) {
+    if (recipe.file.empty()) return false;
+    SpacePreview scene;
+    scene.solid = &solid;
+    finished(renderPreview(scene, optionsOf(recipe)), recipe, name);
+    return true;
 }
 
 template void checkPreview<2>(const PreviewRecipe&, const Domain<2>&, const Pack<2>*);
 template void checkPreview<3>(const PreviewRecipe&, const Domain<3>&, const Pack<3>*);
+template bool drawGiven<2>(const PreviewRecipe&, const std::string&, const Pack<2>&,
+                           const DomainSource*, const DomainSource::Built&);
+template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<3>&,
+                           const DomainSource*, const DomainSource::Built&);
 template PreviewPicture drawPreview<2>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
                                        const MadeVoids<2>&, const Pack<2>*);

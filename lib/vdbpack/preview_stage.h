@@ -29,4 +29,15 @@ PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& repor
                            const DomainSource& source, const DomainSource::Built& built,
                            const MadeVoids<Dim>& made, const Pack<Dim>* pack);
 
+/// Draws and writes a pack that was read, if `recipe` asks for a file.
+/// @param name    of the pack's file, kept in the picture.
+/// @param source  of its domain, whose wall is drawn as well; null: none. @param built from it
+/// @return whether a file was written.  @throws as `drawPreview`
+template <int Dim>
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+               const DomainSource* source, const DomainSource::Built& built);
+
+/// The same of a closed surface. @throws as `drawPreview`
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const TriangleMesh& solid);
+
 }  // namespace vdbpack

@@ -1,6 +1,7 @@
 #include "cli/recipes.h"
 #include "support/temporary_folder.h"
 
+#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/run.h"
@@ -158,4 +159,36 @@ TEST_CASE("each seed of a study has its picture", "[preview][run]") {
     CHECK(isPng(folder.file("a1.png")));
     CHECK(isPng(folder.file("a2.png")));
     CHECK(content(folder.file("a1.png")) != content(folder.file("a2.png")));
+}
+
+TEST_CASE("packs and solids of files are drawn", "[preview][convert]") {
+    const TemporaryFolder folder;
+    auto recipe = recipeFor("rect:30,20", "uniform:1,2");
+    const bool plane = GENERATE(true, false);
+    if (!plane) {
+        if (!canDrawSpace()) return;
+        recipe.domain.source = "ball:8";
+    }
+    recipe.outputs = {folder.file("p.csv"), folder.file("p.vtp")};
+    if (!plane) recipe.outputs.push_back(folder.file("p.stl"));
+    runPack(recipe);
+    ConvertRecipe convert;
+    convert.pack = folder.file("p.csv");
+    convert.preview.width = 160;
+    convert.preview.height = 120;
+    CHECK_THROWS_AS(runConvert(convert), ParameterError);  // writes nothing
+    convert.preview.file = folder.file("bare.png");
+    CHECK(runConvert(convert).files == std::vector<std::string>{folder.file("bare.png")});
+    CHECK(isPng(folder.file("bare.png")));
+    convert.domain.source = recipe.domain.source;
+    convert.preview.file = folder.file("wall.png");
+    runConvert(convert);
+    CHECK(content(folder.file("wall.png")) != content(folder.file("bare.png")));
+    if (plane) return;
+    ConvertRecipe solid = convert;
+    solid.domain.source.clear();
+    solid.pack = folder.file("p.stl");
+    solid.preview.file = folder.file("solid.png");
+    runConvert(solid);
+    CHECK(isPng(folder.file("solid.png")));
 }

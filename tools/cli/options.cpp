@@ -593,6 +593,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         ->check(notNegative())
         ->group("Run");
     addDensityOption(*convert, options.convert.density);
+    addPreviewOptions(*convert, options.convert.preview);
     convert->add_option("--threads", options.convert.threads, "threads")
         ->option_text("T [all cores]")
         ->check(CLI::Range(1, 4096))
