@@ -39,6 +39,10 @@ std::atomic<bool> interrupted{false};
 void onSignal(int) {
     // The first asks for an orderly end, the second ends at once.
     if (interrupted.exchange(true)) ::_exit(kInterrupted);
+    static constexpr char kText[] =
+        "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n";
+    const auto written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
+    static_cast<void>(written);
 }
 
 /// Progress on a terminal, silence elsewhere; warnings always.

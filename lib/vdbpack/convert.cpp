@@ -45,7 +45,13 @@ std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& call
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
                  const Callbacks& callbacks) {
-    checkOutputKinds(recipe.outputs, RunKind::pack, {}, Dim);
+    checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
+    for (const std::string& output : recipe.outputs)
+        if (recipe.domain.source.empty() && isSolidOutput(output) &&
+            (filePart(output) != output || endsWith(output, ".stl")))
+            throw ParameterError(output +
+                                 ": spheres alone have no surface; give their --domain, or name a "
+                                 "level set of a .vdb with --grid");
     RunOutputs<Dim> have;
     have.pack = &pack;
     PackWriteOptions& write = have.options;
@@ -143,7 +149,7 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
         throw ParameterError("nothing is to be written; name a file with -o or --preview");
     checkPreview(recipe.preview, {});
     checkDensity(recipe.density);
-    checkOutputKinds(recipe.outputs, RunKind::pack, {});
+    checkOutputKinds(recipe.outputs, RunKind::convert, {});
     requireDomain(recipe);
     checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source}, recipe.preview.file);
     ConvertResult result;

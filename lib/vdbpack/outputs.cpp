@@ -207,7 +207,16 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
             throw ParameterError(output +
                                  ": is made from a level set of space, and circles have none; "
                                  "write .svg, or leave --slice out");
-        if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
+        if (run == RunKind::convert) {
+            if (target.kind == OutputKind::voidList)
+                throw ParameterError(
+                    output + ": a pack holds no list of voids; vdb_pack pack and voids write it");
+            if (target.grid == kVoids || target.grid == kSolid)
+                throw ParameterError(fmt::format(
+                    "{}: convert makes no voids; take the level set of a .vdb by its name: --grid "
+                    "{} -o {}",
+                    output, target.grid, target.file));
+        } else if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
             const VoidMethod method = methodOf(voids);
             if (method == VoidMethod::none || isThinning(method))
                 throw ParameterError(

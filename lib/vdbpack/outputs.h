@@ -34,6 +34,7 @@ enum class RunKind {
     pack,     ///< spheres, and the level sets of what they lie in
     voids,    ///< level sets and a list, without spheres
     measure,  ///< nothing but contacts
+    convert,  ///< spheres that are there, and the level set of their domain
 };
 
 /// Refuses outputs that a run of this kind has nothing for.

@@ -158,10 +158,11 @@ void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
     if (!file.empty() &&
         (file.size() <= end.size() || file.compare(file.size() - end.size(), end.size(), end) != 0))
         throw ParameterError("--preview " + file + ": pictures are PNG; name it .png");
-    if (recipe.cut && file.empty() && !isPage(reportFile))
-        throw ParameterError(
-            "--preview-cut says how to draw, and nothing is drawn; add --preview FILE.png or "
-            "--report FILE.html");
+    const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
+    if (asked && file.empty() && !isPage(reportFile))
+        throw ParameterError(std::string(recipe.cut ? "--preview-cut" : "--preview-color") +
+                             " says how to draw, and nothing is drawn; add --preview FILE.png or "
+                             "--report FILE.html");
 }
 
 template <int Dim>

@@ -39,7 +39,11 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
         "{} {}: this repeats the run, from the folder that it was started in\n"
         "#   vdb_pack {} --config {}\n",
         kMark, report.version, report.task, blank ? '"' + file + '"' : file);
-    if (report.count > 0 || report.task == "pack")
+    if (report.interrupted)
+        text += fmt::format(
+            "# The run that left it was interrupted at {} {}: this gives all of them.\n",
+            grouped(report.count), report.dim == 2 ? "circles" : "spheres");
+    else if (report.count > 0 || report.task == "pack")
         text += fmt::format("# and gave {} {}, hash {:016x}\n", grouped(report.count),
                             report.dim == 2 ? "circles" : "spheres", report.hash);
     for (const auto& sentence : report.chosen) text += "# chosen: " + sentence + '\n';

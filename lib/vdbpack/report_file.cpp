@@ -168,13 +168,14 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
                         const Report& report) {
     PageDetails details;
     details.radii = histogramOf(pack, report.existing, &sizes);
-    const double depth = structureDepth(report.radius, 0);
+    const double shell = report.voids ? report.voids->shell : 0;
+    const double depth = structureDepth(report.radius, shell);
     if (pack.spheres.empty() || domain.fieldDepth() >= depth) {
-        details.structure = measureStructure(pack, &domain, report, 0);
+        details.structure = measureStructure(pack, &domain, report, shell);
         return details;
     }
     const auto built = source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3);
-    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, 0);
+    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, shell);
     return details;
 }
 

@@ -125,10 +125,12 @@ TEST_CASE("a conversion that cannot be is refused before anything is written", "
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.csv"})),
                         Contains("input itself"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.stl"})),
-                        Contains("no level set"));
+                        Contains("have no surface") && Contains("--domain"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"fog:" + (scratch / "p.txt")})),
                         Contains("fog:FILE.vdb"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"solid:" + (scratch / "p.stl")})),
-                        Contains("--voids"));
+                        Contains("--grid solid -o"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"list:" + (scratch / "v.csv")})),
+                        Contains("no list of voids"));
     REQUIRE(scratch.files() == 1);
 }

@@ -140,6 +140,9 @@ TEST_CASE("pictures that cannot be are refused before the work", "[preview][run]
     auto unseen = drawn("ball:10", "");
     unseen.preview.cut = PreviewCut{0, 0};
     CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("add --preview"));
+    unseen.preview.cut.reset();
+    unseen.preview.color = PreviewColor::region;
+    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("--preview-color says how"));
     auto missed = drawn("ball:10", folder.file("a.png"));
     missed.preview.cut = PreviewCut{2, 11};
     CHECK_THROWS_WITH(runPack(missed),

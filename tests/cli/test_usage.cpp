@@ -65,6 +65,7 @@ TEST_CASE("misuse is told with what was meant", "[cli]") {
     };
     CHECK_THAT(told("pak ball:3"), Contains("'pak' is no command; did you mean pack?"));
     CHECK_THAT(told("fill ball:3"), Contains("'fill' is no command; there are pack, voids"));
+    CHECK_THAT(told("--config r.toml"), Contains("say what to do"));
     CHECK_THAT(told(""), Contains("say what to do: pack, voids, carve"));
     CHECK_THAT(told("pack ball:3 --raduis constant:1"), Contains("did you mean --radius?"));
     CHECK_THAT(told("pack ball:3 --raduis=constant:1"), Contains("did you mean --radius?"));
@@ -120,6 +121,8 @@ TEST_CASE("the shell completes commands, options and their words", "[cli]") {
     CHECK(completed("pack ball:3 --effort", "").text == "fast normal dense\n");
     CHECK(completed("pack ball:3 --out-unit", "m").text == "m mm\n");
     CHECK(completed("verify p.csv", "--eff").text == "\n");
+    CHECK(completed("completion", "").text == "bash zsh fish\n");
+    CHECK(completed("carve p.csv --voids", "b").text == "boolean\n");
     CHECK(vdbPack("completion zsh").code == 0);
     CHECK_THAT(vdbPack("completion fish").text, Contains("-l effort") && Contains("fast normal"));
     CHECK_THAT(vdbPack("completion tcsh").text, Contains("none of bash, zsh, fish"));

@@ -62,6 +62,9 @@ std::string bashScript(const CLI::App& app) {
         }
         cases += fmt::format("    {})\n        options=\"{}\"\n", command->get_name(),
                              joined(names, " "));
+        for (const auto* option : command->get_options())
+            if (option->get_positional() && !wordsOf(*option).empty())
+                cases += fmt::format("        words=\"{}\"\n", joined(wordsOf(*option), " "));
         if (!words.empty()) cases += "        case \"$before\" in\n" + words + "        esac\n";
         cases += "        ;;\n";
     }

@@ -278,6 +278,10 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
                orElse(front, "mixed, ellipses, ", "") + "boolean or list:FILE",
            "METHOD")
         ->check(notEmpty());
+    std::vector<std::string> methods{"grid", "overlay", "boolean", "list:"};
+    if (spheres) methods.insert(methods.end(), {"concentric", "threshold"});
+    if (front) methods.insert(methods.end(), {"mixed", "ellipses"});
+    setWords(*command.get_option("--voids"), methods);
     option("--shell", voids.shell,
            "thickness of the layer along the wall that voids leave whole, mm" +
                orElse(spheres, "; alone it only sets the region of each sphere", ""),

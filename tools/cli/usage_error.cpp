@@ -55,9 +55,9 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     const bool unexpected = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
     if (command == nullptr) {
         const auto commands = commandsOf(app);
-        const auto word = std::find_if(arguments.begin(), arguments.end(), [](const auto& a) {
-            return !a.empty() && a.front() != '-';
-        });
+        auto word = arguments.begin();
+        while (word != arguments.end() && (word->empty() || word->front() == '-'))
+            word += *word == "--config" && word + 1 != arguments.end() ? 2 : 1;
         if (word == arguments.end())
             return fmt::format("say what to do: {}", fmt::join(commands, ", "));
         const std::string like = mostLike(*word, commands);

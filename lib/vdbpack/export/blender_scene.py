@@ -45,7 +45,7 @@ RAMPS = {
     # Dark blue to pale yellow through green, even in lightness, fit for color-blind readers.
     "even": ["#26336F", "#1F6B99", "#299E94", "#85C770", "#F5E382"],
     # Cortical bone like ivory, trabecular like brick.
-    "region": ["#EBDDBD", "#C0694F"],
+    "region": ["#4A78A8", "#F0D9A0"],
 }
 SURFACE_COLOR = "#E3D9C6"
 LENGTHS = ("radius", "depth")

@@ -20,9 +20,8 @@ namespace {
 
 constexpr const char* kWritten =
     "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, "
-    "or .svg "
-    "for "
-    "circles";
+    "points:FILE.vdb, .svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, "
+    "blender:FILE.py, contacts: or list:FILE.csv";
 constexpr const char* kRead =
     "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, "
     "yade:FILE";
