@@ -1,5 +1,7 @@
 #include "bench_preview.h"
 
+#include "bench_clock.h"
+
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
@@ -7,21 +9,11 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
 
 using namespace vdbpack;
-
-namespace {
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-}  // namespace
 
 void benchPreview(int threads, double count) {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);

@@ -1,5 +1,7 @@
 #include "bench_voids.h"
 
+#include "bench_clock.h"
+
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/mesh_domain.h"
@@ -14,7 +16,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <vector>
@@ -26,11 +27,6 @@ namespace {
 constexpr double kVoxel = 0.3, kLong = 1.5, kShort = 0.5;
 constexpr int kRuns = 3;
 constexpr std::size_t kVoids = 100000, kOneByOne = 200;
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
 
 /// Ellipsoids with centers at random places of a domain, sizes within a fifth, in all directions.
 std::vector<Ellipsoid<3>> ellipsoidsIn(const Domain<3>& domain) {

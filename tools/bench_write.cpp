@@ -1,5 +1,7 @@
 #include "bench_write.h"
 
+#include "bench_clock.h"
+
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/export/pack_file.h"
@@ -9,22 +11,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <string>
 
 using namespace vdbpack;
-
-namespace {
-
-double now() {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch())
-        .count();
-}
-
-}  // namespace
 
 void benchWrite(int threads, double side) {
     constexpr int kRuns = 3;

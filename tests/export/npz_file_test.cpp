@@ -36,11 +36,7 @@ TEST_CASE("an .npz file gives back the same pack", "[export]") {
     const auto pack = packOfAll(GENERATE(0u, 1u, 500u));
     const auto read = readText("p.npz", written(pack));
     REQUIRE(read.spheres == pack.spheres);
-    REQUIRE(read.id == pack.id);
-    REQUIRE(read.region == pack.region);
-    REQUIRE(read.order == pack.order);
-    REQUIRE(read.depth == pack.depth);
-    REQUIRE(read.contacts == pack.contacts);
+    requireSameAttributes(read, pack);
     if (pack.spheres.empty()) return;
     REQUIRE(read.columns.size() == 2);
     REQUIRE(read.columns[0].name == "modulus_GPa");

@@ -32,14 +32,6 @@ Pack<3> asSpheres(const Pack<2>& pack) {
     return out;
 }
 
-void requireSameAttributes(const Pack<3>& read, const Pack<3>& written) {
-    REQUIRE(read.id == written.id);
-    REQUIRE(read.region == written.region);
-    REQUIRE(read.order == written.order);
-    REQUIRE(read.depth == written.depth);
-    REQUIRE(read.contacts == written.contacts);
-}
-
 /// Limits the size of files that the process may write; longer ones fail as on a full disk.
 class FileSizeLimit {
 public:

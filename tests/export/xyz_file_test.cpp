@@ -44,11 +44,7 @@ TEST_CASE("an .xyz file gives back the same pack", "[export]") {
     writePack(pack, scratch / "p.xyz", {});
     const auto read = readPack(scratch / "p.xyz");
     REQUIRE(read.spheres == pack.spheres);
-    REQUIRE(read.id == pack.id);
-    REQUIRE(read.region == pack.region);
-    REQUIRE(read.order == pack.order);
-    REQUIRE(read.depth == pack.depth);
-    REQUIRE(read.contacts == pack.contacts);
+    requireSameAttributes(read, pack);
     REQUIRE(read.columns.size() == 3);
     REQUIRE(read.columns[0].name == "species");
     REQUIRE(read.columns[0].texts == texts.texts);

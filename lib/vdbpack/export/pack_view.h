@@ -1,6 +1,7 @@
 // Private: a pack of either dimension as the writers see it, in the unit that is written.
 #pragma once
 
+#include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 
@@ -61,6 +62,17 @@ public:
     double radius(std::size_t i) const {
         return fromMillimeters(circles_ != nullptr ? circles_[i].radius : spheres_[i].radius,
                                unit_);
+    }
+    /// Around whole spheres, in the unit that is written; of one length where there are none.
+    Box<3> bounds() const {
+        Box<3> box;
+        for (std::size_t i = 0; i < size_; ++i) {
+            const auto p = position(i);
+            const double r = radius(i);
+            box.add({{p[0] - r, p[1] - r, p[2] - r}});
+            box.add({{p[0] + r, p[1] + r, p[2] + r}});
+        }
+        return size_ > 0 ? box : Box<3>{{{0, 0, 0}}, {{1, 1, 1}}};
     }
     std::int64_t id(std::size_t i) const {
         return id_->empty() ? static_cast<std::int64_t>(i) : (*id_)[i];

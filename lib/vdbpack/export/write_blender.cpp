@@ -25,7 +25,7 @@ extern const char* const kBlenderScene;
 namespace {
 
 /// The line of the script that what is known of the pack takes the place of.
-constexpr const char* kPlaceholder = "PACK = {}  # filled in by the writer\n";
+constexpr const char* kPackLine = "PACK = {}  # filled in by the writer\n";
 constexpr std::size_t kRowsAtOnce = 1 << 14;
 
 template <typename T>
@@ -214,9 +214,9 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     add("generator", quoted(options.generator, script));
     known += "}\n";
     std::string text = kBlenderScene;
-    const auto at = text.find(kPlaceholder);
+    const auto at = text.find(kPackLine);
     if (at == std::string::npos) throw Error("blender_scene.py: has no line for the pack");
-    text.replace(at, std::string(kPlaceholder).size(), known);
+    text.replace(at, std::string(kPackLine).size(), known);
     OutputFile out(script);
     out.write(text);
 

@@ -139,14 +139,7 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
     title = title.substr(0, kTitleLength - 30) +
             fmt::format("; {}{}", kUnitComment, unitName(options.unit));
 
-    Box<3> box;
-    for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        const double r = pack.radius(i);
-        box.add({{p[0] - r, p[1] - r, p[2] - r}});
-        box.add({{p[0] + r, p[1] + r, p[2] + r}});
-    }
-    if (pack.size() == 0) box = Box<3>{{{0, 0, 0}}, {{1, 1, 1}}};  // boxes must not be empty
+    const Box<3> box = pack.bounds();
 
     std::string header = title + "\n\n";
     header += fmt::format("{} atoms\n{} atom types\n", pack.size(), types.count());

@@ -176,14 +176,7 @@ private:
 }  // namespace
 
 void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    Box<3> box;
-    for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        const double r = pack.radius(i);
-        box.add({{p[0] - r, p[1] - r, p[2] - r}});
-        box.add({{p[0] + r, p[1] + r, p[2] + r}});
-    }
-    if (pack.size() == 0) box = Box<3>{{{0, 0, 0}}, {{1, 1, 1}}};
+    const Box<3> box = pack.bounds();
     const Vec<3> size = box.size();
     const auto numbers = [](std::initializer_list<double> values) {
         std::string text;

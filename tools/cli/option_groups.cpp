@@ -1,0 +1,304 @@
+#include "cli/option_groups.h"
+
+#include <cmath>
+#include <cstdlib>
+
+using namespace vdbpack;
+
+const char* const kDomainHelp =
+    "mesh (.stl .obj .ply .off), level set (.vdb) or shape about the origin: box:LX,LY,LZ  "
+    "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
+/// What -o of runs with spheres takes.
+const char* const kOutputHelp =
+    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz .npz, .data or lammps:FILE or "
+    "liggghts:FILE, lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, "
+    "points:FILE.vdb "
+    "(no level sets), .svg (circles). Solids: .stl (surface:, voids: or solid:FILE.stl chooses), "
+    "levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: "
+    "contacts:FILE.csv (touching pairs), list:FILE.csv (voids)";
+
+const char* const kPackHelp =
+    ".vdb (point grid), .csv, .vtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), LAMMPS or "
+    "LIGGGHTS data "
+    "or "
+    "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
+
+namespace {
+
+const Names<Unit> kUnits{{"m", Unit::meter},
+                         {"cm", Unit::centimeter},
+                         {"mm", Unit::millimeter},
+                         {"um", Unit::micrometer}};
+const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
+
+const Names<PreviewColor> kPreviewColors{{"radius", PreviewColor::radius},
+                                         {"region", PreviewColor::region},
+                                         {"depth", PreviewColor::depth},
+                                         {"order", PreviewColor::order}};
+
+const Names<Cull> kCulls{
+    {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
+
+const std::string kRadiusSpec =
+    "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
+    "psd:FILE, in mm";
+
+}  // namespace
+
+CLI::Validator positive() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && value > 0 ? std::string()
+                                                    : "'" + text + "' must be positive";
+        },
+        "");
+}
+
+CLI::Validator notNegative() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            char* end = nullptr;
+            const double value = std::strtod(text.c_str(), &end);
+            return end != text.c_str() && *end == 0 && value >= 0 && std::isfinite(value)
+                       ? std::string()
+                       : "'" + text + "' must be a number of 0 or more";
+        },
+        "");
+}
+
+CLI::Validator notEmpty() {
+    return CLI::Validator(
+        [](const std::string& text) {
+            return text.empty() ? std::string("must not be empty") : std::string();
+        },
+        "");
+}
+
+void addUnit(CLI::App& command, const std::string& option, Unit& unit, const std::string& help) {
+    addChoice(command, option, unit, kUnits, help)->option_text("UNIT [mm]")->group("Units");
+}
+
+void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help) {
+    command.add_option("-o,--output", outputs, help)
+        ->option_text("FILE")
+        ->take_all()
+        ->group("Output");
+}
+
+void addContactTolerance(CLI::App& command, double& tolerance) {
+    command
+        .add_option("--contact-tol", tolerance,
+                    "gap up to which spheres count as touching, in smaller radii")
+        ->capture_default_str()
+        ->option_text("T [0.001]")
+        ->check(notNegative())
+        ->group("Run");
+}
+
+void addThreads(CLI::App& command, int& threads, const std::string& help) {
+    command.add_option("--threads", threads, help)
+        ->option_text("T [all cores]")
+        ->check(CLI::Range(1, 4096))
+        ->group("Run");
+}
+
+void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
+    addUnit(command, "--unit", domain.unit, "unit of the domain's file: m, cm, mm or um");
+    command.add_option("--scale", domain.scale, "further factor on the file's lengths")
+        ->option_text("F [1]")
+        ->group("Units");
+    command.add_option("--grid", domain.gridName, "level set to take from a .vdb")
+        ->option_text("NAME [first]")
+        ->group("Domain");
+    command.add_option("--slice", domain.slices, "fill the plane z = V of the domain with circles")
+        ->option_text("z=V")
+        ->group("Domain")
+        ->expected(1);
+    command
+        .add_option("--clip", domain.clips,
+                    "cut the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (n.x <= d stays); "
+                    "may be repeated")
+        ->option_text("CLIP")
+        ->group("Domain")
+        ->take_all();
+    command.add_option("--voxel", domain.voxelSize, "edge of a voxel of the distance field, mm")
+        ->option_text("H [chosen]")
+        ->check(positive())
+        ->group("Domain");
+}
+
+void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
+                    const std::string& note) {
+    command.add_option("--radius", radius, kRadiusSpec + note)
+        ->option_text("SPEC")
+        ->check(notEmpty())
+        ->group("Spheres");
+    addChoice(command, "--weight-by", weightBy, kWeights, "what the weights of table:FILE count")
+        ->option_text("count|volume [count]")
+        ->group("Spheres");
+}
+
+void addDensityOption(CLI::App& command, std::string& density) {
+    command
+        .add_option("--density", density,
+                    "of the spheres in DEM files, kg/m3; bulk:D: such that all of them weigh what "
+                    "the domain weighs at D")
+        ->option_text("D|bulk:D [1000]")
+        ->check(notEmpty())
+        ->group("Spheres");
+}
+
+void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const std::string& help) {
+    command.add_option(name, given.pack, help)->required();
+    command.add_option("--domain", given.domain.source, kDomainHelp)
+        ->option_text("DOMAIN")
+        ->group("Domain");
+    addDomainOptions(command, given.domain);
+    addUnit(command, "--pack-unit", given.packUnit,
+            "unit of " + std::string(name) + ", if it says none");
+    addSizeOptions(command, given.radius, given.weightBy,
+                   "; to hold the radii of the pack against");
+    addContactTolerance(command, given.contactTolerance);
+    addThreads(command, given.threads, "threads");
+}
+
+void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
+                   CliOptions& options) {
+    command.add_option("--seed", seed, "another seed, other voids")
+        ->option_text("S [1]")
+        ->group("Run");
+    command
+        .add_option("--report", report, "write the report as JSON, or as a page for the browser")
+        ->option_text("FILE.json|.html")
+        ->group("Run");
+    command.add_flag("--json", options.json, "print the report as JSON instead of the summary")
+        ->group("Run");
+    command.add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+}
+
+void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
+    command
+        .add_option("--preview", preview.file,
+                    "draw what was made; with a report page, also the picture in it")
+        ->option_text("FILE.png")
+        ->check(notEmpty())
+        ->group("Run");
+    command
+        .add_option_function<std::string>(
+            "--preview-cut", [&](const std::string& text) { preview.cut = parsePreviewCut(text); },
+            "cut the picture open at a plane, mm; lower x and z stay, and higher y")
+        ->option_text("x=V|y=V|z=V")
+        ->group("Run");
+    addChoice(command, "--preview-color", preview.color, kPreviewColors,
+              "what spheres are colored by, from dark (small, outside, early) to light")
+        ->option_text("NAME [radius]")
+        ->group("Run");
+    command
+        .add_option_function<std::string>(
+            "--preview-size",
+            [&](const std::string& text) {
+                const auto size = parsePreviewSize(text);
+                preview.width = size[0];
+                preview.height = size[1];
+            },
+            "width and height in pixels")
+        ->option_text("WxH [1600x1200]")
+        ->group("Run");
+}
+
+void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
+    const auto option = [&](const char* name, auto& value, const std::string& help,
+                            const std::string& text) {
+        return command.add_option(name, value, help)->option_text(text)->group("Voids");
+    };
+    const bool front = in == VoidsIn::pack, spheres = in != VoidsIn::nothing;
+    const std::string packed = front ? ", mixed, ellipses" : "";
+    const auto orElse = [](bool first, const char* a, const char* b) {
+        return std::string(first ? a : b);
+    };
+    option("--voids", voids.method,
+           "how voids are made: grid, overlay, " + orElse(spheres, "concentric, threshold, ", "") +
+               orElse(front, "mixed, ellipses, ", "") + "boolean or list:FILE",
+           "METHOD")
+        ->check(notEmpty());
+    std::vector<std::string> methods{"grid", "overlay", "boolean", "list:"};
+    if (spheres) methods.insert(methods.end(), {"concentric", "threshold"});
+    if (front) methods.insert(methods.end(), {"mixed", "ellipses"});
+    setWords(*command.get_option("--voids"), methods);
+    option("--shell", voids.shell,
+           "thickness of the layer along the wall that voids leave whole, mm" +
+               orElse(spheres, "; alone it only sets the region of each sphere", ""),
+           "T [0]")
+        ->check(notNegative());
+    auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
+                           "centre: spheres with centers in voids go; touch: all that reach into "
+                           "one")
+                     ->option_text("centre|touch [centre]")
+                     ->group("Voids");
+    command
+        .add_flag("--keep-connected", voids.keepConnected,
+                  "drop what does not hang together with the shell (without a shell: with the "
+                  "largest piece)")
+        ->group("Voids");
+    option("--target-bvtv", voids.targetBvtv,
+           "as many voids (boolean, overlay)" +
+               orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
+               ")" + orElse(spheres, " or D (concentric, threshold)", "") +
+               " that leave this BV/TV deeper than the shell",
+           "F");
+    option("--target-tbth", voids.targetTbth,
+           "with --target-bvtv: voids of such a size that the mean thickness Tb.Th is this, mm "
+           "(boolean)",
+           "T");
+    option("--void-voxel", voids.voxelSize, "edge of a voxel of the level sets of voids, mm",
+           "H [1/4 half-axis]")
+        ->check(positive());
+    option("--void-radius", voids.radius,
+           "shorter half-axis b of the voids, as --radius is written, mm (" +
+               orElse(front, "mixed: radius of the holes; ", "") +
+               "overlay: spheres of b times aspect are packed)",
+           orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
+        ->check(notEmpty());
+    option("--void-aspect", voids.aspect,
+           "longer by shorter half-axis, a / b, as --radius is written", "SPEC [constant:2]")
+        ->check(notEmpty());
+    option("--void-count", voids.count,
+           "number of voids: with centers deeper than the shell, on average, and as densely around "
+           "it (boolean); overlay: of all that fit, which is the default",
+           "N");
+    option("--void-probability", voids.probability,
+           "that a box holds a void (grid)" +
+               orElse(front, ", that a sphere is a hole (mixed, ellipses)", ""),
+           orElse(front, "P [1; 0.02]", "P [1]"));
+    auto* share =
+        option("--delete-fraction", voids.deleteFraction,
+               "density relation D: concentric deletes this share of the spheres, about some "
+               "within Rmin/D to Rmax/D; threshold those above Rmax - D (Rmax - Rmin)",
+               "D");
+    option("--void-matrix", voids.matrix, "0 and 1 for the boxes of grid, top row first", "FILE")
+        ->check(notEmpty());
+    option("--void-cell", voids.cell,
+           "sides of a box of grid, mm: one, or one for each direction (default: as many boxes as "
+           "the matrix has)",
+           "SIZE")
+        ->check(notEmpty());
+    option("--void-angles", voids.orientation.angles,
+           "\"tz=SPEC;tx=SPEC\": long axes turned from z by tx about x, then by tz about z; "
+           "\"phi=SPEC\" (2D): from x by phi; isotropic. SPEC: V, uniform:A,B or "
+           "normal:MEAN,SD,A,B, in rad or with suffix deg. With --void-axis or --void-field: "
+           "scatter about that (default without those: isotropic for boolean, else up to 0.358 "
+           "about z, 2D: x)",
+           "ANGLES")
+        ->check(notEmpty());
+    option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")
+        ->check(notEmpty());
+    option("--void-field", voids.orientation.field,
+           "direction of the long axes by place: .vdb (vectors, or a tensor's main axis) or .csv "
+           "(x, y, z and a direction or six stress components), in mm",
+           "FILE")
+        ->check(notEmpty());
+    if (!spheres)
+        for (auto* of : {cull, share}) of->group("");  // accepted, of no use
+}

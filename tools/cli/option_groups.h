@@ -1,0 +1,73 @@
+// Options that several commands share, in the groups that the help shows.
+#pragma once
+
+#include "cli/completion.h"
+#include "cli/options.h"
+
+#include <CLI/CLI.hpp>
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+extern const char* const kDomainHelp;
+/// What -o of runs with spheres takes.
+extern const char* const kOutputHelp;
+/// What there is to read as a pack.
+extern const char* const kPackHelp;
+
+/// CLI11's own range checks print a range of 300 digits.
+CLI::Validator positive();
+CLI::Validator notNegative();
+CLI::Validator notEmpty();
+
+/// Names of values, in the order in which they are told.
+template <class Value>
+using Names = std::vector<std::pair<std::string, Value>>;
+
+/// An option that takes one of some names; the first of those that mean its value is the default.
+template <class Value>
+CLI::Option* addChoice(CLI::App& command, const std::string& option, Value& value,
+                       const Names<Value>& names, const std::string& help) {
+    const auto set = [&value, &names, option](const std::string& text) {
+        for (const auto& [name, meaning] : names)
+            if (name == text) {
+                value = meaning;
+                return;
+            }
+        std::string all;
+        for (const auto& [name, meaning] : names) all += (all.empty() ? "" : ", ") + name;
+        throw CLI::ValidationError(option, "'" + text + "' is none of " + all);
+    };
+    auto* added = command.add_option_function<std::string>(option, set, help);
+    std::vector<std::string> words;
+    for (const auto& [name, meaning] : names) {
+        words.push_back(name);
+        if (meaning == value && added->get_default_str().empty()) added->default_str(name);
+    }
+    setWords(*added, words);
+    return added;
+}
+
+void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
+             const std::string& help);
+void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help);
+void addContactTolerance(CLI::App& command, double& tolerance);
+void addThreads(CLI::App& command, int& threads, const std::string& help);
+void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
+void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
+                    const std::string& note);
+void addDensityOption(CLI::App& command, std::string& density);
+/// A pack of a file as the positional `name`, and what to hold it against.
+void addGivenPack(CLI::App& command, vdbpack::GivenPack& given, const char* name,
+                  const std::string& help);
+/// What runs that are no study have in common.
+void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
+                   CliOptions& options);
+void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);
+
+/// What there is to cut: spheres while they are packed, those of a file, or none.
+enum class VoidsIn { pack, file, nothing };
+
+void addVoidOptions(CLI::App& command, vdbpack::VoidRecipe& voids, VoidsIn in);
