@@ -6,9 +6,8 @@
 #include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/forecast.h"
-#include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/run.h"
+#include "vdbpack/run_mesh.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -158,14 +157,12 @@ int runCommand(const CliOptions& options) {
             return kDone;
         }
         case CliOptions::Command::mesh: {
-            MeshReadOptions read;
-            read.unit = options.mesh.unit;
-            read.scale = options.mesh.scale;
-            const MeshHealth health = checkMesh(readMesh(options.mesh.source, read));
+            const MeshResult result = runMesh(options.mesh, callbacks);
+            clearProgressLine();
             if (options.json)
-                fmt::print("{}\n", toJson(health).dump(2));
+                fmt::print("{}\n", toJson(result).dump(2));
             else
-                fmt::print("{}", toText(health));
+                fmt::print("{}", summary(result));
             return kDone;
         }
     }

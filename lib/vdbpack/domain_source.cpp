@@ -156,10 +156,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         levelSet_ = levelSetGrid(text, recipe.gridName, scale);
         mesh_ = levelSetMesh(*levelSet_, text);
     } else {
-        MeshReadOptions options;
-        options.unit = recipe.unit;
-        options.scale = recipe.scale;
-        mesh_ = readMesh(text, options);
+        mesh_ = readDomainMesh(recipe, callbacks, repair_);
     }
     fileBounds_ = mesh_->bounds();
     fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
@@ -177,7 +174,11 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     const bool levelSet = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("--grid " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+    if (levelSet && (recipe.repair || !recipe.shells.empty()))
+        callbacks.warn("--repair and --shells have no effect: " + text + " is a level set");
     if (source.isFile()) return;
+    if (recipe.repair || !recipe.shells.empty())
+        callbacks.warn("--repair and --shells have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
         callbacks.warn("--unit has no effect: " + text + " is a shape, in mm");
     if (recipe.scale != 1) callbacks.warn("--scale has no effect: " + text + " is a shape, in mm");
@@ -211,6 +212,7 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         // A pivot must know its clearance up to its reach, and so must the interior fraction.
         options.depth = 3 * maxRadius;
         options.name = recipe_.source;
+        options.repair = repair_;
         built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
                                : meshDomain(*mesh_, options, callbacks);
     }

@@ -26,7 +26,28 @@ struct DomainRecipe {
     std::vector<std::string> slices;  ///< "z=V" (mm): at most one
     std::vector<std::string> clips;   ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
     double voxelSize = 0;             ///< mm; 0: chosen
+    bool repair = false;              ///< the mesh, by repair/mesh_repair.h
+    double repairVoxel = 0;           ///< mm; 0: chosen
+    /// "cavity" (closed shells inside others bound cavities; also the meaning of ""), "solid" (they
+    /// mean nothing), or "[outer=FILE,]inner=FILE": the inside of one mesh without that of another.
+    std::string shells;
 };
+
+/// What `DomainRecipe::shells` says. @throws ParameterError if malformed.
+struct ShellChoice {
+    bool solid = false;
+    std::string outer, inner;  ///< files; empty: none
+};
+ShellChoice parseShells(const std::string& text);
+
+/// The files that a domain is read from; a shape stands for itself.
+std::vector<std::string> domainInputs(const DomainRecipe& recipe);
+
+/// The mesh of a recipe's file, repaired and joined with its inner one as the recipe says, mm.
+/// @param report  what was done; stays as it is where nothing was asked for.
+/// @throws ParameterError, InputError, IoError, ResourceError
+TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                            std::shared_ptr<const RepairReport>& report);
 
 /// A shape or the content of a file, before radii are known.
 class DomainSource {
@@ -65,7 +86,8 @@ public:
 
 private:
     DomainRecipe recipe_;
-    std::optional<TriangleMesh> mesh_;         ///< of a file, level sets contoured
+    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
+    std::shared_ptr<const RepairReport> repair_;
     std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
     std::shared_ptr<const Domain<3>> space_;   ///< of a shape
     std::shared_ptr<const Domain<2>> plane_;

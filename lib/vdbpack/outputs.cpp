@@ -274,10 +274,13 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
                           listContacts(have.pack->spheres, have.options.contactTolerance),
                           target.file, have.options.unit);
             break;
-        case OutputKind::contour:
-            writeStl(levelSetMesh(chosenLevelSet(output, target.grid, levelSetsOf(have)), output),
-                     target.file, have.options.unit, have.options.generator);
+        case OutputKind::contour: {
+            const VdbGrid& levelSet = chosenLevelSet(output, target.grid, levelSetsOf(have));
+            const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
+            writeStl(wall ? *have.wall : levelSetMesh(levelSet, output), target.file,
+                     have.options.unit, have.options.generator);
             break;
+        }
         case OutputKind::fog:
             writeFog(chosenLevelSet(output, target.grid, levelSetsOf(have)), target.file,
                      have.options);

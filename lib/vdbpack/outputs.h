@@ -6,6 +6,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <optional>
@@ -61,6 +62,7 @@ struct RunOutputs {
     const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
     const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
+    const TriangleMesh* wall = nullptr;   ///< of a mesh: what a .stl of `surface` holds; null: none
     PackWriteOptions options;             ///< unit, level sets, contact tolerance, ...
     std::string volume;                   ///< a .vdb of this run with those level sets; empty: none
 };
@@ -69,8 +71,9 @@ struct RunOutputs {
 ///
 /// - a pack, as `writePack` names them; where there is no pack, a .vdb of the level sets;
 /// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids;
-/// - FILE.stl, the zero contour of `solid`, or of `surface` where nothing was cut; "surface:",
-///   "voids:" or "solid:" before it chooses;
+/// - FILE.stl, the zero contour of `solid`, or the surface where nothing was cut: the triangles of
+///   a mesh (as repaired), the zero contour of `surface` elsewhere; "surface:", "voids:" or
+///   "solid:" before it chooses;
 /// - "levelsets:FILE.vdb", the level sets alone; "fog:FILE.vdb", the inside of `solid`, or of
 ///   `surface`, as fog ("points:FILE.vdb", the points alone, is a pack);
 /// - "blender:FILE.py", a script with files beside it; its level sets are those of `volume`, if

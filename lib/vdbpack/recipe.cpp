@@ -71,7 +71,7 @@ std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
 
 void checkOutputs(const PackRecipe& recipe) {
     auto inputs = voidInputs(recipe.voids);
-    inputs.push_back(recipe.domain.source);
+    for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.existing);
     checkPreview(recipe.preview, recipe.reportFile);
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);

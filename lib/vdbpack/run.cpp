@@ -138,6 +138,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     RunOutputs<Dim> have;
     have.pack = &result.pack;
     have.domain = &domain;
+    if (prepared.built.mesh) have.wall = &prepared.built.mesh->wall();
     have.voidList = &voids.list;
     have.sliceHeight = setting.sliceHeight;
     have.options.contactTolerance = recipe.contactTolerance;

@@ -55,6 +55,7 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& r
     RunOutputs<Dim> have;
     have.voidList = &made.list;
     have.sliceHeight = built.sliceHeight;
+    if (built.mesh) have.wall = &built.mesh->wall();
     have.options.unit = recipe.outUnit;
     have.options.generator = "vdb_pack " + report.version;
     have.options.levelSets = made.levelSets();
@@ -104,6 +105,7 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     have.domain = &domain;
     have.voidList = &made.list;
     have.sliceHeight = built.sliceHeight;
+    if (built.mesh) have.wall = &built.mesh->wall();
     have.options.contactTolerance = recipe.contactTolerance;
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
@@ -152,7 +154,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
             "overlay, boolean or list:FILE)");
     checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids);
     auto inputs = voidInputs(recipe.voids);
-    inputs.push_back(recipe.domain.source);
+    for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     checkPreview(recipe.preview, recipe.reportFile);
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
     RunResult run;
@@ -186,7 +188,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
     checkDensity(recipe.density);
     auto inputs = voidInputs(recipe.voids);
-    inputs.push_back(recipe.domain.source);
+    for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.pack);
     checkPreview(recipe.preview, recipe.reportFile);
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);

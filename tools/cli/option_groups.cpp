@@ -127,6 +127,29 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("H [chosen]")
         ->check(positive())
         ->group("Domain");
+    addRepairOptions(command, domain);
+}
+
+void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
+    command
+        .add_flag("--repair", domain.repair,
+                  "make a mesh sound that has holes, turned triangles, copies, overlapping or "
+                  "loose pieces; -o FILE.stl writes it")
+        ->group("Domain");
+    command
+        .add_option("--repair-voxel", domain.repairVoxel,
+                    "edge of a voxel where --repair makes the surface anew, mm; finer keeps "
+                    "thinner walls")
+        ->option_text("H [chosen]")
+        ->check(positive())
+        ->group("Domain");
+    command
+        .add_option("--shells", domain.shells,
+                    "closed shells inside others: cavity keeps them hollow, solid fills them; or "
+                    "the inside of one mesh without another's: inner=FILE (of DOMAIN) or "
+                    "outer=FILE,inner=FILE (instead of DOMAIN)")
+        ->option_text("cavity|solid|[outer=FILE,]inner=FILE [cavity]")
+        ->group("Domain");
 }
 
 void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,

@@ -55,6 +55,7 @@ void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
 void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help);
 void addContactTolerance(CLI::App& command, double& tolerance);
 void addThreads(CLI::App& command, int& threads, const std::string& help);
+void addRepairOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);

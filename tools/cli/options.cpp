@@ -49,7 +49,7 @@ std::string shellQuoted(const std::string& word) {
 CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
     CLI::App* command =
         app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
-    command->add_option("DOMAIN", options.pack.domain.source, kDomainHelp)->required();
+    command->add_option("DOMAIN", options.pack.domain.source, kDomainHelp);
     addOutputs(*command, options.pack.outputs, kOutputHelp);
     addDomainOptions(*command, options.pack.domain);
     addUnit(*command, "--out-unit", options.pack.outUnit, "unit of what is written");
@@ -124,7 +124,7 @@ CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
 CLI::App* addVoids(CLI::App& app, CliOptions& options) {
     CLI::App* command =
         app.add_subcommand("voids", "the voids and the solid alone, without a pack")->fallthrough();
-    command->add_option("DOMAIN", options.voids.domain.source, kDomainHelp)->required();
+    command->add_option("DOMAIN", options.voids.domain.source, kDomainHelp);
     addOutputs(*command, options.voids.outputs,
                "file to write: .vdb (level sets surface, voids, solid), .stl (of solid; "
                "surface: or voids:FILE.stl chooses), fog:FILE.vdb, list:FILE.csv for the "
@@ -236,10 +236,15 @@ CLI::App* addConvert(CLI::App& app, CliOptions& options) {
 }
 
 CLI::App* addMesh(CLI::App& app, CliOptions& options) {
-    CLI::App* command = app.add_subcommand("mesh", "health report of a mesh");
-    command->add_option("FILE", options.mesh.source, "mesh (.stl .obj .ply .off)")->required();
-    addUnit(*command, "--unit", options.mesh.unit, "unit of the file");
-    command->add_option("--scale", options.mesh.scale, "further factor on its lengths")
+    CLI::App* command = app.add_subcommand("mesh", "health report of a mesh, and its repair");
+    command->add_option("FILE", options.mesh.domain.source, "mesh (.stl .obj .ply .off)")
+        ->required();
+    command->add_option("-o", options.mesh.outputs, "write the mesh, repaired if asked for: .stl")
+        ->option_text("FILE.stl");
+    addRepairOptions(*command, options.mesh.domain);
+    addThreads(*command, options.mesh.threads, "threads");
+    addUnit(*command, "--unit", options.mesh.domain.unit, "unit of the file");
+    command->add_option("--scale", options.mesh.domain.scale, "further factor on its lengths")
         ->option_text("F [1]")
         ->group("Units");
     command->add_flag("--json", options.json, "print the report as JSON")->group("Run");
@@ -296,6 +301,13 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         app.parse(argc, argv);
         options.seeds = parseSeeds(seeds);
         options.pack.seed = options.seeds.front();
+        for (DomainRecipe* domain :
+             {&options.pack.domain, &options.voids.domain, &options.carve.domain,
+              &options.verify.domain, &options.measure.domain})
+            if (domain->source.empty()) domain->source = parseShells(domain->shells).outer;
+        if ((pack->parsed() && options.pack.domain.source.empty()) ||
+            (voids->parsed() && options.voids.domain.source.empty()))
+            throw CLI::RequiredError("DOMAIN");
         if (completion->parsed()) {
             fmt::print("{}", completionScript(app, shell));
             exitCode = 0;

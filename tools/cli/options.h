@@ -3,6 +3,7 @@
 
 #include "vdbpack/convert.h"
 #include "vdbpack/run.h"
+#include "vdbpack/run_mesh.h"
 
 #include <cstdint>
 #include <optional>
@@ -21,7 +22,7 @@ struct CliOptions {
     vdbpack::VerifyRecipe verify;
     vdbpack::MeasureRecipe measure;
     vdbpack::ConvertRecipe convert;
-    vdbpack::DomainRecipe mesh;
+    vdbpack::MeshRecipe mesh;
     bool json = false;
     bool quiet = false;
     bool dryRun = false;

@@ -11,6 +11,8 @@
 
 namespace vdbpack {
 
+struct RepairReport;
+
 /// The point of the wall nearest to a query point.
 template <int Dim>
 struct WallPoint {
@@ -55,6 +57,7 @@ struct DomainFacts {
     std::uint64_t activeVoxels = 0;
     std::uint64_t boundaryEdges = 0;
     std::uint64_t nonManifoldEdges = 0;
+    std::shared_ptr<const RepairReport> repair;  ///< what was done to the mesh; null: nothing
 };
 
 /// A bounded region of the plane or of space. Immutable, shared between threads;

@@ -225,11 +225,11 @@ std::string flawsOf(const MeshHealth& health) {
                     voxelSize, fieldVolume, health.enclosedVolume);
     if (!health.isClosed())
         throw InputError(
-            fmt::format("{}: the mesh is not closed: {}; {}; close the holes or repair the mesh",
+            fmt::format("{}: the mesh is not closed: {}; {}; close the holes or pass --repair",
                         name, health.describeLeak(), volumes));
     throw InputError(fmt::format(
         "{}: inside and outside cannot be told apart: {}{}{}; the likely cause is {}; separate or "
-        "join the pieces, or repair the mesh",
+        "join the pieces, or pass --repair",
         name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
         health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
 }
@@ -316,6 +316,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     parts.volume = isClean(health) ? health.enclosedVolume : verdict.fieldVolume;
     parts.area = health.area;
     parts.facts.kind = kind;
+    parts.facts.repair = options.repair;
     parts.facts.triangles = mesh.triangles.size();
     parts.facts.meshVolume = health.enclosedVolume;
     parts.facts.voxelSize = voxelSize;

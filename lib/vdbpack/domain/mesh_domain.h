@@ -22,6 +22,8 @@ struct FieldOptions {
     double detail = 0;
     /// Name of the mesh in messages (its file).
     std::string name = "mesh";
+    /// What was done to the mesh before, for `facts`.
+    std::shared_ptr<const RepairReport> repair;
 };
 
 /// A mesh domain keeps both; `grid` is what is written as `surface`.

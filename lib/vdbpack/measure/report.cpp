@@ -1,6 +1,7 @@
 #include "vdbpack/measure/report.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -105,6 +106,12 @@ void addDomain(Summary& out, const Report& r) {
         out.line("",
                  fmt::format("the mesh has {} boundary and {} non-manifold edges",
                              grouped(r.domain.boundaryEdges), grouped(r.domain.nonManifoldEdges)));
+    if (r.domain.repair) {
+        out.line("repair", describe(*r.domain.repair));
+        if (r.domain.repair->doubtfulVolume > 0)
+            out.line("", fmt::format("{:.4g} mm³ in doubt next to holes",
+                                     r.domain.repair->doubtfulVolume));
+    }
 }
 
 Json voidsJson(const Report& r) {
@@ -231,6 +238,7 @@ nlohmann::ordered_json toJson(const Report& r) {
                       {"activeVoxels", r.domain.activeVoxels},
                       {"boundaryEdges", r.domain.boundaryEdges},
                       {"nonManifoldEdges", r.domain.nonManifoldEdges}};
+    if (r.domain.repair) json["domain"]["repair"] = toJson(*r.domain.repair);
     const bool any = r.count > 0;
     json["spheres"] = {{"count", r.count},
                        {"existing", r.existing},
