@@ -16,6 +16,8 @@ namespace {
 
 /// Voxels of a size that is asked for are taken within these shares of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
+/// Diagonal below which voxels in 32-bit floats have no digits left, mm.
+constexpr double kSmallestExtent = 1e-6;
 
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
 std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
@@ -161,6 +163,11 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     fileBounds_ = mesh_->bounds();
     fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
     const double extent = length(fileBounds_.size());
+    if (!(extent > kSmallestExtent))
+        throw InputError(fmt::format(
+            "{}: is {:.3g} mm across, too small to be computed with; the file is read in {}: check "
+            "--unit and --scale",
+            text, extent, unitName(recipe.unit)));
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "

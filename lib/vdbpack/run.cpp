@@ -45,6 +45,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         const double guess = source.measure() / (target * sizes.meanBall(Dim));
         scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
     }
+    requireShell(recipe.voids.shell, source);
     prepared.built = source.build(
         fieldDetail(sizes.min(), sizes.mean()) * scale,
         std::max(sizes.max() * scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3),

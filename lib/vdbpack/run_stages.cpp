@@ -173,6 +173,17 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     pack.contacts = std::move(contacts.counts);
 }
 
+void requireShell(double shell, const DomainSource& source) {
+    if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
+    const Vec<3> size = source.fileBounds().size();
+    const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
+    if (2 * shell < thin) return;
+    throw InputError(fmt::format(
+        "--shell {} mm: everything is cortical, the domain is {:.4g} mm thick at the most; give a "
+        "thinner shell, or check the unit of the domain",
+        shell, thin));
+}
+
 double structureDepth(const RadiusStatistics& radius, double shell) {
     return std::max({3 * radius.max, 6.05 * radius.mean, 1.05 * shell});
 }

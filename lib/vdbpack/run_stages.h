@@ -65,6 +65,9 @@ template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report);
 
+/// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
+void requireShell(double shell, const DomainSource& source);
+
 /// How deep the field must know distances for all that `measureStructure` tells of such radii, mm:
 /// three mean diameters for the pair correlation, and a little beyond the shell.
 double structureDepth(const RadiusStatistics& radius, double shell);

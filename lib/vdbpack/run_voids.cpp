@@ -34,6 +34,7 @@ template <int Dim>
 void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& run, Clock& clock,
              const Callbacks& callbacks) {
     Report& report = run.report;
+    requireShell(recipe.voids.shell, source);
     const auto built = source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3,
                                     callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(built);
@@ -72,6 +73,7 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
            Clock& clock, const Callbacks& callbacks) {
     Report& report = run.report;
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
+    requireShell(recipe.voids.shell, source);
     const auto built = source.build(fieldDetail(radius.min, radius.mean),
                                     std::max(radius.max, depthForShell(recipe.voids) / 3),
                                     callbacks, plannedVoxel(recipe.voids, Dim));

@@ -344,6 +344,13 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
             s.recipe.shell, largestPlace(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
+    const Vec<Dim> size = s.domain.bounds().size();
+    const double longest = *std::max_element(size.c.begin(), size.c.end());
+    if (!(s.recipe.voxelSize <= longest))
+        throw ParameterError(fmt::format(
+            "--void-voxel {}: larger than the domain, which is {:.4g} mm long; give a quarter of "
+            "the shorter half-axis of the voids, or leave it out",
+            s.recipe.voxelSize, longest));
     if (method == VoidMethod::list && !early) return;
     double half = 0;
     if (method == VoidMethod::grid || method == VoidMethod::list) {

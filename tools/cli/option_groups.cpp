@@ -1,7 +1,9 @@
 #include "cli/option_groups.h"
 
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 
 using namespace vdbpack;
 
@@ -39,19 +41,32 @@ const Names<PreviewColor> kPreviewColors{{"radius", PreviewColor::radius},
 const Names<Cull> kCulls{
     {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
 
+/// More gain nothing anywhere, and each takes memory.
+constexpr std::uint64_t kMostThreads = 4096;
+
 const std::string kRadiusSpec =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
     "psd:FILE, in mm";
 
 }  // namespace
 
+namespace {
+
+/// The number that a whole text is; not a number for any other text.
+double numberOf(const std::string& text) {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    return end != text.c_str() && *end == 0 ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
 CLI::Validator positive() {
     return CLI::Validator(
         [](const std::string& text) {
-            char* end = nullptr;
-            const double value = std::strtod(text.c_str(), &end);
-            return end != text.c_str() && value > 0 ? std::string()
-                                                    : "'" + text + "' must be positive";
+            const double value = numberOf(text);
+            return value > 0 && std::isfinite(value) ? std::string()
+                                                     : "'" + text + "' must be a positive number";
         },
         "");
 }
@@ -59,11 +74,32 @@ CLI::Validator positive() {
 CLI::Validator notNegative() {
     return CLI::Validator(
         [](const std::string& text) {
-            char* end = nullptr;
-            const double value = std::strtod(text.c_str(), &end);
-            return end != text.c_str() && *end == 0 && value >= 0 && std::isfinite(value)
+            const double value = numberOf(text);
+            return value >= 0 && std::isfinite(value)
                        ? std::string()
                        : "'" + text + "' must be a number of 0 or more";
+        },
+        "");
+}
+
+CLI::Validator wholeNumber(std::uint64_t least, std::uint64_t most, const std::string& remedy) {
+    return CLI::Validator(
+        [least, most, remedy](std::string& text) {
+            std::uint64_t value = 0;
+            const char* const end = text.data() + text.size();
+            const auto [stop, failed] = std::from_chars(text.data(), end, value);
+            bool whole = failed == std::errc() && stop == end;
+            // 1e6 is one, too, as far as doubles are exact.
+            if (const double number = numberOf(text);
+                !whole && failed != std::errc::result_out_of_range && number >= 0 &&
+                number <= 0x1p53 && number == std::floor(number)) {
+                value = static_cast<std::uint64_t>(number);
+                text = std::to_string(value);
+                whole = true;
+            }
+            if (whole && value >= least && value <= most) return std::string();
+            return "'" + text + "' must be a whole number from " + std::to_string(least) + " to " +
+                   std::to_string(most) + (remedy.empty() ? "" : "; " + remedy);
         },
         "");
 }
@@ -100,7 +136,7 @@ void addContactTolerance(CLI::App& command, double& tolerance) {
 void addThreads(CLI::App& command, int& threads, const std::string& help) {
     command.add_option("--threads", threads, help)
         ->option_text("T [all cores]")
-        ->check(CLI::Range(1, 4096))
+        ->transform(wholeNumber(1, kMostThreads, "leave it out to use all cores"))
         ->group("Run");
 }
 
@@ -191,6 +227,7 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
                    CliOptions& options) {
     command.add_option("--seed", seed, "another seed, other voids")
         ->option_text("S [1]")
+        ->transform(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()))
         ->group("Run");
     command
         .add_option("--report", report, "write the report as JSON, or as a page for the browser")

@@ -20,6 +20,9 @@ extern const char* const kPackHelp;
 /// CLI11's own range checks print a range of 300 digits.
 CLI::Validator positive();
 CLI::Validator notNegative();
+/// For `transform`: also 1e6, which it writes out.
+/// @param remedy  what to do instead, for the message; may be empty.
+CLI::Validator wholeNumber(std::uint64_t least, std::uint64_t most, const std::string& remedy = {});
 CLI::Validator notEmpty();
 
 /// Names of values, in the order in which they are told.

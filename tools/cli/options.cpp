@@ -13,6 +13,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -27,6 +28,9 @@ const Names<Order> kOrders{{"sweep", Order::sweep},
                            {"centre", Order::center},
                            {"center", Order::center},
                            {"fifo", Order::fifo}};
+
+/// Places that are looked at in an hour or so.
+constexpr std::uint64_t kMostPlaces = 10'000'000'000;
 
 std::string versionText() {
     std::string text = "vdb_pack " VDBPACK_VERSION "\n";
@@ -64,7 +68,7 @@ CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
         ->group("Spheres");
     command->add_option("--max-count", options.pack.maxCount, "stop when N spheres are placed")
         ->option_text("N")
-        ->check(positive())
+        ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
     addChoice(*command, "--effort", options.pack.effort, kEfforts,
               "fast: places as they come; normal: the tightest first; dense: more pending radii")
@@ -163,6 +167,7 @@ CLI::App* addVerify(CLI::App& app, CliOptions& options) {
         ->add_option("--places", options.verify.placeSamples,
                      "look at N points of the domain for room for a sphere of 1.02 mean radii")
         ->option_text("N")
+        ->transform(wholeNumber(1, kMostPlaces))
         ->group("Run");
     command->add_flag("--json", options.json, "print the certificate as JSON")->group("Run");
     return command;

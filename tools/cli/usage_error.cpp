@@ -83,5 +83,12 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     if (most != std::string::npos)
         return fmt::format("{} is given {} times, but takes one value", message.substr(0, most),
                            message.substr(message.rfind(' ') + 1));
+    // "Could not convert: --voxel = 1x"
+    const std::string failed = "Could not convert: ";
+    const auto equals = message.find(" = ");
+    if (message.rfind(failed, 0) == 0 && equals != std::string::npos)
+        return fmt::format("{}: '{}' is no number",
+                           message.substr(failed.size(), equals - failed.size()),
+                           message.substr(equals + 3));
     return message;
 }

@@ -52,6 +52,11 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
                    double depth) {
     const Vec<3> size = mesh.bounds().size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
+    if (!(voxelSize <= longest))
+        throw ParameterError(fmt::format(
+            "{}: voxels of {:.4g} mm are larger than all of it, which is {:.4g} mm across; give "
+            "smaller ones, or check the unit of the mesh",
+            name, voxelSize, longest));
     const double voxels = voxelsOf(area, voxelSize, depth);
     if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
         throw ResourceError(fmt::format(

@@ -445,8 +445,9 @@ Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
                      const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
-    if (!(count >= 1))
-        throw ParameterError(fmt::format("target count {} is not a positive number", count));
+    if (!(count >= 1 && std::isfinite(count)))
+        throw ParameterError(
+            fmt::format("target count {}: must be a number of spheres, 1 or more", count));
     const double shell = 0.5 * options.gap;
     const double guess = Dim == 3 ? 0.58 : 0.8;
     const double most = guess * domain.measure() / ballWithShell<Dim>(options.sizes, 0, shell);

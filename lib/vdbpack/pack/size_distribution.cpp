@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <numeric>
@@ -86,6 +87,9 @@ void requireRange(const std::string& spec, double lo, double hi) {
 /// Two numbers a line, separated by comma, semicolon, tab or blanks; a line of words at the top
 /// and lines that start with # are passed over.
 std::vector<std::pair<double, double>> readTable(const std::string& path, const char* columns) {
+    std::error_code ignored;
+    if (std::filesystem::is_directory(path, ignored))
+        throw IoError(path + ": is a folder; name a file");
     std::ifstream file(path);
     if (!file) throw IoError(path + ": cannot be read; check the name and its permissions");
     std::vector<std::pair<double, double>> rows;
