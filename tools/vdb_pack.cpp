@@ -5,12 +5,14 @@
 
 #include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/forecast.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_mesh.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -98,6 +100,8 @@ int runCommand(const CliOptions& options) {
                     fmt::print("{}\n", toJson(forecast).dump(2));
                 else
                     fmt::print("{}", summary(forecast));
+                std::fflush(stdout);
+                requireResources(forecast.needs, memoryLimit(options.pack.memoryLimit));
                 return kDone;
             }
             if (options.seeds.size() > 1 || !options.table.empty())
@@ -169,6 +173,41 @@ int runCommand(const CliOptions& options) {
     return kUsage;
 }
 
+double memoryLimitOf(const CliOptions& options) {
+    switch (options.command) {
+        case CliOptions::Command::pack:
+            return options.pack.memoryLimit;
+        case CliOptions::Command::voids:
+            return options.voids.memoryLimit;
+        case CliOptions::Command::carve:
+            return options.carve.memoryLimit;
+        case CliOptions::Command::verify:
+            return options.verify.memoryLimit;
+        case CliOptions::Command::measure:
+            return options.measure.memoryLimit;
+        case CliOptions::Command::convert:
+            return options.convert.memoryLimit;
+        case CliOptions::Command::mesh:
+            break;
+    }
+    return 0;
+}
+
+/// The last net, where nothing asks how much is held: beyond this, allocations fail. It counts what
+/// is asked for and not what is held (up to twice as much while arrays grow), so it is wider than
+/// the limit, and leaves room for the stacks of threads.
+void limitData([[maybe_unused]] double memory) {
+#ifndef __SANITIZE_ADDRESS__  // whose own tables would count
+    const double most = 2 * memoryLimit(memory) + 1e9;
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_DATA, &limit) != 0 || !(most < 9e18)) return;
+    const auto bytes = static_cast<rlim_t>(most);
+    if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur <= bytes) return;
+    limit.rlim_cur = bytes;
+    ::setrlimit(RLIMIT_DATA, &limit);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -180,6 +219,7 @@ int main(int argc, char** argv) {
         std::signal(SIGINT, onSignal);
         std::signal(SIGTERM, onSignal);
     }
+    limitData(memoryLimitOf(*options));
     const auto fail = [](const char* message, int code) {
         clearProgressLine();
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO), message);
@@ -196,7 +236,11 @@ int main(int argc, char** argv) {
     } catch (const ResourceError& e) {
         return fail(e.what(), kNoResources);
     } catch (const std::bad_alloc&) {
-        return fail("not enough memory; ask for larger radii or clip the domain", kNoResources);
+        return fail(
+            "no more memory is to be had; ask for larger radii or voxels, clip the domain, or "
+            "raise "
+            "--memory-limit",
+            kNoResources);
     } catch (const std::exception& e) {
         return fail(e.what(), kIoFailed);
     }

@@ -1,10 +1,12 @@
 #include "vdbpack/convert.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/stl_file.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/preview_stage.h"
 #include "vdbpack/run_given.h"
@@ -42,6 +44,14 @@ std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& call
     }
 }
 
+/// Refuses what memory or disks have no room for.
+void requireRoom(const ConvertRecipe& recipe, Extent extent) {
+    extent.outputs = recipe.outputs;
+    extent.preview = recipe.preview;
+    extent.threads = effectiveThreads(recipe.threads);
+    requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
+}
+
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
                  const Callbacks& callbacks) {
@@ -61,6 +71,8 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     DomainSource::Built built;
     std::optional<double> solid;
     std::optional<DomainSource> source;
+    Extent extent;
+    extent.dim = Dim;
     if (!recipe.domain.source.empty()) {
         source.emplace(recipe.domain, callbacks);
         if (source->dim() != Dim)
@@ -69,11 +81,19 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
                             "it lies in",
                             recipe.domain.source, source->dim(), Dim));
         const RadiusStatistics radius = radiusStatistics(pack.spheres);
-        built = source->build(fieldDetail(radius.min, radius.mean), radius.max, callbacks);
+        const double detail = fieldDetail(radius.min, radius.mean);
+        extent = extentOf(*source, detail, radius.max);
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireRoom(recipe, extent);
+        built = source->build(detail, radius.max, callbacks);
         have.domain = ofDim<Dim>(built).get();
         if (built.mesh) write.levelSets = {built.mesh->grid()};
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
+    }
+    if (!source) {
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireRoom(recipe, extent);
     }
     write.particleDensity = particleDensity(recipe.density, solid);
     result.kind = Measure<Dim>::kSpheres;
@@ -120,6 +140,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         solid.voxelSize = recipe.domain.voxelSize > 0
                               ? recipe.domain.voxelSize
                               : *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
+        requireRoom(recipe, extentOf(DomainSource(solid), solid.voxelSize, solid.voxelSize));
         return DomainSource(solid, callbacks)
             .build(solid.voxelSize, solid.voxelSize, callbacks)
             .mesh->grid();
@@ -154,7 +175,8 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source}, recipe.preview.file);
     ConvertResult result;
     std::vector<std::string> warnings;
-    const Callbacks heard = keepingWarnings(callbacks, warnings);
+    const Callbacks heard =
+        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), warnings);
     withThreads(recipe.threads, [&] {
         const auto pack = packOf(recipe, heard);
         if (!pack)

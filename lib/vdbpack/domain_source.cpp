@@ -4,9 +4,11 @@
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -18,6 +20,9 @@ namespace {
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
 /// Diagonal below which voxels in 32-bit floats have no digits left, mm.
 constexpr double kSmallestExtent = 1e-6;
+/// Points by which the volume of a clipped mesh is told, to about 1 %, and the steps between them.
+constexpr std::size_t kVolumePoints = 20000;
+constexpr double kWeyl[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
 
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
 std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
@@ -162,6 +167,9 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     }
     fileBounds_ = mesh_->bounds();
     fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
+    for (const auto& t : mesh_->triangles)
+        fileArea_ += 0.5 * length(cross(mesh_->vertices[t[1]] - mesh_->vertices[t[0]],
+                                        mesh_->vertices[t[2]] - mesh_->vertices[t[0]]));
     const double extent = length(fileBounds_.size());
     if (!(extent > kSmallestExtent))
         throw InputError(fmt::format(
@@ -201,6 +209,66 @@ double DomainSource::measure() const {
     return std::fabs(fileVolume_);
 }
 
+FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
+                                        double voxelSize) const {
+    FieldOptions options;
+    options.voxelSize = recipe_.voxelSize;
+    options.detail = minRadius;
+    const double chosen = voxelSize > 0 ? defaultVoxelSize(*mesh_, minRadius) : 0;
+    if (!(options.voxelSize > 0) && voxelSize > kFinest * chosen && voxelSize < kCoarsest * chosen)
+        options.voxelSize = voxelSize;
+    // A pivot must know its clearance up to its reach, and so must the interior fraction.
+    options.depth = 3 * maxRadius;
+    options.name = recipe_.source;
+    options.repair = repair_;
+    return options;
+}
+
+FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSize) const {
+    FieldPlan plan;
+    if (!mesh_) return plan;
+    const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
+    plan.triangles = mesh_->triangles.size();
+    plan.vertices = mesh_->vertices.size();
+    plan.area = fileArea_;
+    plan.volume = std::fabs(fileVolume_);
+    plan.voxelSize =
+        options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(*mesh_, options.detail);
+    plan.depth = options.depth;
+    return plan;
+}
+
+double DomainSource::clippedVolume() const {
+    if (!mesh_ || clips_.empty()) return std::fabs(fileVolume_);
+    // Clips along the axes, which most are, narrow the box that is looked at.
+    Box<3> box = fileBounds_;
+    for (const HalfSpace<3>& h : clips_)
+        for (int d = 0; d < 3; ++d) {
+            const double along = h.normal[d];
+            if (std::fabs(std::fabs(along) - length(h.normal)) > 1e-12) continue;
+            if (along > 0)
+                box.hi[d] = std::min(box.hi[d], h.offset / along);
+            else
+                box.lo[d] = std::max(box.lo[d], h.offset / along);
+        }
+    if (box.empty()) return 0;
+    const MeshSides sides(*mesh_, false);
+    std::size_t inside = 0;
+    for (std::size_t n = 0; n < kVolumePoints; ++n) {
+        Vec<3> x;
+        // Weyl's sequence: spread evenly, without a lattice to resonate with the bone.
+        for (int d = 0; d < 3; ++d) {
+            const double part = std::fmod((static_cast<double>(n) + 0.5) * kWeyl[d], 1.0);
+            x[d] = box.lo[d] + part * (box.hi[d] - box.lo[d]);
+        }
+        const bool kept = std::all_of(clips_.begin(), clips_.end(), [&](const HalfSpace<3>& h) {
+            return dot(h.normal, x) <= h.offset;
+        });
+        if (kept && sides.inside(x)) ++inside;
+    }
+    return box.measure() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
+}
+
 DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
                                         const Callbacks& callbacks, double voxelSize) const {
     Built built;
@@ -209,17 +277,7 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         return built;
     }
     if (mesh_) {
-        FieldOptions options;
-        options.voxelSize = recipe_.voxelSize;
-        options.detail = minRadius;
-        const double chosen = voxelSize > 0 ? defaultVoxelSize(*mesh_, minRadius) : 0;
-        if (!(options.voxelSize > 0) && voxelSize > kFinest * chosen &&
-            voxelSize < kCoarsest * chosen)
-            options.voxelSize = voxelSize;
-        // A pivot must know its clearance up to its reach, and so must the interior fraction.
-        options.depth = 3 * maxRadius;
-        options.name = recipe_.source;
-        options.repair = repair_;
+        const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
         built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
                                : meshDomain(*mesh_, options, callbacks);
     }

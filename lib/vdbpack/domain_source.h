@@ -49,6 +49,13 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe);
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report);
 
+/// A field that would be made of a file, and of what.
+struct FieldPlan {
+    std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape
+    double area = 0, volume = 0;                ///< of the mesh, mm² and mm³
+    double voxelSize = 0, depth = 0;            ///< mm
+};
+
 /// A shape or the content of a file, before radii are known.
 class DomainSource {
 public:
@@ -73,6 +80,12 @@ public:
     Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
                 double voxelSize = 0) const;
 
+    /// The field that `build` would make.
+    FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;
+    /// About the volume of what clips leave of a file (not of shapes, nor slices), by points spread
+    /// over it, mm³.
+    double clippedVolume() const;
+
     /// How far spheres stick out of the domain's wall itself (triangles or formula), checked
     /// with none of the code that made the field.
     ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
@@ -95,8 +108,10 @@ private:
     std::optional<Shape<2>> shape2_;
     std::vector<HalfSpace<3>> clips_;
     std::optional<double> slice_;
+    FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
+
     Box<3> fileBounds_;
-    double fileVolume_ = 0;
+    double fileVolume_ = 0, fileArea_ = 0;
 };
 
 /// Warns of settings that mean nothing to such a domain: units of shapes, grids of meshes.

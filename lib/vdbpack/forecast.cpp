@@ -25,18 +25,13 @@ constexpr double kSmallBesides = 400000;
 /// Share of a full run's packing time that --target-count adds with its own trials.
 constexpr double kTargetTrials = 0.25;
 
-/// Peak memory of whole runs (box:1082, 51,855,183 spheres; skull_seg3d.ply, 23 million active
-/// voxels): bytes a sphere, bytes an active voxel, and what any run takes.
-constexpr double kBytesPerSphere = 122;
-constexpr double kBytesPerVoxel = 40;
-constexpr double kBytesAlways = 4e7;
-
 /// What one trial gave.
 struct Trial {
     double scale = 1;                ///< of the radii, against the pack to come
     double count = 0, fraction = 0;  ///< of what is placed
     double standing = 0, standingFraction = 0;
     double voxels = 0, voxelSize = 0;
+    double volume = 0, area = 0;               ///< of the domain, mm^dim
     double domain = 0, pack = 0, measure = 0;  ///< seconds
 };
 
@@ -64,6 +59,8 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     const DomainFacts facts = domain->facts();
     trial.voxels = static_cast<double>(facts.activeVoxels);
     trial.voxelSize = facts.voxelSize;
+    trial.volume = domain->measure();
+    trial.area = domain->wallMeasure();
     const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
     clock.lap();
     auto result = packSpheres(*domain, options, quiet, existing.spheres);
@@ -185,7 +182,15 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     f.trialCount = static_cast<std::uint64_t>(large.count);
     f.existing = static_cast<std::uint64_t>(large.standing);
     f.count += large.standing;
-    f.memoryBytes = kBytesAlways + kBytesPerSphere * f.count + kBytesPerVoxel * voxels;
+    // What the trials tell instead of guesses.
+    Extent extent = extentOf(recipe, source);
+    const double guessed = extent.domainVolume;
+    extent.domainVolume = large.volume;
+    extent.domainArea = large.area;
+    extent.count = f.count;
+    if (guessed > 0) extent.voids *= large.volume / guessed;
+    if (extent.field.triangles > 0) extent.field.voxelSize = f.voxelSize;
+    f.needs = needsOf(extent);
     return f;
 }
 
@@ -223,7 +228,8 @@ nlohmann::ordered_json toJson(const Forecast& f) {
                        {"pack", f.seconds.pack},
                        {"measure", f.seconds.measure},
                        {"total", f.seconds.total}};
-    json["peakMemoryBytes"] = std::llround(f.memoryBytes);
+    json["peakMemoryBytes"] = std::llround(std::min(f.needs.memory(), 9e18));
+    json.update(toJson(f.needs));
     json["trial"] = {{"count", f.trialCount}, {"seconds", f.trialSeconds}};
     return json;
 }
@@ -241,7 +247,7 @@ std::string summary(const Forecast& f) {
         "thread{}\n",
         "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack, f.seconds.measure,
         f.seconds.total, f.threads, f.threads == 1 ? "" : "s");
-    text += fmt::format("{:<11}{:.0f} MiB at most\n", "memory", f.memoryBytes / (1 << 20));
+    text += summary(f.needs);
     text += fmt::format("{:<11}trials of up to {} {}, {:.2f} s\n", "from", f.trialCount, spheres,
                         f.trialSeconds);
     return text;

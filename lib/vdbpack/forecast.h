@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/needs.h"
 #include "vdbpack/recipe.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -22,8 +23,8 @@ struct Forecast {
     double voxelSize = 0;  ///< of its field, mm; 0: none
     struct Seconds {
         double mesh = 0, domain = 0, pack = 0, measure = 0, total = 0;
-    } seconds;               ///< on `threads` of this machine, without writing
-    double memoryBytes = 0;  ///< at most
+    } seconds;    ///< on `threads` of this machine, without writing
+    Needs needs;  ///< of memory, and what the files will take
     int threads = 0;
     double trialSeconds = 0;       ///< what the forecast itself took
     std::uint64_t trialCount = 0;  ///< spheres of the largest trial
@@ -33,7 +34,8 @@ struct Forecast {
 /// fraction falls in proportion to the radii (walls), the field costs a share for its triangles
 /// and one for its voxels, packing and checks one for the wall and one for each sphere. A pack
 /// small enough is made as it is. Outputs are checked as `runPack` does, and not written.
-/// @throws as `runPack`.
+/// A forecast is made of runs that no machine could make, too: `requireResources(forecast.needs,
+/// memoryLimit(recipe.memoryLimit))` throws what such a run does. @throws as `runPack` otherwise.
 Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 
 /// The keys of a report, where they apply, and `dryRun`.

@@ -32,6 +32,7 @@ struct PackRecipe {
     int threads = 0;  ///< 0: all cores
     Unit outUnit = Unit::millimeter;
     double contactTolerance = 1e-3;  ///< of the smaller radius
+    double memoryLimit = 0;          ///< bytes that may be held; 0: what there is at the start
     std::string density;             ///< of the spheres in DEM files, as `particleDensity` takes it
     std::vector<std::string> outputs;  ///< -o
     std::string reportFile;            ///< .json or .html; empty: none

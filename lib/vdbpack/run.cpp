@@ -1,9 +1,11 @@
 #include "vdbpack/run.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/preview_stage.h"
 #include "vdbpack/recipe_file.h"
@@ -36,23 +38,16 @@ struct Prepared {
 template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
+    requireShell(recipe.voids.shell, source);
+    requireResources(recipe, source);
     Prepared<Dim> prepared{requestedSizes(recipe, Dim), {}, {}};
     const SizeDistribution& sizes = prepared.requested.sizes;
-    const double target = prepared.requested.targetCount;
-    double scale = 1;
-    if (target > 0) {
-        // Half full is the lowest that is to be expected: the field is deep and fine enough.
-        const double guess = source.measure() / (target * sizes.meanBall(Dim));
-        scale = std::pow((Dim == 3 ? 0.58 : 0.8) * guess, 1.0 / Dim);
-    }
-    requireShell(recipe.voids.shell, source);
-    prepared.built = source.build(
-        fieldDetail(sizes.min(), sizes.mean()) * scale,
-        std::max(sizes.max() * scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3),
-        callbacks, plannedVoxel(recipe.voids, Dim));
+    const FieldRadii radii = fieldRadii(recipe, prepared.requested, source);
+    prepared.built =
+        source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     if (recipe.voids.shell > 0 || !recipe.voids.empty())
         checkRoom(VoidSetting<Dim>{recipe.voids, prepared.domain(), prepared.built.sliceHeight,
-                                   recipe.seed, sizes.max() * scale, callbacks},
+                                   recipe.seed, sizes.max() * radii.scale, callbacks},
                   true);
     checkPreview<Dim>(recipe.preview, prepared.domain(), nullptr);
     if (recipe.existing.empty()) return prepared;
@@ -235,9 +230,10 @@ std::string failures(const RunResult& run) {
 
 namespace {
 
-void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
+void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
              const std::function<bool(RunResult&&)>& done) {
     const PackRecipe& recipe = recipes.front();
+    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
     for (const auto& r : recipes) checkOutputs(r);
     checkDensity(recipe.density);
     Clock clock;

@@ -86,6 +86,7 @@ struct GivenPack {
     std::string radius;    ///< SPEC to hold the radii against; empty: none
     WeightBy weightBy = WeightBy::count;
     double contactTolerance = 1e-3;
+    double memoryLimit = 0;  ///< as that of PackRecipe
     int threads = 0;
     std::string command;  ///< for the report; empty: what is done to which file
 };
@@ -120,6 +121,7 @@ struct VoidsRecipe {
     DomainRecipe domain;
     VoidRecipe voids;
     std::uint64_t seed = 1;
+    double memoryLimit = 0;            ///< as that of PackRecipe
     int threads = 0;                   ///< 0: all cores
     std::vector<std::string> outputs;  ///< .vdb and list:FILE.csv
     std::string reportFile;

@@ -2,11 +2,13 @@
 #include "vdbpack/run_given.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/domain/voxel_image.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/report_file.h"
 #include "vdbpack/run.h"
@@ -85,10 +87,19 @@ RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
         if (!recipe.radius.empty())
             sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
         DomainSource::Built built;
+        Extent extent;
+        extent.dim = Dim;
+        extent.count = static_cast<double>(pack.spheres.size());
+        extent.threads = report.threads;
+        if (!source) requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
         if (source) {
             const auto radius = radiusStatistics(pack.spheres);
-            built = source->build(fieldDetail(radius.min, radius.mean), depthFor(radius) / 3,
-                                  callbacks);
+            const double detail = fieldDetail(radius.min, radius.mean);
+            Extent inDomain = extentOf(*source, detail, depthFor(radius) / 3);
+            inDomain.count = extent.count;
+            inDomain.threads = extent.threads;
+            requireResources(needsOf(inDomain), memoryLimit(recipe.memoryLimit));
+            built = source->build(detail, depthFor(radius) / 3, callbacks);
         }
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
@@ -119,7 +130,8 @@ RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
 
 }  // namespace
 
-RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks) {
+RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
+    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
     if (recipe.placeSamples > 0 && recipe.domain.source.empty())
         throw ParameterError("--places looks in a domain; give one with --domain");
     Report report;
@@ -217,6 +229,10 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
         if (!(voxel > 0)) imageVoxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
         solid.voxelSize = imageVoxel;
+        Extent extent = extentOf(DomainSource(solid), imageVoxel, imageVoxel);
+        extent.imageVoxels = size[0] * size[1] * size[2] / (imageVoxel * imageVoxel * imageVoxel);
+        extent.threads = report.threads;
+        requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
         grid = DomainSource(solid).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
     } else {
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
@@ -284,7 +300,8 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     report.command = recipe.command.empty() ? "measure " + recipe.pack : recipe.command;
     report.threads = effectiveThreads(recipe.threads);
     std::vector<std::string> warnings;
-    const Callbacks heard = keepingWarnings(callbacks, warnings);
+    const Callbacks heard =
+        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), warnings);
     MeasureResult result = withThreads(recipe.threads, [&] {
         Clock clock;
         std::optional<Pack<3>> pack;

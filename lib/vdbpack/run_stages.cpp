@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/recipe.h"
+#include "vdbpack/void_stage.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -171,6 +171,22 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     else
         report.smallestGap = smallestGap(pack.spheres, report.existing);
     pack.contacts = std::move(contacts.counts);
+}
+
+FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
+                      const DomainSource& source) {
+    const SizeDistribution& sizes = requested.sizes;
+    const int dim = source.dim();
+    FieldRadii radii;
+    if (requested.targetCount > 0) {
+        // Half full is the lowest that is to be expected: the field is deep and fine enough.
+        const double guess = source.measure() / (requested.targetCount * sizes.meanBall(dim));
+        radii.scale = std::pow((dim == 3 ? 0.58 : 0.8) * guess, 1.0 / dim);
+    }
+    radii.detail = fieldDetail(sizes.min(), sizes.mean()) * radii.scale;
+    radii.reach =
+        std::max(sizes.max() * radii.scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3);
+    return radii;
 }
 
 void requireShell(double shell, const DomainSource& source) {

@@ -5,6 +5,7 @@
 #include "vdbpack/measure/report.h"
 #include "vdbpack/measure/structure.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/recipe.h"
 
 #include <algorithm>
 #include <chrono>
@@ -64,6 +65,13 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report);
+
+/// For which radii the field of a pack is made, mm, and about what its sizes are scaled by.
+struct FieldRadii {
+    double scale = 1, detail = 0, reach = 0;
+};
+FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
+                      const DomainSource& source);
 
 /// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
 void requireShell(double shell, const DomainSource& source);

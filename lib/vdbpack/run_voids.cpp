@@ -1,7 +1,9 @@
 // Runs that cut voids without packing: voids and carve.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/preview_stage.h"
 #include "vdbpack/recipe_file.h"
@@ -30,13 +32,27 @@ double detailFor(const VoidRecipe& recipe) {
     return recipe.radius.empty() ? 0 : SizeDistribution::parse(recipe.radius, 3).min();
 }
 
+/// Refuses what memory or disks have no room for.
+template <class Recipe>
+void requireRoom(const Recipe& recipe, Extent extent, double count, double largest) {
+    extent.count = count;
+    addVoids(extent, recipe.voids, largest);
+    extent.outputs = recipe.outputs;
+    extent.preview = recipe.preview;
+    extent.reportFile = recipe.reportFile;
+    extent.threads = effectiveThreads(recipe.threads);
+    requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
+}
+
 template <int Dim>
 void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& run, Clock& clock,
              const Callbacks& callbacks) {
     Report& report = run.report;
     requireShell(recipe.voids.shell, source);
-    const auto built = source.build(detailFor(recipe.voids), depthForShell(recipe.voids) / 3,
-                                    callbacks, plannedVoxel(recipe.voids, Dim));
+    const double detail = detailFor(recipe.voids), reach = depthForShell(recipe.voids) / 3;
+    const double voxel = plannedVoxel(recipe.voids, Dim);
+    requireRoom(recipe, extentOf(source, detail, reach, voxel), 0, 0);
+    const auto built = source.build(detail, reach, callbacks, voxel);
     const Domain<Dim>& domain = *ofDim<Dim>(built);
     report.dim = Dim;
     report.domain = domain.facts();
@@ -74,9 +90,12 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     Report& report = run.report;
     const RadiusStatistics radius = radiusStatistics(pack.spheres);
     requireShell(recipe.voids.shell, source);
-    const auto built = source.build(fieldDetail(radius.min, radius.mean),
-                                    std::max(radius.max, depthForShell(recipe.voids) / 3),
-                                    callbacks, plannedVoxel(recipe.voids, Dim));
+    const double detail = fieldDetail(radius.min, radius.mean);
+    const double reach = std::max(radius.max, depthForShell(recipe.voids) / 3);
+    const double voxel = plannedVoxel(recipe.voids, Dim);
+    requireRoom(recipe, extentOf(source, detail, reach, voxel),
+                static_cast<double>(pack.spheres.size()), radius.max);
+    const auto built = source.build(detail, reach, callbacks, voxel);
     const Domain<Dim>& domain = *ofDim<Dim>(built);
     report.seconds.domain = clock.lap();
     const VoidSetting<Dim> setting{recipe.voids, domain,     built.sliceHeight,
@@ -162,7 +181,8 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
     RunResult run;
     Report& report = run.report;
     begin(report, recipe, "voids", recipe.domain.source);
-    const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+    const Callbacks heard =
+        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), report.warnings);
     withThreads(recipe.threads, [&] {
         Clock clock;
         const DomainSource source(recipe.domain, heard);
@@ -197,7 +217,8 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     RunResult run;
     Report& report = run.report;
     begin(report, recipe, "carve", recipe.pack);
-    const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+    const Callbacks heard =
+        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), report.warnings);
     withThreads(recipe.threads, [&] {
         Clock clock;
         Pack<3> given = readGiven(recipe, heard);

@@ -414,7 +414,7 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
         CHECK(forecast.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
         CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
         CHECK(forecast.seconds.pack > 0);
-        CHECK(forecast.memoryBytes > 4e7);
+        CHECK(forecast.needs.memory() > 4e7);
         const auto json = toJson(forecast);
         CHECK(json["dryRun"] == true);
         CHECK(json["spheres"]["count"] == std::llround(forecast.count));

@@ -1,5 +1,7 @@
 #include "cli/option_groups.h"
 
+#include "vdbpack/core/memory.h"
+
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -140,6 +142,17 @@ void addThreads(CLI::App& command, int& threads, const std::string& help) {
         ->group("Run");
 }
 
+void addMemoryLimit(CLI::App& command, double& bytes) {
+    command
+        .add_option_function<std::string>(
+            "--memory-limit",
+            [&bytes](const std::string& text) { bytes = parseBytes(text, "--memory-limit"); },
+            "memory that the run may take: 8G, 500M, 1.5GiB; what would take more is refused "
+            "before the work, or stopped (exit code 5)")
+        ->option_text("SIZE [what is free]")
+        ->group("Run");
+}
+
 void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
     addUnit(command, "--unit", domain.unit, "unit of the domain's file: m, cm, mm or um");
     command.add_option("--scale", domain.scale, "further factor on the file's lengths")
@@ -221,6 +234,7 @@ void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const s
                    "; to hold the radii of the pack against");
     addContactTolerance(command, given.contactTolerance);
     addThreads(command, given.threads, "threads");
+    addMemoryLimit(command, given.memoryLimit);
 }
 
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,

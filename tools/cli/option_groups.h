@@ -59,6 +59,7 @@ void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std:
 void addContactTolerance(CLI::App& command, double& tolerance);
 void addThreads(CLI::App& command, int& threads, const std::string& help);
 void addRepairOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
+void addMemoryLimit(CLI::App& command, double& bytes);
 void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);

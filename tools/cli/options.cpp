@@ -107,6 +107,7 @@ CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
         ->option_text("FILE.csv")
         ->group("Run");
     addThreads(*command, options.pack.threads, "threads; the pack does not depend on it");
+    addMemoryLimit(*command, options.pack.memoryLimit);
     command
         ->add_flag("--dry-run", options.dryRun,
                    "tell count, solid fraction, time and memory to expect; writes nothing")
@@ -139,6 +140,7 @@ CLI::App* addVoids(CLI::App& app, CliOptions& options) {
     addRunOptions(*command, options.voids.seed, options.voids.reportFile, options);
     addPreviewOptions(*command, options.voids.preview);
     addThreads(*command, options.voids.threads, "threads");
+    addMemoryLimit(*command, options.voids.memoryLimit);
     return command;
 }
 
@@ -235,6 +237,7 @@ CLI::App* addConvert(CLI::App& app, CliOptions& options) {
     addDensityOption(*command, options.convert.density);
     addPreviewOptions(*command, options.convert.preview);
     addThreads(*command, options.convert.threads, "threads");
+    addMemoryLimit(*command, options.convert.memoryLimit);
     command->add_flag("--json", options.json, "print what was converted as JSON")->group("Run");
     command->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
     return command;

@@ -11,8 +11,8 @@
 namespace {
 
 /// Of no consequence to what comes out.
-constexpr const char* kPassing[] = {"help",    "config",  "json", "quiet",
-                                    "dry-run", "threads", "table"};
+constexpr const char* kPassing[] = {"help",    "config",  "json",  "quiet",
+                                    "dry-run", "threads", "table", "memory-limit"};
 
 /// A value as it would stand on the command line.
 std::string textOf(const toml::node& node) {

@@ -1,6 +1,7 @@
 #include "vdbpack/voids/stamp.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/domain/vdb_init.h"
 #include "vdbpack/voids/tile.h"
@@ -338,16 +339,6 @@ double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
     const double leaves =
         std::min(entries, domain.measure() / tile + 2 * domain.wallMeasure() * side / tile + 27);
     return entries * kBytesPerEntry + leaves * kBytesPerLeaf * kLevelSets;
-}
-
-/// Bytes of memory that this process may still take.
-double availableMemory() {
-    std::ifstream info("/proc/meminfo");
-    std::string key;
-    double value = 0;
-    for (std::string rest; info >> key >> value && std::getline(info, rest);)
-        if (key == "MemAvailable:") return value * 1024;
-    return std::numeric_limits<double>::infinity();  // not told
 }
 
 void requireMemory(double voids, double needed, double voxelSize) {

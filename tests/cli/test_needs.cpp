@@ -1,0 +1,242 @@
+// Memory and space that runs take, told before.
+#include "cli/recipes.h"
+#include "support/generators.h"
+#include "support/limited_tool.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/forecast.h"
+#include "vdbpack/needs.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <sstream>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+using test::vdbPackWithin;
+using Words = std::vector<std::string>;
+
+namespace {
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr bool kSanitized = true;  // whose tables are most of the memory
+#else
+constexpr bool kSanitized = false;
+#endif
+
+Words split(const std::string& line) {
+    Words words;
+    std::istringstream in(line);
+    for (std::string word; in >> word;) words.push_back(word);
+    return words;
+}
+
+Needs needsOfPack(const std::string& domain, const std::string& radius) {
+    PackRecipe recipe;
+    recipe.domain.source = domain;
+    recipe.radius = radius;
+    recipe.threads = 2;
+    return needsOf(extentOf(recipe, DomainSource(recipe.domain)));
+}
+
+/// The memory told where 1 KiB is allowed, and that of the run.
+std::pair<double, double> toldAndTaken(const std::string& line, unsigned seconds) {
+    Words words = split(line + " --threads 2 --quiet");
+    const auto run = vdbPackWithin(seconds, words);
+    CAPTURE(run.text);
+    REQUIRE(run.code == 0);
+    words.insert(words.end(), {"--memory-limit", "1K"});
+    const auto refused = vdbPackWithin(seconds, words);
+    CAPTURE(refused.text);
+    REQUIRE(refused.code == 5);
+    const std::string start = "would take about ";
+    std::istringstream told(refused.text.substr(refused.text.find(start) + start.size()));
+    std::string number, unit;
+    told >> number >> unit;
+    return {parseBytes(number + unit, ""), run.peakBytes};
+}
+
+}  // namespace
+
+TEST_CASE("the spheres of a pack to come are about as many as told", "[needs]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
+    const std::pair<std::string, std::string> packs[] = {{"box:40,40,40", "constant:0.6"},
+                                                         {"ball:12", "uniform:0.3,0.6"},
+                                                         {folder.file("b.obj"), "uniform:0.4,0.8"},
+                                                         {"rect:100,50", "uniform:0.3,0.6"}};
+    for (const auto& [domain, radius] : packs) {
+        CAPTURE(domain, radius);
+        const Needs needs = needsOfPack(domain, radius);
+        const auto run = runPack(test::recipeFor(domain, radius));
+        const auto count = static_cast<double>(run.report.count);
+        CHECK(needs.extent.count > 0.95 * count);
+        CHECK(needs.extent.count < 1.25 * count);
+    }
+}
+
+TEST_CASE("a clip leaves the volume that is told", "[needs]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
+    DomainRecipe recipe;
+    recipe.source = folder.file("b.obj");
+    const double whole = DomainSource(recipe).clippedVolume();
+    recipe.clips = {"plane:1,0,0,0"};
+    CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 2).epsilon(0.02));
+    recipe.clips = {"plane:1,1,0,0", "plane:0,0,-1,0"};
+    CHECK(DomainSource(recipe).clippedVolume() == Approx(whole / 4).epsilon(0.04));
+    recipe.clips = {"plane:1,0,0,-50"};
+    CHECK(DomainSource(recipe).clippedVolume() == 0);
+}
+
+TEST_CASE("a request beyond all memory is refused at once with its parts", "[needs][bad]") {
+    const TemporaryFolder folder;
+    const std::string ball = folder.file("b.obj");
+    test::writeObj(test::ballMesh(12, 4), ball);
+    struct Case {
+        std::string line;
+        const char* part;
+        const char* remedy;
+    };
+    const Case cases[] = {
+        {"pack ball:10 --target-count 1e12", "e+12 spheres", "--target-count or --max-count"},
+        {"pack " + ball + " --target-count 1e12", "e+12 spheres", "larger radii"},
+        {"pack " + ball + " --radius constant:1e-5", "spheres", "larger radii"},
+        {"pack rect:100,100 --radius constant:1e-5", "circles", "larger radii"},
+        {"pack " + ball + " --slice z=0 --radius constant:1e-7", "circles", "larger radii"},
+        {"pack " + ball + " --radius constant:1 --voxel 0.001", "voxels of 0.001 mm",
+         "larger --voxel"},
+        {"voids " + ball +
+             " --voids boolean --void-radius constant:1 --void-voxel 1e-4 "
+             "--void-count 10",
+         "voids in voxels of 0.0001 mm", "larger --void-voxel"},
+        {"voids ball:10 --voids boolean --target-bvtv 0.5 --void-radius constant:0.001", "voids",
+         "larger voids"},
+        {"voids ball:10 --voids overlay --void-radius constant:0.001", "voids", "larger voids"},
+        {"voids ball:10 --voids grid --void-cell 0.02", "voids", "larger voids"},
+        {"measure " + ball + " --voxel 0.001", "image of about", "larger --voxel"},
+        {"convert " + ball + " -o " + folder.file("b.vdb") + " --voxel 0.0005", "voxels of 0.0005",
+         "larger --voxel"}};
+    for (const Case& c : cases) {
+        CAPTURE(c.line);
+        const auto run = vdbPackWithin(10, split(c.line));
+        CHECK(run.code == 5);
+        CHECK_THAT(run.text, Contains("would take about") && Contains("may be taken") &&
+                                 Contains(c.part) && Contains(c.remedy));
+        CHECK(run.peakBytes < (kSanitized ? 2e9 : 2e8));
+    }
+    CHECK(std::filesystem::is_empty(folder.path()) == false);
+    CHECK_FALSE(std::filesystem::exists(folder.file("b.vdb")));
+}
+
+TEST_CASE("--memory-limit is kept by every command", "[needs][bad]") {
+    const TemporaryFolder folder;
+    const std::string pack = folder.file("p.csv");
+    REQUIRE(vdbPackWithin(20, {"pack", "ball:9", "--radius", "constant:1", "-o", pack}).code == 0);
+    for (const std::string line :
+         {"pack ball:9 --radius constant:1", "pack rect:9,9 --radius constant:1",
+          "voids ball:9 --voids boolean --void-radius constant:1"}) {
+        CAPTURE(line);
+        CHECK(vdbPackWithin(10, split(line + " --memory-limit 2M")).code == 5);
+    }
+    for (const std::string& line :
+         {"verify " + pack, "verify " + pack + " --domain ball:9", "measure " + pack,
+          "convert " + pack + " -o " + folder.file("q.vtp"),
+          "carve " + pack + " --domain ball:9 --voids boolean"}) {
+        CAPTURE(line);
+        const auto run = vdbPackWithin(10, split(line + " --memory-limit 2M"));
+        CHECK(run.code == 5);
+        CHECK_THAT(run.text, Contains("2.0 MiB may be taken") || Contains("2.0 MiB are allowed"));
+    }
+    CHECK_FALSE(std::filesystem::exists(folder.file("q.vtp")));
+    for (const char* bad : {"0", "-1", "much", "nan", "8X", ""}) {
+        CAPTURE(bad);
+        const auto run = vdbPackWithin(10, {"pack", "ball:9", "--memory-limit", bad});
+        CHECK(run.code == 2);
+        CHECK_THAT(run.text, Contains("--memory-limit"));
+    }
+}
+
+TEST_CASE("a dry run tells memory and files, and what could not be run", "[needs]") {
+    const TemporaryFolder folder;
+    const std::string line = "pack box:30,30,30 --radius uniform:0.5,1 --dry-run -o " +
+                             folder.file("p.csv") + " -o " + folder.file("p.vtp");
+    const auto text = vdbPackWithin(20, split(line));
+    CHECK(text.code == 0);
+    CHECK_THAT(text.text, Contains("memory     about") && Contains("p.vtp about"));
+    const auto json = nlohmann::json::parse(vdbPackWithin(20, split(line + " --json")).text);
+    const auto& memory = json["memory"];
+    CHECK(json["peakMemoryBytes"] >= memory["spheres"]);
+    CHECK(memory["program"] > 1e6);
+    REQUIRE(json["files"].size() == 2);
+    CHECK(json["files"][1]["name"] == folder.file("p.vtp"));
+    const auto much = vdbPackWithin(20, split(line + " --memory-limit 10M"));
+    CHECK(much.code == 5);
+    CHECK_THAT(much.text, Contains("dry run") && Contains("10 MiB may be taken"));
+    const auto voids = nlohmann::json::parse(
+        vdbPackWithin(60, split(line + " --json --voids boolean --void-radius constant:1")).text);
+    CHECK(voids["memory"]["voids"] > 1e6);
+}
+
+TEST_CASE("files are about as large as told", "[needs]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
+    PackRecipe recipe = test::recipeFor(folder.file("b.obj"), "uniform:0.4,0.8");
+    for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply", "p.xyz", "p.npz", "p.data"})
+        recipe.outputs.push_back(folder.file(name));
+    recipe.outputs.push_back("yade:" + folder.file("p.txt"));
+    recipe.outputs.push_back("contacts:" + folder.file("c.csv"));
+    recipe.outputs.push_back("surface:" + folder.file("s.stl"));
+    const Needs needs = needsOf(extentOf(recipe, DomainSource(recipe.domain)));
+    const auto run = runPack(recipe);
+    REQUIRE(run.report.files.size() >= recipe.outputs.size());
+    REQUIRE(needs.files.size() == recipe.outputs.size());
+    for (std::size_t i = 0; i < recipe.outputs.size(); ++i) {
+        CAPTURE(recipe.outputs[i]);
+        const auto bytes = static_cast<double>(std::filesystem::file_size(run.report.files[i]));
+        // Leaves of a small level set are the emptier.
+        CHECK(needs.files[i].bytes > (i == 0 ? 0.65 : 0.9) * bytes);
+        CHECK(needs.files[i].bytes < 1.6 * bytes);
+    }
+}
+
+TEST_CASE("files for which a disk has no room are refused with both figures", "[needs]") {
+    Needs needs;
+    needs.files = {{"/tmp/a.csv", 1e6}, {"yade:/tmp/p.txt", 1e19}};
+    CHECK_THROWS_AS(requireResources(needs, 1e12), ResourceError);
+    CHECK_THROWS_WITH(
+        requireResources(needs, 1e12),
+        Contains("yade:/tmp/p.txt: would take about 9.09e+06 TiB") && Contains("are free there"));
+    // Each alone would fit.
+    const double half = 0.7 * availableSpace("/tmp/p.csv");
+    needs.files = {{"/tmp/a.csv", half}, {"/tmp/b.csv", half}};
+    CHECK_THROWS_WITH(requireResources(needs, 1e12), Contains("with the files before it"));
+    needs.files.pop_back();
+    CHECK_NOTHROW(requireResources(needs, 1e12));
+}
+
+TEST_CASE("memory told is memory taken", "[needs][.slow]") {
+    if (kSanitized) return;
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(30, 6), folder.file("b.obj"));
+    const std::string ball = folder.file("b.obj");
+    for (const std::string& line :
+         {std::string("pack box:100,100,100 --radius constant:0.5"),
+          "pack box:60,60,60 --radius constant:0.3 -o contacts:" + folder.file("c.csv"),
+          "pack " + ball + " --radius uniform:0.3,0.6", "pack " + ball + " --target-count 5e5",
+          "pack " + ball + " --radius constant:2 --voxel 0.1",
+          std::string("voids box:60,60,60 --voids boolean --target-bvtv 0.3 --void-radius "
+                      "constant:1 --void-voxel 0.15")}) {
+        CAPTURE(line);
+        const auto [told, taken] = toldAndTaken(line, 200);
+        CHECK(told > 0.95 * taken);
+        // Where the first pack hits the target, no second one is held.
+        CHECK(told < (line.find("--target") == std::string::npos ? 1.35 : 1.6) * taken);
+    }
+}
