@@ -6,6 +6,7 @@
 #include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
+#include "vdbpack/core/output_file.h"
 #include "vdbpack/forecast.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_mesh.h"
@@ -16,10 +17,13 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <memory>
 #include <new>
+#include <system_error>
 
 using namespace vdbpack;
 
@@ -36,14 +40,40 @@ enum ExitCode {
 };
 
 std::atomic<bool> interrupted{false};
+/// Spheres may stand that are to be written.
+std::atomic<bool> worthKeeping{false};
+
+template <std::size_t N>
+void sayFromHandler(const char (&text)[N]) {
+    const auto written = ::write(STDERR_FILENO, text, N - 1);
+    static_cast<void>(written);
+}
 
 void onSignal(int) {
-    // The first asks for an orderly end, the second ends at once.
-    if (interrupted.exchange(true)) ::_exit(kInterrupted);
-    static constexpr char kText[] =
-        "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n";
-    const auto written = ::write(STDERR_FILENO, kText, sizeof kText - 1);
-    static_cast<void>(written);
+    // The first asks for an orderly end where there is something to keep, the second ends at once.
+    if (interrupted.exchange(true) || !worthKeeping) {
+        removeTemporaryFiles();
+        sayFromHandler("\nvdb_pack: interrupted.\n");
+        ::_exit(kInterrupted);
+    }
+    sayFromHandler(
+        "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n");
+}
+
+/// Signals that ask to stop, and those that would end the process where writing fails: that is
+/// told by what was called.
+void handleSignals() {
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    std::signal(SIGINT, onSignal);
+    std::signal(SIGTERM, onSignal);
+    // A run that is to survive its terminal (nohup) does.
+    if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
+}
+
+/// Says it on standard error; nobody there to hear it is no reason to stop.
+void tell(const std::string& text) {
+    std::fputs(text.c_str(), stderr);
 }
 
 /// Progress on a terminal, silence elsewhere; warnings always.
@@ -51,13 +81,15 @@ Callbacks makeCallbacks(bool quiet) {
     Callbacks callbacks;
     callbacks.warning = [](const std::string& text) {
         clearProgressLine();
-        fmt::print(stderr, "{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO), text);
+        tell(fmt::format("{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO), text));
     };
     callbacks.cancelled = [] { return interrupted.load(); };
-    if (!quiet && ::isatty(STDERR_FILENO))
-        callbacks.progress = [line = std::make_shared<ProgressLine>()](const Progress& p) {
-            line->show(p);
-        };
+    std::shared_ptr<ProgressLine> line;
+    if (!quiet && ::isatty(STDERR_FILENO)) line = std::make_shared<ProgressLine>();
+    callbacks.progress = [line](const Progress& p) {
+        if (p.stage == "pack") worthKeeping = true;
+        if (line) line->show(p);
+    };
     return callbacks;
 }
 
@@ -211,22 +243,31 @@ void limitData([[maybe_unused]] double memory) {
 }  // namespace
 
 int main(int argc, char** argv) {
-    int exitCode = kDone;
-    const auto options = parseCommandLine(argc, argv, exitCode);
-    if (!options) return exitCode;
-    // The others have nothing to keep.
-    if (options->command == CliOptions::Command::pack) {
-        std::signal(SIGINT, onSignal);
-        std::signal(SIGTERM, onSignal);
-    }
-    limitData(memoryLimitOf(*options));
+    handleSignals();
     const auto fail = [](const char* message, int code) {
-        clearProgressLine();
-        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO), message);
+        try {
+            clearProgressLine();
+            tell(fmt::format("{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO), message));
+        } catch (const std::exception&) {  // no memory even for that
+            std::fputs(message, stderr);
+        }
         return code;
     };
     try {
-        return runCommand(*options);
+        int exitCode = kDone;
+        const auto options = parseCommandLine(argc, argv, exitCode);
+        if (options) {
+            limitData(memoryLimitOf(*options));
+            exitCode = runCommand(*options);
+        }
+        if (interrupted) exitCode = kInterrupted;
+        errno = 0;
+        if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
+            throw IoError(fmt::format("standard output: writing failed: {}; files are complete",
+                                      errno != 0 ? std::strerror(errno) : "not all was written"));
+        return exitCode;
+    } catch (const Interrupted& e) {
+        return fail(e.what(), kInterrupted);
     } catch (const ParameterError& e) {
         return fail(e.what(), kUsage);
     } catch (const InputError& e) {
@@ -238,9 +279,13 @@ int main(int argc, char** argv) {
     } catch (const std::bad_alloc&) {
         return fail(
             "no more memory is to be had; ask for larger radii or voxels, clip the domain, or "
-            "raise "
-            "--memory-limit",
+            "raise --memory-limit",
             kNoResources);
+    } catch (const std::system_error& e) {
+        return fail(e.what(), e.code() == std::errc::not_enough_memory ||
+                                      e.code() == std::errc::resource_unavailable_try_again
+                                  ? kNoResources
+                                  : kIoFailed);
     } catch (const std::exception& e) {
         return fail(e.what(), kIoFailed);
     }

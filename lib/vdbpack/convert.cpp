@@ -95,6 +95,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
         extent.count = static_cast<double>(pack.spheres.size());
         requireRoom(recipe, extent);
     }
+    callbacks.stopIfCancelled();
     write.particleDensity = particleDensity(recipe.density, solid);
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();

@@ -165,6 +165,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     } else {
         mesh_ = readDomainMesh(recipe, callbacks, repair_);
     }
+    callbacks.stopIfCancelled();
     fileBounds_ = mesh_->bounds();
     fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
     for (const auto& t : mesh_->triangles)

@@ -64,6 +64,7 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
     clock.lap();
     auto result = packSpheres(*domain, options, quiet, existing.spheres);
+    if (result.interrupted) throw Interrupted();
     trial.pack = clock.lap();
     trial.count = static_cast<double>(result.pack.spheres.size());
     for (const auto& s : result.pack.spheres) trial.fraction += Measure<Dim>::ball(s.radius);

@@ -184,9 +184,11 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
 template <int Dim>
 PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
                            const DomainSource& source, const DomainSource::Built& built,
-                           const MadeVoids<Dim>& made, const Pack<Dim>* pack) {
+                           const MadeVoids<Dim>& made, const Pack<Dim>* pack,
+                           const Callbacks& callbacks) {
     if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
     PreviewOptions options = optionsOf(recipe);
+    options.cancelled = callbacks.cancelled;
     if (recipe.file.empty()) {
         options.width = kPageWidth;
         options.height = kPageHeight;
@@ -225,9 +227,9 @@ template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<
                            const DomainSource*, const DomainSource::Built&);
 template PreviewPicture drawPreview<2>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<2>&, const Pack<2>*);
+                                       const MadeVoids<2>&, const Pack<2>*, const Callbacks&);
 template PreviewPicture drawPreview<3>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<3>&, const Pack<3>*);
+                                       const MadeVoids<3>&, const Pack<3>*, const Callbacks&);
 
 }  // namespace vdbpack

@@ -27,7 +27,8 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
 template <int Dim>
 PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
                            const DomainSource& source, const DomainSource::Built& built,
-                           const MadeVoids<Dim>& made, const Pack<Dim>* pack);
+                           const MadeVoids<Dim>& made, const Pack<Dim>* pack,
+                           const Callbacks& callbacks);
 
 /// Draws and writes a pack that was read, if `recipe` asks for a file.
 /// @param name    of the pack's file, kept in the picture.

@@ -165,17 +165,18 @@ bool isPage(const std::string& reportFile) {
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
-                        const Report& report) {
+                        const Report& report, const Callbacks& callbacks) {
     PageDetails details;
     details.radii = histogramOf(pack, report.existing, &sizes);
     const double shell = report.voids ? report.voids->shell : 0;
     const double depth = structureDepth(report.radius, shell);
     if (pack.spheres.empty() || domain.fieldDepth() >= depth) {
-        details.structure = measureStructure(pack, &domain, report, shell);
+        details.structure = measureStructure(pack, &domain, report, shell, callbacks);
         return details;
     }
-    const auto built = source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3);
-    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, shell);
+    const auto built =
+        source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3, callbacks);
+    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, shell, callbacks);
     return details;
 }
 
@@ -245,8 +246,8 @@ void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
 }
 
 template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
-                                    const SizeDistribution&, const Report&);
+                                    const SizeDistribution&, const Report&, const Callbacks&);
 template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
-                                    const SizeDistribution&, const Report&);
+                                    const SizeDistribution&, const Report&, const Callbacks&);
 
 }  // namespace vdbpack

@@ -21,10 +21,11 @@ struct PageDetails {
 /// Measures a pack for its page. Where the field of `domain` is too shallow for that, another is
 /// made, so that the pack does not depend on how it is reported.
 /// @param sizes  asked for; `pack` and `report` as `measurePack` leaves them.
+/// @throws Interrupted
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
-                        const Report& report);
+                        const Report& report, const Callbacks& callbacks);
 
 /// Writes `recipe.reportFile` in the format of its extension. @throws IoError
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
@@ -33,8 +34,10 @@ void writeReport(const RunResult& run, const VoidsRecipe& recipe);
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
 
 extern template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
-                                           const SizeDistribution&, const Report&);
+                                           const SizeDistribution&, const Report&,
+                                           const Callbacks&);
 extern template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
-                                           const SizeDistribution&, const Report&);
+                                           const SizeDistribution&, const Report&,
+                                           const Callbacks&);
 
 }  // namespace vdbpack

@@ -75,6 +75,11 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                        const Prepared<Dim>& prepared, Report report, Clock& clock,
                        const Callbacks& callbacks) {
     const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+    // Asked before what an interrupted run does without.
+    const auto goesOn = [&] {
+        report.interrupted = report.interrupted || callbacks.isCancelled();
+        return !report.interrupted;
+    };
     const Domain<Dim>& domain = prepared.domain();
     const double target = prepared.requested.targetCount;
     const std::vector<Sphere<Dim>>& standing = prepared.existing.spheres;
@@ -112,7 +117,13 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     if (cut) {
         // Held against what was asked for before any is removed.
         measureSizes(result.pack, options.sizes, report);
-        if (!holes && !report.interrupted) voids = makeVoids(setting);
+        if (!holes && goesOn()) {
+            try {
+                voids = makeVoids(setting);
+            } catch (const Interrupted&) {  // the pack is complete, and stays as it is
+                report.interrupted = true;
+            }
+        }
         report.chosen.insert(report.chosen.end(), voids.report.chosen.begin(),
                              voids.report.chosen.end());
     }
@@ -121,14 +132,22 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
 
     callbacks.report("measure", 0, 0);
     if (cut) {
-        measureVoids(setting, recipe.contactTolerance, &result.pack, voids);
+        try {
+            if (goesOn()) measureVoids(setting, recipe.contactTolerance, &result.pack, voids);
+        } catch (const Interrupted&) {
+            report.interrupted = true;
+        }
         report.voids = voids.report;
     }
     measurePack(result.pack, &source, &domain, cut ? nullptr : &options.sizes,
-                recipe.contactTolerance, report);
+                recipe.contactTolerance, report, callbacks);
     PageDetails details;
-    if (isPage(recipe.reportFile))
-        details = pageDetails(result.pack, source, domain, options.sizes, report);
+    try {
+        if (isPage(recipe.reportFile) && goesOn())
+            details = pageDetails(result.pack, source, domain, options.sizes, report, callbacks);
+    } catch (const Interrupted&) {
+        report.interrupted = true;
+    }
     report.seconds.measure = clock.lap();
 
     RunOutputs<Dim> have;
@@ -156,9 +175,16 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     RunResult run;
     if (report.count > 0) {
         callbacks.report("write", 0, 0);
-        run.picture = drawPreview(recipe.preview, recipe.reportFile, source, prepared.built, voids,
-                                  &result.pack);
-        if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
+        const bool draws = !recipe.preview.file.empty() || isPage(recipe.reportFile);
+        try {
+            if (draws && goesOn()) {
+                run.picture = drawPreview(recipe.preview, recipe.reportFile, source, prepared.built,
+                                          voids, &result.pack, callbacks);
+                if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
+            }
+        } catch (const Interrupted&) {  // the pack is written
+            report.interrupted = true;
+        }
     }
     if (!report.files.empty()) leaveRecipe(recipe.optionsText, recipe.outputs, report, heard);
     report.seconds.write = clock.lap();
@@ -246,7 +272,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);
     checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
-    withThreads(recipe.threads, [&] {
+    const auto work = [&] {
         const DomainSource source(recipe.domain, keepingWarnings(callbacks, report.warnings));
         report.seconds.mesh = clock.lap();
         warnOfUnused(recipe.domain, source, keepingWarnings(callbacks, report.warnings));
@@ -255,7 +281,16 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
             packDomain<3>(recipes, source, report, clock, callbacks, done);
         else
             packDomain<2>(recipes, source, report, clock, callbacks, done);
-    });
+    };
+    try {
+        withThreads(recipe.threads, work);
+    } catch (const Interrupted&) {
+        RunResult none;
+        none.report = report;
+        none.report.interrupted = true;
+        none.passed = true;
+        done(std::move(none));
+    }
 }
 
 }  // namespace

@@ -51,7 +51,10 @@ std::string failures(const RunResult& run);
 /// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
 ///
 /// Outputs are checked before the work and written whole or not at all; a pack that fails its own
-/// check is written all the same (nothing is lost) and `passed` is false.
+/// check is written all the same (nothing is lost) and `passed` is false. Cancelled, it stops
+/// within half a second of packing; what stands is checked and written, without voids that are not
+/// all cut yet, the measures and pictures that were still to come; where nothing stands, nothing is
+/// written. All other runs throw Interrupted then.
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 

@@ -24,6 +24,7 @@
 namespace vdbpack {
 
 Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
+    callbacks.stopIfCancelled();
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
@@ -104,7 +105,8 @@ RunResult measureGiven(const GivenPack& recipe, Pack<3> given, Report report,
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
         measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
-                    recipe.contactTolerance, report);
+                    recipe.contactTolerance, report, callbacks);
+        if (report.interrupted) throw Interrupted();
         further(pack, domain, report);
         report.seconds.measure = clock.lap();
     };
@@ -254,9 +256,11 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         bounds = built.space->bounds();
     }
     report.seconds.domain = clock.lap();
+    callbacks.stopIfCancelled();
     VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
     grid.reset();
     if (built.space && (!boxed || recipe.shell > 0)) labelVoxels(image, *built.space, recipe.shell);
+    callbacks.stopIfCancelled();
     const auto fewest = *std::min_element(image.size.begin(), image.size.end());
     if (fewest < kFewVoxels)
         callbacks.warn(
@@ -314,7 +318,7 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
         found.run = measureGiven(
             recipe, std::move(*pack), std::move(report), depthFor, heard,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
-                found.structure = measureStructure(spheres, domain, measured, recipe.shell);
+                found.structure = measureStructure(spheres, domain, measured, recipe.shell, heard);
                 if (recipe.shell > 0 && found.structure.regions.size() == 1)
                     heard.warn(fmt::format(
                         "--shell {:g} mm: nothing of the domain lies deeper; all of it is shell",

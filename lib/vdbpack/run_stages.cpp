@@ -107,11 +107,14 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
             if (attempt + 1 == kCountAttempts && best.pack.spheres.empty()) throw;
         }
         const auto count = static_cast<double>(result.pack.spheres.size());
-        if (std::fabs(count - target) < bestOff || result.interrupted) {
+        const bool interrupted = result.interrupted;
+        // Where the last one was interrupted, the one that has more is kept.
+        if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
             bestOff = std::fabs(count - target);
             bestScale = scale;
             best = std::move(result);
         }
+        best.interrupted = interrupted;
         if (best.interrupted || options.maxCount > 0 || bestOff < 1.5 ||
             bestOff < kCountTolerance * target)
             break;
@@ -139,13 +142,21 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
 
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
-                 const SizeDistribution* sizes, double contactTolerance, Report& report) {
+                 const SizeDistribution* sizes, double contactTolerance, Report& report,
+                 const Callbacks& callbacks) {
+    const auto goesOn = [&] {
+        report.interrupted = report.interrupted || callbacks.isCancelled();
+        return !report.interrupted;
+    };
     report.dim = Dim;
     report.count = pack.spheres.size();
     report.hash = packHash(pack);
     report.radius = radiusStatistics(pack.spheres);
     report.overlap = checkOverlap(pack.spheres);
     report.contactTolerance = contactTolerance;
+    // Whoever wrote them: nothing is known of that wall.
+    pack.depth.clear();
+    pack.contacts.clear();
     if (domain) {
         report.domain = domain->facts();
         report.volume = domain->measure();
@@ -156,21 +167,21 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         if (report.protrusion->spheres > 0)
             report.solidFractionTotal = interiorFraction(pack.spheres, *domain, 0);
         const double interior = 3 * report.radius.max;
-        if (interior <= domain->fieldDepth())
+        if (interior <= domain->fieldDepth() && goesOn())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
-        pack.depth = source->depths(pack.spheres, *domain);
-    } else {
-        pack.depth.clear();  // whoever wrote it: nothing is known of that wall
+        if (goesOn()) pack.depth = source->depths(pack.spheres, *domain);
     }
-    auto contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
+    std::optional<ContactCheck> contacts;
+    if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     if (!pack.spheres.empty()) report.contacts = contacts;
-    if (sizes) measureSizes(pack, *sizes, report);
+    if (sizes && goesOn()) measureSizes(pack, *sizes, report);
     // No pair that was not counted is closer than the smallest spheres' tolerance.
-    if (report.existing == 0 && contacts.smallestGap <= contactTolerance * report.radius.min)
-        report.smallestGap = contacts.smallestGap;
-    else
+    if (contacts && report.existing == 0 &&
+        contacts->smallestGap <= contactTolerance * report.radius.min)
+        report.smallestGap = contacts->smallestGap;
+    else if (report.gapAsked > 0 || goesOn())
         report.smallestGap = smallestGap(pack.spheres, report.existing);
-    pack.contacts = std::move(contacts.counts);
+    if (contacts) pack.contacts = std::move(contacts->counts);
 }
 
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
@@ -212,7 +223,7 @@ void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& 
 
 template <int Dim>
 Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
-                           double shell) {
+                           double shell, const Callbacks& callbacks) {
     Structure result;
     if (pack.spheres.empty()) return result;
     result.dim = Dim;
@@ -226,10 +237,12 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
         if (deepest >= width)
             result.profile = densityProfile(pack.spheres, *domain, width, deepest);
+        callbacks.stopIfCancelled();
         const double edge = kLocalEdge * result.meanDiameter;
         if (domain->bounds().measure() < 1e8 * std::pow(edge, Dim))
             result.local = localFraction(pack.spheres, *domain, edge);
     }
+    callbacks.stopIfCancelled();
     // As far as there are enough centers that deep; without a domain the density is not known.
     for (const double diameters : {3.0, 2.25, 1.5}) {
         const double reach = diameters * result.meanDiameter;
@@ -239,6 +252,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
                             static_cast<int>(diameters * kPairBins));
         if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
     }
+    callbacks.stopIfCancelled();
     if (domain && shell > 0) {
         if (shell > known)
             throw ParameterError(fmt::format(
@@ -259,13 +273,15 @@ template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const
                                    const std::vector<Sphere<2>>&);
 template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
                                    const std::vector<Sphere<3>>&);
-template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double);
-template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double);
+template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double,
+                                       const Callbacks&);
+template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double,
+                                       const Callbacks&);
 template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
 template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
 template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
-                             const SizeDistribution*, double, Report&);
+                             const SizeDistribution*, double, Report&, const Callbacks&);
 template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,
-                             const SizeDistribution*, double, Report&);
+                             const SizeDistribution*, double, Report&, const Callbacks&);
 
 }  // namespace vdbpack

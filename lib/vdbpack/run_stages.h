@@ -61,10 +61,13 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                             const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing);
 
 /// What can be said of any pack, whoever made it; the first `report.existing` spheres stood
-/// already.
+/// already. Once `report.interrupted` or cancelled, which sets it, only what verifies the pack:
+/// overlap, protrusion and, where one was asked for, the gap; with count, hash, radii and solid
+/// fraction. The pack then has no depths and no contacts.
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
-                 const SizeDistribution* sizes, double contactTolerance, Report& report);
+                 const SizeDistribution* sizes, double contactTolerance, Report& report,
+                 const Callbacks& callbacks = {});
 
 /// For which radii the field of a pack is made, mm, and about what its sizes are scaled by.
 struct FieldRadii {
@@ -87,23 +90,24 @@ void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& 
 /// How spheres fill a domain and lie about one another; `pack.depth` as `measurePack` leaves it.
 /// @param domain  null: only what needs none.
 /// @param shell   thickness of the layer along the wall that is told apart, mm; 0: none.
+/// @throws Interrupted
 template <int Dim>
 Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
-                           double shell);
+                           double shell, const Callbacks& callbacks = {});
 
 extern template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
                                           const std::vector<Sphere<2>>&);
 extern template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
                                           const std::vector<Sphere<3>>&);
 extern template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&,
-                                              double);
+                                              double, const Callbacks&);
 extern template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&,
-                                              double);
+                                              double, const Callbacks&);
 extern template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
 extern template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
 extern template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
-                                    const SizeDistribution*, double, Report&);
+                                    const SizeDistribution*, double, Report&, const Callbacks&);
 extern template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,
-                                    const SizeDistribution*, double, Report&);
+                                    const SizeDistribution*, double, Report&, const Callbacks&);
 
 }  // namespace vdbpack

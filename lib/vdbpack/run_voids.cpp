@@ -59,6 +59,7 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& r
     report.volume = domain.measure();
     report.area = domain.wallMeasure();
     report.seconds.domain = clock.lap();
+    callbacks.stopIfCancelled();
     const VoidSetting<Dim> setting{recipe.voids, domain, built.sliceHeight,
                                    recipe.seed,  0,      callbacks};
     checkRoom(setting, false);
@@ -77,7 +78,8 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& r
     have.options.generator = "vdb_pack " + report.version;
     have.options.levelSets = made.levelSets();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
-    run.picture = drawPreview<Dim>(recipe.preview, recipe.reportFile, source, built, made, nullptr);
+    run.picture = drawPreview<Dim>(recipe.preview, recipe.reportFile, source, built, made, nullptr,
+                                   callbacks);
     if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
     leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);
     report.seconds.write = clock.lap();
@@ -104,13 +106,15 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     checkPreview<Dim>(recipe.preview, domain, &pack);
     if (!recipe.radius.empty())
         measureSizes(pack, SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy), report);
+    callbacks.stopIfCancelled();
     MadeVoids<Dim> made = makeVoids(setting);
     cullPack(setting, recipe.contactTolerance, 0, made, pack);
     report.seconds.voids = clock.lap();
     measureVoids(setting, recipe.contactTolerance, &pack, made);
     report.chosen = made.report.chosen;
     report.voids = made.report;
-    measurePack(pack, &source, &domain, nullptr, recipe.contactTolerance, report);
+    measurePack(pack, &source, &domain, nullptr, recipe.contactTolerance, report, callbacks);
+    if (report.interrupted) throw Interrupted();
     // Whoever made them: told, not judged.
     report.givenOverlaps = report.overlap->pairs;
     report.givenProtrusions = report.protrusion->spheres;
@@ -137,7 +141,8 @@ void carve(const CarveRecipe& recipe, const DomainSource& source, Pack<Dim>& pac
     if constexpr (Dim == 2) write.frame = domain.bounds();
     report.files = writeOutputs(recipe.outputs, have, callbacks);
     if (!pack.spheres.empty()) {
-        run.picture = drawPreview(recipe.preview, recipe.reportFile, source, built, made, &pack);
+        run.picture =
+            drawPreview(recipe.preview, recipe.reportFile, source, built, made, &pack, callbacks);
         if (!recipe.preview.file.empty()) report.files.push_back(recipe.preview.file);
     }
     leaveRecipe(recipe.optionsText, recipe.outputs, report, callbacks);

@@ -121,9 +121,11 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
 
 /// The level sets of space; what is dropped of the solid is taken off BV/TV.
 void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
+    s.callbacks.stopIfCancelled();
     if (!made.surface || std::fabs(made.report.voxelSize - voxelSizeOf(*made.surface)) >
                              1e-9 * made.report.voxelSize)
         made.surface = surfaceLevelSet(s.domain, made.report.voxelSize);
+    s.callbacks.stopIfCancelled();
     made.voids = made.stamped->grid();
     made.solid = cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected);
     made.report.solidAttached = made.solid.attached;
@@ -205,6 +207,7 @@ Family<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* c
     Callbacks quiet;
     quiet.cancelled = s.callbacks.cancelled;
     const auto result = packSpheres(inset ? *inset : s.domain, options, quiet);
+    if (result.interrupted) throw Interrupted();
     auto voids = voidsAtSpheres(result.pack.spheres, true, shape, s.seed);
     shuffle(voids, s.seed);
     Family<Dim> family;
@@ -267,6 +270,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         made.surface.reset();
         solve(setting, made);
         cut(setting, made);
+        s.callbacks.stopIfCancelled();
         const double edge = kThicknessVoxels * made.report.voxelSize;
         const Box<3> sample = intersection(
             s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * edge));
@@ -479,9 +483,18 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         for (std::size_t i = 0; i < result.pack.order.size(); ++i)
             result.pack.order[i] = static_cast<std::int64_t>(i);
         made.list = voidsAtSpheres(places, false, shape, s.seed);
-        const double bvtv = bvtvOf(s, voxel, made);
-        // What is complete is kept as it is: no further trial.
-        return result.interrupted && r.targetBvtv ? *r.targetBvtv : bvtv;
+        if (!result.interrupted) {
+            try {
+                return bvtvOf(s, voxel, made);
+            } catch (const Interrupted&) {
+                result.interrupted = true;
+            }
+        }
+        // What is complete is kept as it is, neither cut nor tried again.
+        made.stamped.reset();
+        made.solid = {};
+        made.report.bvtv.reset();
+        return r.targetBvtv.value_or(0);
     };
     if (r.targetBvtv) {
         const double each = shape.meanMeasure(), ball = options.sizes.meanBall(Dim);

@@ -266,7 +266,7 @@ TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
     int reports = 0;
     Callbacks callbacks;
     callbacks.progress = [&](const Progress& p) { reports += p.stage == "measure"; };
-    callbacks.cancelled = [&] { return reports >= 2; };
+    callbacks.cancelled = [&] { return reports >= 3; };
     const auto study = runStudy(recipe, {1, 2, 3, 4}, folder.file("t.csv"), callbacks);
     CHECK(study.interrupted);
     CHECK(study.reports.size() == 2);

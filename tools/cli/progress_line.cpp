@@ -57,11 +57,12 @@ void ProgressLine::show(const vdbpack::Progress& p) {
     if (!fresh && p.fraction < 1 && since(shown_) < kBetween) return;
     shown_ = now;
     const std::string line = progressLine(p, since(began_)).substr(0, columnsOf(STDERR_FILENO) - 1);
-    fmt::print(stderr, "\r{}\x1b[K", line);
-    if (p.fraction >= 1) fmt::print(stderr, "\r\x1b[K");
+    // A terminal that is gone is no reason to stop: these do not throw.
+    std::fprintf(stderr, "\r%s\x1b[K", line.c_str());
+    if (p.fraction >= 1) clearProgressLine();
     std::fflush(stderr);
 }
 
 void clearProgressLine() {
-    if (::isatty(STDERR_FILENO) != 0) fmt::print(stderr, "\r\x1b[K");
+    if (::isatty(STDERR_FILENO) != 0) std::fputs("\r\x1b[K", stderr);
 }

@@ -36,4 +36,11 @@ public:
     using Error::Error;
 };
 
+/// The caller asked to stop (`Callbacks::cancelled`) before there was anything worth keeping (exit
+/// code 130).
+class Interrupted : public Error {
+public:
+    Interrupted() : Error("interrupted; nothing was complete, and nothing is written") {}
+};
+
 }  // namespace vdbpack

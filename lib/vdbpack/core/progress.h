@@ -1,7 +1,11 @@
 // How a long computation talks to its caller.
 #pragma once
 
+#include "vdbpack/core/error.h"
+
+#include <atomic>
 #include <functional>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -23,12 +27,42 @@ struct Callbacks {
     std::function<bool()> cancelled;
 
     bool isCancelled() const { return cancelled && cancelled(); }
+    /// @throws Interrupted once `cancelled` says so.
+    void stopIfCancelled() const {
+        if (isCancelled()) throw Interrupted();
+    }
     void warn(const std::string& text) const {
         if (warning) warning(text);
     }
     void report(const char* stage, double fraction, double count) const {
         if (progress) progress({stage, fraction, count});
     }
+};
+
+/// Asks `cancelled` on behalf of the threads of one computation, one at a time, and keeps a yes.
+class StopRequest {
+public:
+    /// `cancelled` must outlive this.
+    explicit StopRequest(const std::function<bool()>& cancelled) : cancelled_(cancelled) {}
+
+    /// Cheap enough to be asked every tenth of a millisecond by each thread.
+    bool made() {
+        if (made_.load(std::memory_order_relaxed)) return true;
+        if (!cancelled_) return false;
+        // Where another thread asks just now, its answer will do for the next time.
+        const std::unique_lock<std::mutex> lock(asking_, std::try_to_lock);
+        if (lock.owns_lock() && cancelled_()) made_ = true;
+        return made_;
+    }
+    /// @throws Interrupted
+    void stop() {
+        if (made()) throw Interrupted();
+    }
+
+private:
+    const std::function<bool()>& cancelled_;
+    std::mutex asking_;
+    std::atomic<bool> made_{false};
 };
 
 /// The same callbacks; warnings are kept in `warnings`, which must outlive them, as well.

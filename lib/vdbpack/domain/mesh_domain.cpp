@@ -277,6 +277,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
     callbacks.report("domain", 0, 0);
+    callbacks.stopIfCancelled();
     const bool fits = levelSet != nullptr && health.isWatertight() && liesAlongAxes(*levelSet);
     const auto takeLevelSet = [&] {
         parts.contour = true;
@@ -289,7 +290,8 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     if (fits && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
         verdict = takeLevelSet();
     } else {
-        parts.field = std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth);
+        parts.field =
+            std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth, callbacks);
         verdict = judge(*parts.field, health);
         if (!verdict.sound && fits) verdict = takeLevelSet();
     }
@@ -299,7 +301,8 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
         const double coarseVolume = verdict.fieldVolume;
         const double half = 0.5 * voxelSize;
         if (voxelsOf(health.area, half, options.depth) < kMostDefaultVoxels) {
-            auto finer = std::make_unique<VdbField>(mesh, depthOfTriangle, half, options.depth);
+            auto finer =
+                std::make_unique<VdbField>(mesh, depthOfTriangle, half, options.depth, callbacks);
             verdict = judge(*finer, health);
             if (verdict.sound) {
                 callbacks.warn(fmt::format(

@@ -58,6 +58,16 @@ private:
     double inverse_;
 };
 
+/// What OpenVDB asks, from any thread, whether to go on.
+struct Interrupter {
+    explicit Interrupter(const Callbacks& callbacks) : request(callbacks.cancelled) {}
+    void start(const char* = nullptr) {}
+    void end() {}
+    bool wasInterrupted(int = -1) { return request.made(); }
+
+    StopRequest request;
+};
+
 }  // namespace
 
 struct VdbField::Impl {
@@ -94,9 +104,10 @@ struct VdbField::Impl {
 };
 
 VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& depthOfTriangle,
-                   double voxelSize, double depth)
+                   double voxelSize, double depth, const Callbacks& callbacks)
     : impl_(std::make_unique<Impl>()) {
     initializeOpenVdb();
+    Interrupter interrupter(callbacks);
     const double insideVoxels =
         std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / voxelSize) + 1);
     impl_->voxelSize = voxelSize;
@@ -116,9 +127,11 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
         const auto inside = static_cast<float>(insideVoxels);
         // What lies outside of a cavity's shell is inside of the bone.
         const bool cavity = level % 2 == 1;
-        return openvdb::tools::meshToVolume<FloatGrid>(
-            triangles, *transform, cavity ? inside : kOutsideVoxels,
+        auto grid = openvdb::tools::meshToVolume<FloatGrid>(
+            interrupter, triangles, *transform, cavity ? inside : kOutsideVoxels,
             cavity ? kOutsideVoxels : inside, openvdb::tools::DISABLE_RENORMALIZATION);
+        interrupter.request.stop();  // an unfinished grid is no field
+        return grid;
     };
     try {
         // Each level takes off what the next one encloses, from the inside out.

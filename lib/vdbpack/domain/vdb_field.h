@@ -1,6 +1,7 @@
 // Private: a mesh as a narrow band of signed distances, without OpenVDB's headers.
 #pragma once
 
+#include "vdbpack/core/progress.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
@@ -24,9 +25,10 @@ class VdbField {
 public:
     /// @param depthOfTriangle  one a triangle: closed shells around its shell (mesh_shells.h);
     ///        shells at odd depth bound cavities. Empty: all are at depth 0.
-    /// @throws ResourceError if memory does not suffice.
+    /// @throws ResourceError if memory does not suffice; Interrupted as soon as the callbacks say
+    ///         so.
     VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& depthOfTriangle,
-             double voxelSize, double depth);
+             double voxelSize, double depth, const Callbacks& callbacks = {});
     /// A level set as it is, in its own voxels, which lie along x, y, z; where its band is not deep
     /// enough it is widened by the fast sweeping method (Zhao 2004,
     /// doi:10.1090/S0025-5718-04-01678-3).

@@ -228,7 +228,7 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
         state_.owns(settings.middle - state_.origin))
         fillPlace(settings.middle - state_.origin);
     for (const bool centersOnly : {true, false}) {
-        if (centersOnly && !state_.spheres.empty()) continue;
+        if (stop_ || (centersOnly && !state_.spheres.empty())) continue;
         search_.start(state_, centersOnly);
         for (Vec<Dim> place; !stop_ && search_.next(place);) {
             const std::size_t before = state_.spheres.size();

@@ -108,11 +108,12 @@ public:
         }
         for (const Species& species : options.species)
             hasSpecies_ = hasSpecies_ || species.probability > 0;
-        cancelled_ = [this] { return stopped_.load(std::memory_order_relaxed); };
+        cancelled_ = [this] { return isStopped(); };
         expected_ = 0.6 * domain.measure() / settings_.meanBall;
     }
 
     PackResult<Dim> run() {
+        callbacks_.report("pack", 0, 0);
         std::vector<std::vector<std::uint32_t>> successors(lattice_.size());
         for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
             auto before = lattice_.lowerNeighbors(b);
@@ -136,7 +137,6 @@ public:
 private:
     struct Block {
         std::atomic<int> waiting{0};
-        bool complete = false;
         BlockSpheres<Dim> existing;
         BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
@@ -197,7 +197,7 @@ private:
 
     void process(std::uint32_t b) {
         for (;;) {
-            if (!stopped_) fillBlock(b);
+            if (!isStopped()) fillBlock(b);
             // One successor that became ready goes on in this task: its neighborhood is warm.
             std::uint32_t next = BlockLattice<Dim>::kNone;
             for (const std::uint32_t s : successors_[b])
@@ -266,9 +266,18 @@ private:
                                      block.existing.spheres.end());
         thread.front->fill(own, search, thread.around, *block.pool, block.further.get(),
                            *thread.sampler, cancelled_, block.placed);
-        if (stopped_) return;
-        block.complete = true;
+        // Stopped within it, what stands there is final all the same: no neighbor has begun.
         report(block.placed.spheres.size());
+    }
+
+    /// Asked from within blocks as well, of which there may be just one. Callbacks are called one
+    /// at a time: where another thread is at it, its answer will do for the next time.
+    bool isStopped() {
+        if (stopped_.load(std::memory_order_relaxed)) return true;
+        if (!callbacks_.cancelled) return false;
+        const std::unique_lock<std::mutex> lock(reporting_, std::try_to_lock);
+        if (lock.owns_lock() && callbacks_.isCancelled()) stopped_ = true;
+        return stopped_;
     }
 
     void report(std::size_t placed) {
@@ -276,7 +285,7 @@ private:
         const std::lock_guard<std::mutex> lock(reporting_);
         callbacks_.report("pack", std::min(1.0, static_cast<double>(count) / expected_),
                           static_cast<double>(count));
-        if (callbacks_.isCancelled()) stopped_ = interrupted_ = true;
+        if (callbacks_.isCancelled()) stopped_ = true;
     }
 
     PackResult<Dim> collect() {
@@ -285,20 +294,18 @@ private:
         result.firstBlock = lattice_.own(0);
         result.longestChain = lattice_.longestChain();
         result.quantum = settings_.quantum;
-        result.interrupted = interrupted_;
+        result.interrupted = stopped_;
         for (auto& thread : threads_)
             if (thread.front) result.fronts += thread.front->seeds();
         auto& spheres = result.pack.spheres;
         std::size_t total = 0;
-        for (const auto& block : blocks_) total += block.complete ? block.placed.spheres.size() : 0;
+        for (const auto& block : blocks_) total += block.placed.spheres.size();
         spheres.reserve(total);
         for (const std::uint32_t b : lattice_.order()) {
             const BlockSpheres<Dim>& placed = blocks_[b].placed;
-            if (blocks_[b].complete) {
-                spheres.insert(spheres.end(), placed.spheres.begin(), placed.spheres.end());
-                result.species.insert(result.species.end(), placed.species.begin(),
-                                      placed.species.end());
-            }
+            spheres.insert(spheres.end(), placed.spheres.begin(), placed.spheres.end());
+            result.species.insert(result.species.end(), placed.species.begin(),
+                                  placed.species.end());
             blocks_[b].placed = {};
         }
         if (const double shell = shellOf(options_); shell > 0)
@@ -325,7 +332,6 @@ private:
     tbb::task_group* group_ = nullptr;
     std::function<bool()> cancelled_;
     std::atomic<bool> stopped_{false};
-    std::atomic<bool> interrupted_{false};
     std::atomic<std::int64_t> count_{0};
     std::mutex reporting_;
     double expected_ = 1;
@@ -490,6 +496,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     const double fine = scaleFor(room, std::max(count / 5, 100.0));
     if (callbacks.isCancelled()) return fine;
     const double f1 = fractionAt(coarse);
+    if (callbacks.isCancelled()) return fine;
     const double f2 = fractionAt(fine);
     const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
     double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);

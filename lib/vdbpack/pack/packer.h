@@ -47,7 +47,7 @@ struct PackResult {
     std::size_t longestChain = 0;  ///< blocks that have to wait for one another
     std::size_t fronts = 0;        ///< fresh fronts started
     double quantum = 0;            ///< positions are whole multiples of this power of two, mm
-    bool interrupted = false;      ///< cancelled: the blocks that were complete are there
+    bool interrupted = false;      ///< cancelled: what stood by then is there, and final
 };
 
 /// Fills `domain` with non-overlapping spheres until no place is left that could take a sphere

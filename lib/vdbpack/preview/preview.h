@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -28,6 +29,8 @@ struct PreviewOptions {
     int width = 1600, height = 1200;  ///< pixels, 16 to 16384 each
     PreviewColor color = PreviewColor::radius;
     std::optional<PreviewCut> cut;
+    /// Asked often, one thread at a time; once it returns true, the drawing throws Interrupted.
+    std::function<bool()> cancelled;
 };
 
 /// What there is to see in space, in mm. Nothing is copied: all must outlive the drawing.
@@ -91,7 +94,7 @@ bool canDrawSpace();
 /// hierarchy of boxes.
 /// @throws ParameterError for a size out of bounds, nothing to see, an attribute to color by that
 /// the pack does not have, a cut that leaves nothing or cuts nothing, or a build without Embree;
-/// ResourceError if memory does not suffice.
+/// ResourceError if memory does not suffice; Interrupted.
 Image renderPreview(const SpacePreview& scene, const PreviewOptions& options);
 
 /// Draws circles at true scale, y up, with the outline of the domain: as above without light and

@@ -1,5 +1,6 @@
 // Circles at true scale.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scene.h"
 
 #include <fmt/format.h>
@@ -100,7 +101,9 @@ Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
         const double rim = std::min(kRim * pixel, kLargestRim * scene.pack->spheres[i].radius);
         return colors.color[i] * (found.rim < rim ? kRimShade : 1);
     };
+    StopRequest request(options.cancelled);
     tbb::parallel_for(0, image.height, [&](int y) {
+        request.stop();
         for (int x = 0; x < image.width; ++x) {
             Color sum;
             for (int j = 0; j < kSide; ++j)

@@ -1,5 +1,6 @@
 // Ray tracing through Embree: the only source that knows it.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scene.h"
 
 #include <embree3/rtcore.h>
@@ -10,8 +11,10 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <memory>
+#include <mutex>
 #include <new>
 
 namespace vdbpack {
@@ -212,8 +215,28 @@ public:
                                    surface.triangles.size());
         attach(g, kSurface);
     }
-    void commit() {
+    /// @throws Interrupted as soon as `request` is made.
+    void commit(StopRequest& request) {
+        struct Monitor {
+            StopRequest& request;
+            std::mutex mutex;
+            std::exception_ptr failure;  // no exception may pass through Embree
+        } monitor{request, {}, {}};
+        const auto goOn = [](void* asked, double) {
+            auto& m = *static_cast<Monitor*>(asked);
+            try {
+                return !m.request.made();
+            } catch (...) {
+                const std::lock_guard<std::mutex> lock(m.mutex);
+                m.failure = std::current_exception();
+                return false;
+            }
+        };
+        rtcSetSceneProgressMonitorFunction(scene_, goOn, &monitor);
         rtcCommitScene(scene_);
+        rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
+        if (monitor.failure) std::rethrow_exception(monitor.failure);
+        request.stop();  // which Embree takes for an error
         device_.check();
     }
 
@@ -282,7 +305,7 @@ struct Sample {
 
 class SpaceTracer {
 public:
-    SpaceTracer(const SpacePreview& scene, const PreviewOptions& options)
+    SpaceTracer(const SpacePreview& scene, const PreviewOptions& options, StopRequest& request)
         : scene_(scene),
           options_(options),
           local_(checkScene(scene, options)),
@@ -308,8 +331,8 @@ public:
             wall_ = std::make_unique<Surface>(*scene.wall, local_, options.cut);
             walls_.addSurface(*wall_);
         }
-        bodies_.commit();
-        walls_.commit();
+        bodies_.commit(request);
+        walls_.commit(request);
         if (options.cut) {
             cutNormal_ = {};
             const auto side = static_cast<float>(-keptSide(*options.cut));
@@ -638,7 +661,8 @@ bool canDrawSpace() {
 std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const PreviewOptions& options) {
     SpacePreview spheres = scene;
     spheres.wall = spheres.solid = nullptr;
-    const SpaceTracer tracer(spheres, options);
+    StopRequest request(options.cancelled);
+    const SpaceTracer tracer(spheres, options, request);
     std::vector<std::int32_t> seen(static_cast<std::size_t>(options.width) *
                                    static_cast<std::size_t>(options.height));
     tbb::parallel_for(0, options.height, [&](int y) {
@@ -654,7 +678,8 @@ Image renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
         checkScene(scene, options);
         SphereColors colors;
         if (scene.pack) colors = sphereColors(*scene.pack, options.color);
-        SpaceTracer tracer(scene, options);
+        StopRequest request(options.cancelled);
+        SpaceTracer tracer(scene, options, request);
         tracer.colorBy(std::move(colors.color));
         Image image;
         image.width = options.width;
@@ -664,6 +689,7 @@ Image renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
         const int columns = (image.width + kTile - 1) / kTile;
         const int rows = (image.height + kTile - 1) / kTile;
         tbb::parallel_for(0, columns * rows, [&](int tile) {
+            request.stop();
             drawTile(tracer, tile % columns * kTile, tile / columns * kTile, image);
         });
         const ScaleBar bar = scaleBarFor(tracer.mmPerPixel(), image.width);

@@ -403,6 +403,8 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     const TileLattice<Dim> lattice(domain.bounds(), options);
     const double radius = lattice.radius();
     callbacks.report("voids", 0, 0);
+    StopRequest request(callbacks.cancelled);
+    request.stop();
     const std::vector<Entry> entries = listEntries(voids, lattice, impl.outside);
     std::vector<std::size_t> starts;
     for (std::size_t i = 0; i < entries.size(); ++i)
@@ -413,6 +415,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     std::vector<Stamped> made(tiles);
     tbb::enumerable_thread_specific<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles, 8), [&](const auto& range) {
+        request.stop();
         Core<Dim>& core = cores.local();
         std::vector<NearVoid<Dim>> near;
         for (std::size_t n = range.begin(); n < range.end(); ++n) {
