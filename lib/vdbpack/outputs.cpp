@@ -1,6 +1,7 @@
 #include "vdbpack/outputs.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/output_file.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/export/contact_file.h"
@@ -126,6 +127,21 @@ std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& h
     return have.options.levelSets;
 }
 
+/// Whether two names are those of one file, which need not exist: by another path, by symbolic
+/// links, or by hard links.
+bool isSame(const std::string& a, const std::string& b) {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    if (a == b || fs::equivalent(a, b, failed)) return true;
+    const auto place = [&](const std::string& name) {
+        const fs::path target = followLinks(name);
+        const fs::path folder =
+            fs::canonical(target.has_parent_path() ? target.parent_path() : fs::path("."), failed);
+        return failed ? target : folder / target.filename();
+    };
+    return place(a) == place(b);
+}
+
 }  // namespace
 
 std::string filePart(const std::string& name) {
@@ -177,10 +193,13 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
             throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
                                       parent.string()));
         for (const std::string& input : inputs)
-            if (!input.empty() && fs::equivalent(files[i], filePart(input), ignored))
+            if (!input.empty() && (isSame(files[i], filePart(input)) ||
+                                   isSame(files[i], input.substr(input.find(':') + 1))))
                 throw ParameterError(files[i] + ": is the input itself; name another output");
         for (std::size_t j = 0; j < i; ++j)
-            if (files[i] == files[j]) throw ParameterError(files[i] + ": is named twice as output");
+            if (isSame(files[i], files[j]))
+                throw ParameterError(files[i] + ": is named twice as output" +
+                                     (files[i] == files[j] ? "" : ", once as " + files[j]));
     }
 }
 

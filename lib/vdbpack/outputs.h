@@ -19,7 +19,7 @@ namespace vdbpack {
 std::string filePart(const std::string& name);
 
 /// Refuses before the work what would fail after it: unknown formats, folders that are not there,
-/// outputs that are inputs or named twice.
+/// outputs that are inputs or named twice, be it by another path or by links.
 /// @param reportFile  .json or .html; may be empty.
 /// @param inputs      files, with or without the prefix of a format; empty names are passed over.
 /// @param picture     a further file that is written; may be empty.
@@ -86,7 +86,8 @@ template <int Dim>
 std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have);
 
 /// Writes all targets in turn and tells of each; the files in their order. The first .vdb among
-/// them is the `volume` of the others.
+/// them is the `volume` of the others. Where one fails, those before it are there, whole, and those
+/// after it, its own former file among them, are as they were.
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks);

@@ -73,6 +73,7 @@ void checkOutputs(const PackRecipe& recipe) {
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.existing);
+    inputs.push_back(recipe.radius);  // table:FILE
     checkPreview(recipe.preview, recipe.reportFile);
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
 }

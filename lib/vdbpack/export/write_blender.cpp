@@ -220,6 +220,7 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     OutputFile out(script);
     out.write(text);
 
+    // The script comes last: it names the others, and knows its points by their checksum.
     if (levelSets && volume.empty()) writeLevelSets(files[2], options);
     points.commit();
     out.commit();

@@ -1,0 +1,304 @@
+// Outputs of the program where disks are full, folders are read-only and processes are killed: each
+// is whole, or as it was before.
+#include "export/scratch.h"
+#include "support/process.h"
+#include "support/tool.h"
+
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/verify.h"
+
+#include <catch2/catch.hpp>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+using test::shell;
+using test::vdbPack;
+namespace fs = std::filesystem;
+
+namespace {
+
+const std::string kBall = "ball:20";
+
+/// What `convert` writes of a pack with its domain, by the files that each output leaves.
+struct Written {
+    std::string output;  ///< with FOLDER for where it goes
+    std::vector<std::string> files;
+};
+const std::vector<Written> kOutputs{
+    {"FOLDER/p.vdb", {"p.vdb"}},
+    {"FOLDER/p.vtp", {"p.vtp"}},
+    {"FOLDER/p.ply", {"p.ply"}},
+    {"FOLDER/p.csv", {"p.csv"}},
+    {"FOLDER/p.xyz", {"p.xyz"}},
+    {"FOLDER/p.npz", {"p.npz"}},
+    {"FOLDER/p.data", {"p.data"}},
+    {"FOLDER/p.stl", {"p.stl"}},
+    {"yade:FOLDER/p.txt", {"p.txt"}},
+    {"lammps-bonds:FOLDER/p.bonds", {"p.bonds"}},
+    {"contacts:FOLDER/p.csv", {"p.csv"}},
+    {"points:FOLDER/p.vdb", {"p.vdb"}},
+    {"fog:FOLDER/p.vdb", {"p.vdb"}},
+    {"levelsets:FOLDER/p.vdb", {"p.vdb"}},
+    {"blender:FOLDER/p.py", {"p.py", "p.points.npy"}},
+};
+
+std::string inFolder(std::string output, const std::string& folder) {
+    return output.replace(output.find("FOLDER"), 6, folder);
+}
+
+std::vector<std::string> namesIn(const std::string& folder) {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(folder))
+        names.push_back(entry.path().filename().string());
+    std::sort(names.begin(), names.end());
+    return names;
+}
+
+/// Whether a file is as `convert` writes it: byte for byte, or (a .vdb has a number of its own) as
+/// long and with the pack that was given.
+bool isWhole(const std::string& file, const std::string& reference, std::uint64_t hash) {
+    const std::string content = contentOf(file), expected = contentOf(reference);
+    if (content == expected) return true;
+    if (file.size() < 4 || file.substr(file.size() - 4) != ".vdb") return false;
+    if (content.size() != expected.size()) return false;
+    try {
+        return packHash(readPack(file)) == hash;
+    } catch (const std::exception&) {
+        return true;  // without points: the size says it
+    }
+}
+
+struct Given {
+    Scratch scratch;
+    std::string pack = scratch / "given.csv";
+    std::uint64_t hash = 0;
+
+    explicit Given(const std::string& domain = kBall, const std::string& radius = "uniform:1,2") {
+        REQUIRE(vdbPack("pack " + domain + " --radius " + radius + " --quiet -o " + pack).code ==
+                0);
+        hash = packHash(readPack(pack));
+        fs::create_directory(scratch / "reference");
+        fs::create_directory(scratch / "out");
+    }
+    void clear() const {
+        for (const std::string& folder : {reference(), out()}) {
+            fs::remove_all(folder);
+            fs::create_directory(folder);
+        }
+    }
+    std::string reference() const { return scratch / "reference"; }
+    std::string out() const { return scratch / "out"; }
+    std::string arguments(const Written& w, const std::string& folder) const {
+        return "convert " + pack + " --domain " + kBall + " -o " + inFolder(w.output, folder);
+    }
+};
+
+bool isAllowed(const std::string& how) {
+    if (shell(how + " true").code == 0) return true;
+    WARN("skipped: '" << how << "' is not permitted here");
+    return false;
+}
+
+/// As a namespace of its own, where even a user may mount.
+const std::string kApart = "unshare -rm sh -c";
+
+}  // namespace
+
+TEST_CASE("every output survives a limit on the size of files, and its former file does",
+          "[output]") {
+    const Given given;
+    for (const Written& w : kOutputs) {
+        given.clear();
+        REQUIRE(vdbPack(given.arguments(w, given.reference())).code == 0);
+        std::uintmax_t largest = 0;
+        for (const auto& name : w.files)
+            largest = std::max(largest, fs::file_size(given.reference() + "/" + name));
+        // In units of 512 bytes, as sh counts.
+        for (const std::uintmax_t limit : {std::uintmax_t{0}, largest / 1024, largest / 512 + 1}) {
+            CAPTURE(w.output, largest, limit);
+            for (const auto& name : w.files) putContent(given.out() + "/" + name, "former");
+            const auto run = shell("ulimit -f " + std::to_string(limit) + "; " VDBPACK_TOOL " " +
+                                   given.arguments(w, given.out()));
+            CAPTURE(run.text);
+            auto names = w.files;
+            std::sort(names.begin(), names.end());
+            CHECK(namesIn(given.out()) == names);
+            const bool fits = limit > largest / 512;
+            CHECK(run.code == (fits ? 0 : 4));
+            const std::string main = given.out() + "/" + w.files[0];
+            if (fits)
+                CHECK(isWhole(main, given.reference() + "/" + w.files[0], given.hash));
+            else if (w.files.size() == 1)
+                CHECK(contentOf(main) == "former");
+            for (const auto& name : w.files) {
+                const std::string file = given.out() + "/" + name;
+                CHECK((contentOf(file) == "former" ||
+                       isWhole(file, given.reference() + "/" + name, given.hash)));
+            }
+        }
+    }
+}
+
+TEST_CASE("every output survives a full disk", "[.slow][output]") {
+    if (!isAllowed(kApart)) return;
+    const Given given;
+    for (const Written& w : kOutputs) {
+        given.clear();
+        REQUIRE(vdbPack(given.arguments(w, given.reference())).code == 0);
+        std::uintmax_t all = 0;
+        for (const auto& name : w.files) all += fs::file_size(given.reference() + "/" + name);
+        for (const std::uintmax_t kilobytes :
+             {std::uintmax_t{8}, all / 4096, all / 2048, all * 9 / 10240, 2 * all / 1024 + 100}) {
+            CAPTURE(w.output, all, kilobytes);
+            // The former files, then what is left after the run, are copied out of the mount.
+            const std::string script =
+                "mkdir -p " + given.out() + "/disk && mount -t tmpfs -o size=" +
+                std::to_string(std::max<std::uintmax_t>(8, kilobytes)) + "k none " + given.out() +
+                "/disk && cd " + given.out() + "/disk && for f in " +
+                [&] {
+                    std::string names;
+                    for (const auto& name : w.files) names += name + " ";
+                    return names;
+                }() +
+                "; do printf former > $f; done; " VDBPACK_TOOL " " +
+                given.arguments(w, given.out() + "/disk") + "; code=$?; mkdir " + given.out() +
+                "/left; cp -r . " + given.out() + "/left/; exit $code";
+            fs::remove_all(given.out() + "/left");
+            const auto run = shell(kApart + " '" + script + "'");
+            CAPTURE(run.text);
+            REQUIRE((run.code == 0 || run.code == 4));
+            auto names = w.files;
+            std::sort(names.begin(), names.end());
+            CHECK(namesIn(given.out() + "/left") == names);
+            for (const auto& name : w.files) {
+                const std::string file = given.out() + "/left/" + name;
+                const bool whole = isWhole(file, given.reference() + "/" + name, given.hash);
+                CHECK((whole || (run.code == 4 && contentOf(file) == "former")));
+            }
+        }
+    }
+}
+
+TEST_CASE("a read-only folder is told before the work, and nothing changes", "[output]") {
+    if (!isAllowed(kApart)) return;
+    const Given given;
+    putContent(given.out() + "/p.csv", "former");
+    const auto run =
+        shell(kApart + " 'mount --bind " + given.out() + " " + given.out() +
+              " && mount -o remount,bind,ro " + given.out() + " && " VDBPACK_TOOL " convert " +
+              given.pack + " -o " + given.out() + "/p.csv'");
+    CAPTURE(run.text);
+    CHECK(run.code == 4);
+    CHECK(contentOf(given.out() + "/p.csv") == "former");
+    CHECK(namesIn(given.out()).size() == 1);
+}
+
+TEST_CASE("of several outputs the first that fails ends the run; those before it stay",
+          "[output]") {
+    const Given given;
+    fs::create_directory(given.out() + "/folder.vtp");
+    const auto run = vdbPack("convert " + given.pack + " -o " + given.out() + "/a.csv -o " +
+                             given.out() + "/folder.vtp -o " + given.out() + "/b.csv");
+    CHECK(run.code == 4);
+    CHECK(contentOf(given.out() + "/a.csv") == contentOf(given.pack));
+    CHECK_FALSE(fs::exists(given.out() + "/b.csv"));
+}
+
+TEST_CASE("an output that is an input or another output by any name is refused", "[output]") {
+    const Given given;
+    const std::string before = contentOf(given.pack);
+    fs::create_symlink(given.pack, given.out() + "/soft.csv");
+    fs::create_hard_link(given.pack, given.out() + "/hard.csv");
+    fs::create_symlink("new.csv", given.out() + "/link.csv");
+    for (const std::string& name : {given.pack, given.out() + "/../given.csv",
+                                    given.out() + "/soft.csv", given.out() + "/hard.csv"}) {
+        CAPTURE(name);
+        const auto run = vdbPack("convert " + given.pack + " -o " + name);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.text, Contains("input itself"));
+        CHECK(vdbPack("pack ball:30 --radius uniform:1,2 --existing " + given.pack + " -o " + name)
+                  .code == 2);
+    }
+    for (const std::string& name :
+         {given.out() + "/new.csv", given.out() + "/./new.csv", given.out() + "/link.csv"}) {
+        CAPTURE(name);
+        const auto run =
+            vdbPack("convert " + given.pack + " -o " + given.out() + "/new.csv -o yade:" + name);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.text, Contains("named twice"));
+    }
+    CHECK(contentOf(given.pack) == before);
+    CHECK(namesIn(given.out()).size() == 3);
+}
+
+TEST_CASE("a broken pipe or a full one on standard output is told, and files are complete",
+          "[output]") {
+    const Given given;
+    const std::string file = given.out() + "/p.csv";
+    const std::string convert = VDBPACK_TOOL " convert " + given.pack + " -o " + file;
+    CHECK(shell(convert + " > /dev/full").code == 4);
+    CHECK(contentOf(file) == contentOf(given.pack));
+    fs::remove(file);
+    CHECK(shell("(sleep 0.2; " + convert + "; echo $? > " + given.out() + "/code) | true; sleep 1")
+              .code == 0);
+    for (int i = 0; i < 50 && !fs::exists(given.out() + "/code"); ++i) test::sleepFor(0.1);
+    CHECK(contentOf(given.out() + "/code") == "4\n");
+    CHECK(contentOf(file) == contentOf(given.pack));
+    // Nobody who hears warnings is no reason to stop.
+    CHECK(shell(convert + " --pack-unit um 2> /dev/full").code == 0);
+}
+
+TEST_CASE("a process killed at any moment of writing leaves files whole or as they were",
+          "[.slow][output]") {
+    const Given given("box:150,150,150");
+    std::mt19937 random(50);
+    for (const Written& w : {kOutputs[0], kOutputs[1], kOutputs[3], kOutputs[5], kOutputs[14]}) {
+        const std::string arguments = given.arguments(w, given.reference());
+        std::vector<std::string> words;
+        std::string command = given.arguments(w, given.out());
+        for (std::size_t at = 0; at != std::string::npos;) {
+            const auto end = command.find(' ', at);
+            words.push_back(command.substr(at, end - at));
+            at = end == std::string::npos ? end : end + 1;
+        }
+        REQUIRE(vdbPack(arguments).code == 0);
+        double longest = 0;
+        {
+            test::Process run(words);
+            REQUIRE(run.wait() == 0);
+            longest = run.seconds();
+        }
+        int killed = 0, replaced = 0;
+        for (int moment = 0; moment < 50; ++moment) {
+            for (const auto& name : namesIn(given.out())) fs::remove(given.out() + "/" + name);
+            const bool former = moment % 2 == 0;
+            if (former)
+                for (const auto& name : w.files) putContent(given.out() + "/" + name, "former");
+            test::Process run(words);
+            test::sleepFor(std::uniform_real_distribution<double>(0.3, 1)(random) * longest);
+            run.signal(SIGKILL);
+            killed += run.wait() != 0;
+            for (const auto& name : w.files) {
+                CAPTURE(w.output, name, moment);
+                const std::string file = given.out() + "/" + name;
+                if (!fs::exists(file)) {
+                    CHECK_FALSE(former);
+                    continue;
+                }
+                const bool whole = isWhole(file, given.reference() + "/" + name, given.hash);
+                replaced += whole;
+                CHECK((whole || (former && contentOf(file) == "former")));
+            }
+        }
+        CAPTURE(w.output, killed, replaced);
+        CHECK(killed > 5);
+    }
+}
