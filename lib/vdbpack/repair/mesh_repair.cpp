@@ -258,7 +258,9 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
     report.duplicates = given - turned.triangles.size();
     report.turned = turnOutward(turned, options.nested).turned;
     const WindingNumber winding(turned);
+    callbacks.stopIfCancelled();
     measureDoubt(turned, winding, report);
+    callbacks.stopIfCancelled();
 
     TriangleMesh filled = turned;
     const HoleFilling holes = fillHoles(filled);

@@ -65,7 +65,8 @@ struct RepairedMesh {
 /// against the file repaired again.
 ///
 /// @param mesh  welded (mesh_io.h), mm.
-/// @throws InputError if nothing is inside. ParameterError for a negative voxel size.
+/// @throws InputError if nothing is inside. ParameterError for a negative voxel size. ResourceError
+/// if memory does not suffice, Interrupted once cancelled.
 RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options = {},
                         const Callbacks& callbacks = {});
 

@@ -95,18 +95,22 @@ public:
     Resurfaced run() {
         layBand();
         findCrossings();
-        callbacks_.report("repair", 0.4, 0);
+        tell(0.4, 0);
         evaluate();
-        callbacks_.report("repair", 0.6, 0);
+        tell(0.6, 0);
         probeElsewhere();
         follow();
-        callbacks_.report("repair", 0.8, 0);
+        tell(0.8, 0);
         placeVertices();
-        callbacks_.report("repair", 0.9, static_cast<double>(vertices_.size()));
+        tell(0.9, static_cast<double>(vertices_.size()));
         return makeMesh();
     }
 
 private:
+    void tell(double fraction, double count) const {
+        callbacks_.stopIfCancelled();
+        callbacks_.report("repair", fraction, count);
+    }
     Vec<3> world(const Vec<3>& p) const { return origin_ + p * voxelSize_; }
     Vec<3> world(const Coord& c) const {
         return world(Vec<3>{
@@ -342,6 +346,7 @@ private:
         std::vector<Coord> missing;
         for (auto& list : lists) missing.insert(missing.end(), list.begin(), list.end());
         while (!missing.empty()) {
+            callbacks_.stopIfCancelled();
             add(std::move(missing));
             missing.clear();
             const Accessor accessor(grid_->constTree());

@@ -26,7 +26,7 @@ struct Resurfaced {
 ///
 /// @param mesh       faces outward as far as can be told (facing.h); what `winding` was made of.
 /// @param voxelSize  edge of the lattice's cubes, mm. Corners sharper than that are cut off.
-/// @throws ResourceError if memory does not suffice, InputError if nothing is inside.
+/// @throws ResourceError if memory does not suffice, Interrupted once cancelled.
 Resurfaced resurface(const TriangleMesh& mesh, const WindingNumber& winding, double voxelSize,
                      const Callbacks& callbacks = {});
 

@@ -1,0 +1,122 @@
+// --repair and --shells through the program: packed, written, verified against the same surface.
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/rng.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+using test::vdbPack;
+
+namespace {
+
+/// Two balls that cut through each other, without a twentieth of their triangles.
+TriangleMesh dirtyMesh() {
+    const auto whole = test::merged(test::ballMesh(10, 3), test::ballMesh(6, 3, {{9, 0, 0}}));
+    TriangleMesh mesh;
+    mesh.vertices = whole.vertices;
+    RandomStream random(11, 2);
+    for (const auto& t : whole.triangles)
+        if (random.uniform() >= 0.05) mesh.triangles.push_back(t);
+    return mesh;
+}
+
+nlohmann::json jsonOf(const test::Output& output) {
+    CAPTURE(output.text);
+    REQUIRE(output.code == 0);
+    return nlohmann::json::parse(output.text.substr(output.text.find('{')));
+}
+
+}  // namespace
+
+TEST_CASE("a dirty mesh is refused, and packed and verified with --repair", "[cli][repair]") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.path() + "/dirty.obj", pack = folder.path() + "/p.vdb",
+                      surface = folder.path() + "/repaired.stl";
+    test::writeObj(dirtyMesh(), mesh);
+    const auto refused = vdbPack("pack " + mesh + " --radius constant:0.6 -o " + pack);
+    CHECK(refused.code == 3);
+    CHECK_THAT(refused.text, Contains("the mesh is not closed") && Contains("largest hole") &&
+                                 Contains("pass --repair"));
+
+    const auto report = jsonOf(vdbPack(
+        "pack " + mesh + " --repair --radius constant:0.6 --json -o " + pack + " -o " + surface));
+    const auto& repair = report["domain"]["repair"];
+    CHECK(repair["method"] == "resurfaced");
+    CHECK(repair["before"]["boundaryEdges"] > 100);
+    CHECK(report["domain"]["boundaryEdges"] == 0);
+    CHECK(report["protrusion"]["spheres"] == 0);
+    // Against the dirty mesh repaired again, and against what was written.
+    for (const std::string& domain : {mesh + " --repair", surface}) {
+        const auto checked = jsonOf(vdbPack("verify " + pack + " --json --domain " + domain));
+        CHECK(checked["protrusion"]["spheres"] == 0);
+        CHECK(checked["hash"] == report["hash"]);
+        CHECK(checked["domain"]["meshVolume"].get<double>() ==
+              Approx(report["domain"]["meshVolume"].get<double>()).epsilon(1e-12));
+    }
+}
+
+TEST_CASE("the mesh command repairs, tells of it and writes the surface", "[cli][repair]") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.path() + "/dirty.obj", surface = folder.path() + "/sound.stl";
+    test::writeObj(dirtyMesh(), mesh);
+    const auto told = vdbPack("mesh " + mesh + " --repair -o " + surface);
+    CHECK(told.code == 0);
+    CHECK_THAT(told.text, Contains("volume in doubt") && Contains("after the repair") &&
+                              Contains("watertight") && Contains("surface made anew"));
+    const auto health = jsonOf(vdbPack("mesh " + surface + " --json"));
+    CHECK(health["watertight"] == true);
+    CHECK(health["shells"] == 1);
+
+    CHECK(vdbPack("mesh " + surface + " -o " + surface).code == 2);
+    const auto wrong = vdbPack("mesh " + mesh + " --repair -o " + folder.path() + "/x.obj");
+    CHECK(wrong.code == 2);
+    CHECK_THAT(wrong.text, Contains("name it .stl"));
+}
+
+TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
+    const TemporaryFolder folder;
+    const auto file = [&](const char* name) { return folder.path() + "/" + name; };
+    const auto outer = test::ballMesh(10, 3), inner = test::ballMesh(5, 3);
+    test::writeObj(outer, file("outer.obj"));
+    test::writeObj(inner, file("inner.obj"));
+    test::writeObj(test::ballMesh(5, 3, {{8, 0, 0}}), file("aside.obj"));
+    test::writeObj(test::merged(outer, inner), file("both.obj"));
+    const auto volume = [&](const std::string& words) {
+        return jsonOf(vdbPack("pack " + words + " --radius constant:1 --json -o " +
+                              file("p.csv")))["domain"]["volume"]
+            .get<double>();
+    };
+    const double outside = volume(file("outer.obj"));
+    const double hollow = volume(file("both.obj"));
+    CHECK(hollow < outside - 500);
+    CHECK(volume(file("both.obj") + " --shells cavity") == Approx(hollow));
+    CHECK(volume(file("both.obj") + " --shells solid") == Approx(outside));
+    CHECK(volume(file("both.obj") + " --repair --shells solid") == Approx(outside));
+    CHECK(volume(file("outer.obj") + " --shells inner=" + file("inner.obj")) == Approx(hollow));
+    CHECK(volume("--shells outer=" + file("outer.obj") + ",inner=" + file("inner.obj")) ==
+          Approx(hollow));
+
+    const auto aside = vdbPack("pack " + file("outer.obj") +
+                               " --shells inner=" + file("aside.obj") + " -o " + file("p.csv"));
+    CHECK(aside.code == 3);
+    CHECK_THAT(aside.text, Contains("outside of the other") && Contains("--repair"));
+    CHECK(volume(file("outer.obj") + " --repair --shells inner=" + file("aside.obj")) < outside);
+
+    const auto garbled =
+        vdbPack("pack " + file("outer.obj") + " --shells hollow -o " + file("p.csv"));
+    CHECK(garbled.code == 2);
+    CHECK_THAT(garbled.text, Contains("cavity, solid"));
+    const auto two = vdbPack("pack " + file("both.obj") + " --shells outer=" + file("outer.obj") +
+                             ",inner=" + file("inner.obj") + " -o " + file("p.csv"));
+    CHECK(two.code == 2);
+    CHECK_THAT(two.text, Contains("give one of the two"));
+    CHECK(vdbPack("pack -o " + file("p.csv")).code == 2);
+}
