@@ -1,7 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/domain/vdb_grid.h"
-#include "vdbpack/domain/vdb_init.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>
@@ -54,13 +54,28 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
     return grid;
 }
 
+/// Whether contouring takes no more than a level set of its size is worth: along the faces of
+/// active tiles it makes a leaf for each 8 x 8 voxels, and a tile may have 4096 a side.
+bool isCheapToContour(const FloatGrid& grid) {
+    const double most = 1e5 + 16.0 * static_cast<double>(grid.tree().leafCount());
+    double leaves = 0;
+    auto tile = grid.cbeginValueOn();
+    tile.setMaxDepth(FloatGrid::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        const double side = tile.getBoundingBox().dim().x() / 8.0;
+        leaves += 6 * side * side;
+        if (leaves > most) return false;
+    }
+    return true;
+}
+
 /// Calls `use(grid)` with a level set that was read and looked over, `scale` checked.
 template <class Use>
 auto withLevelSet(const std::string& path, const std::string& gridName, double scale,
                   const Use& use) {
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
-    initializeOpenVdb();
+    checkVdbFile(path);
     try {
         const FloatGrid::Ptr grid = readLevelSet(path, gridName);
         const openvdb::math::Transform& transform = grid->transform();
@@ -76,7 +91,13 @@ auto withLevelSet(const std::string& path, const std::string& gridName, double s
                 "{}: level set '{}' has a background of {}, where it is the half-width of the "
                 "band and so positive; write it again",
                 path, grid->getName(), grid->background()));
-        for (auto value = grid->cbeginValueOn(); value; ++value)
+        if (!isCheapToContour(*grid))
+            throw InputError(fmt::format(
+                "{}: most of level set '{}' is large active tiles, where it is a narrow band of "
+                "voxels; rebuild it as a level set",
+                path, grid->getName()));
+        // Contouring looks at inactive neighbors too.
+        for (auto value = grid->cbeginValueAll(); value; ++value)
             if (!std::isfinite(*value))
                 throw InputError(
                     fmt::format("{}: level set '{}' holds a value that is not finite at voxel ({}, "
@@ -114,6 +135,11 @@ TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
         const openvdb::Vec3s& p = mesher.pointList()[i];
         const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p));
         mesh.vertices.push_back({{x[0], x[1], x[2]}});
+        if (!isFinite(mesh.vertices.back()))
+            throw InputError(
+                fmt::format("{}: the contour of level set '{}' is not finite at voxel ({}, {}, "
+                            "{}); write it again",
+                            name, grid->getName(), p[0], p[1], p[2]));
     }
     // OpenVDB winds its polygons clockwise seen from outside. A mirroring transform turns that
     // round.

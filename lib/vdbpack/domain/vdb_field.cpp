@@ -20,11 +20,6 @@
 
 namespace vdbpack {
 
-void initializeOpenVdb() {
-    static std::once_flag once;
-    std::call_once(once, [] { openvdb::initialize(); });
-}
-
 namespace {
 
 using openvdb::Coord;

@@ -1,8 +1,8 @@
 // OpenVDB files: spheres as a point grid, the bone as a level set beside them.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/domain/vdb_grid.h"
-#include "vdbpack/export/input_file.h"
 #include "vdbpack/export/numbers.h"
 #include "vdbpack/export/pack_builder.h"
 #include "vdbpack/export/pack_formats.h"
@@ -52,8 +52,9 @@ public:
     }
 
     /// The point grid named `name` (empty: the first one), or null; `found` lists all grids.
-    points::PointDataGrid::Ptr readPoints(std::istream& stream, std::uint64_t fileSize,
-                                          const std::string& name, std::string& found) {
+    /// The file has passed `checkVdbFile`.
+    points::PointDataGrid::Ptr readPoints(std::istream& stream, const std::string& name,
+                                          std::string& found) {
         readHeader(stream);
         auto tag = std::make_shared<openvdb::io::StreamMetadata>();
         openvdb::io::setStreamMetadataPtr(stream, tag, /*transfer=*/false);
@@ -71,13 +72,6 @@ public:
                 found += fmt::format("{}'{}' ({})", i > 0 ? ", " : "", gridName.substr(0, 80),
                                      descriptor.gridType().substr(0, 80));
             const auto pointGrid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
-            // Told in advance: interrupted in the middle of a tree, OpenVDB loses what it has read.
-            // Offsets that do not lead on would make us run in circles.
-            const std::int64_t end = descriptor.getEndPos();
-            if (inputHasGridOffsets() && (end < static_cast<std::int64_t>(stream.tellg()) ||
-                                          static_cast<std::uint64_t>(end) > fileSize))
-                throw std::runtime_error(
-                    fmt::format("grid '{}' should end at byte {}", gridName.substr(0, 80), end));
             const bool wanted =
                 pointGrid && (name.empty() || name == gridName) && !descriptor.isInstance();
             if (wanted || !inputHasGridOffsets()) {
@@ -696,22 +690,13 @@ void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteO
 }
 
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
-    openvdb::initialize();
-    std::uint64_t size = 0;
-    {
-        InputFile probe(path);  // its messages tell a missing file from an unreadable one
-        size = probe.size();
-        char magic[4] = {};
-        if (size >= sizeof magic) probe.readAt(0, magic, sizeof magic);
-        if (std::memcmp(magic, " BDV", sizeof magic) != 0)
-            throw InputError(path + ": is not an OpenVDB file; check the name of the format");
-    }
+    checkVdbFile(path);
     std::ifstream stream(path, std::ios::binary);
     if (!stream) throw IoError(path + ": cannot be read: " + std::strerror(errno));
     std::string found;
     try {
         stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-        const auto grid = Archive().readPoints(stream, size, options.gridName, found);
+        const auto grid = Archive().readPoints(stream, options.gridName, found);
         if (grid) return packOf(*grid, path, unitOf(*grid, path, options.unit));
     } catch (const Error&) {
         throw;
@@ -721,10 +706,10 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         stream.exceptions(std::ios::goodbit);
         stream.clear();
         const auto at = static_cast<std::int64_t>(stream.tellg());
-        throw InputError(
-            fmt::format("{}: cannot be read as OpenVDB near byte {} of {}: {}; the file is damaged "
-                        "or cut short",
-                        path, at, size, e.what()));
+        throw InputError(fmt::format(
+            "{}: cannot be read as OpenVDB near byte {}: {}; the file is damaged or cut "
+            "short",
+            path, at, e.what()));
     }
     throw InputError(fmt::format("{}: holds no point grid{}, but {}; name another grid or file",
                                  path,

@@ -1,6 +1,6 @@
 // Fields of directions in .vdb files.
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/vdb_init.h"
+#include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
@@ -22,6 +22,8 @@ namespace {
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using openvdb::Vec3SGrid;
+
+constexpr double kFarthest = 1e9;  ///< from the origin, mm
 
 bool isFiniteValue(float v) {
     return std::isfinite(v);
@@ -264,8 +266,16 @@ std::shared_ptr<const DirectionField> makeField(const std::string& file, double 
         throw InputError(file + ": no active voxel tells a direction; write the field again");
     std::vector<PointTensors::Sample> samples;
     samples.reserve(chosen.size());
-    for (const Coord& voxel : chosen)
+    for (const Coord& voxel : chosen) {
         samples.push_back({toVec(grids.transform().indexToWorld(voxel)) * scale, grids.at(voxel)});
+        const Vec<3>& x = samples.back().x;
+        if (!(std::fabs(x[0]) <= kFarthest && std::fabs(x[1]) <= kFarthest &&
+              std::fabs(x[2]) <= kFarthest))
+            throw InputError(
+                fmt::format("{}: voxel ({}, {}, {}) lies more than 1e9 mm from the origin; correct "
+                            "the transform",
+                            file, voxel.x(), voxel.y(), voxel.z()));
+    }
     return std::make_shared<VdbField>(std::move(grids), voxels, PointTensors(std::move(samples)),
                                       scale);
 }
@@ -273,7 +283,7 @@ std::shared_ptr<const DirectionField> makeField(const std::string& file, double 
 }  // namespace
 
 std::shared_ptr<const DirectionField> readVdbDirections(const std::string& file, double scale) {
-    initializeOpenVdb();
+    checkVdbFile(file);
     try {
         return makeField(file, scale);
     } catch (const openvdb::IoError& e) {
