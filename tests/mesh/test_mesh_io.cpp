@@ -480,6 +480,14 @@ TEST_CASE("OFF is read with colors, normals and without its first word", "[mesh]
               .vertices.size() == 3);
 }
 
+TEST_CASE("a PLY header of any length is read in proportion", "[mesh]") {
+    const Folder folder;
+    std::string text = "ply\nformat ascii 1.0\n";
+    for (int i = 0; i < 200'000; ++i) text += fmt::format("element e{} 0\n", i);
+    CHECK_THROWS_AS(readMesh(folder.write("a.ply", text + "element e7 0\nend_header\n")),
+                    InputError);
+}
+
 TEST_CASE("lines longer than the buffer are read", "[mesh]") {
     const Folder folder;
     std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n# " + std::string(9'000'000, 'x') + "\nf 1 2";

@@ -120,3 +120,14 @@ TEST_CASE("shares by volume are integrals of the radius cubed", "[pack]") {
     CHECK(VolumeShares(constant, 3)(constant.cdfBelow(3)) == 0);
     CHECK(VolumeShares(constant, 3)(constant.cdf(3)) == 1);
 }
+
+TEST_CASE("a table of radii that is a folder, missing or empty is refused", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("empty.csv")).close();
+    for (const std::string kind : {"table:", "psd:"}) {
+        CAPTURE(kind);
+        REQUIRE_THROWS_AS(SizeDistribution::parse(kind + folder.path(), 3), IoError);
+        REQUIRE_THROWS_AS(SizeDistribution::parse(kind + folder.file("none.csv"), 3), IoError);
+        REQUIRE_THROWS_AS(SizeDistribution::parse(kind + folder.file("empty.csv"), 3), InputError);
+    }
+}

@@ -35,6 +35,9 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
             size_ = static_cast<std::uint64_t>(info.st_size);
             return;
         }
+        // Pipes end; devices need not.
+        if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode))
+            throw IoError(path_ + ": is a device; give a file or a pipe");
         inMemory_ = true;
         for (;;) {
             const std::size_t before = memory_.size();

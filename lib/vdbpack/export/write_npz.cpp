@@ -270,11 +270,16 @@ public:
         : file_(path), unit_(options.unit) {}
 
     Pack<3> read() {
+        std::uint64_t packed = 0;
         for (const Member& m : members()) {
             constexpr std::string_view kEnding = ".npy";
             if (m.name.size() <= kEnding.size() ||
                 m.name.compare(m.name.size() - kEnding.size(), kEnding.size(), kEnding) != 0)
                 continue;
+            // Members that share their bytes would unpack to any size.
+            if (m.packed > file_.size() - packed)
+                failDamaged(fmt::format("member '{}', beside those before it,", shown(m)));
+            packed += m.packed;
             Array a;
             a.name = m.name.substr(0, m.name.size() - kEnding.size());
             if (parse(content(m), a)) arrays_.push_back(std::move(a));

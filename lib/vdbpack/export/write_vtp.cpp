@@ -465,7 +465,7 @@ private:
     }
 
     /// The bytes of an array that is not ASCII.
-    std::vector<char> bytesOfArray(const Array& a) const {
+    std::vector<char> bytesOfArray(const Array& a) {
         // ASCII arrays are plain whatever the file says, so this is not asked before.
         const bool zlib = compressor_ == "vtkZLibDataCompressor";
         if (!zlib && !compressor_.empty())
@@ -473,6 +473,16 @@ private:
                                      "without compression",
                                      compressor_.substr(0, 40)));
         ByteSource source = sourceOf(a);
+        const std::uint64_t before = source.bound();
+        std::vector<char> data = unpacked(a, source, zlib);
+        // Arrays that share their bytes would add up to any size.
+        taken_ += before - source.bound();
+        if (taken_ > file_.size())
+            fail(a.name, "shares its bytes with other arrays; save the file again");
+        return data;
+    }
+
+    std::vector<char> unpacked(const Array& a, ByteSource& source, bool zlib) const {
         std::vector<char> data;
         if (!zlib) {
             const std::uint64_t bytes = readHeaderWord(source);
@@ -516,7 +526,7 @@ private:
     }
 
     /// Loads `count` tuples as bytes of the array's type.
-    void load(Array& a, std::uint64_t count) const {
+    void load(Array& a, std::uint64_t count) {
         const std::size_t size = bytesOf(a.type);
         if (a.format == "ascii" || a.format.empty()) {
             // Two characters a number at least.
@@ -596,7 +606,7 @@ private:
         std::memcpy(a.data.data() + index * bytesOf(a.type), bytes, bytesOf(a.type));
     }
 
-    std::vector<std::string> texts(const Array& a) const {
+    std::vector<std::string> texts(const Array& a) {
         std::vector<char> data;
         if (a.format == "ascii" || a.format.empty()) {
             std::size_t at = 0;
@@ -697,6 +707,7 @@ private:
     bool swap_ = false;
     bool wideHeader_ = false;
     std::string_view compressor_;  ///< empty: none
+    std::uint64_t taken_ = 0;      ///< bytes of the file that arrays took
     std::vector<Piece> pieces_;
     std::vector<Array> field_;
 };

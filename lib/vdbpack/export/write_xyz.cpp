@@ -107,6 +107,8 @@ private:
                 "does not describe the columns; write it as extended XYZ, with "
                 "Properties=species:S:1:pos:R:3:radius:R:1");
         std::vector<std::string> names;
+        // A row takes two bytes for each of its columns.
+        const std::uint64_t most = (file_.size() - file_.nextOffset()) / 2 + 100;
         for (std::size_t w = 0; w < words.size(); w += 3) {
             const std::string name(words[w]);
             std::int64_t count = 0;
@@ -116,6 +118,11 @@ private:
                 fail(fmt::format("'{}:{}:{}' describes no column; write name:S, R, I or L:count",
                                  name.substr(0, 40), words[w + 1].substr(0, 40),
                                  words[w + 2].substr(0, 40)));
+            if (names.size() + static_cast<std::uint64_t>(count) > most)
+                fail(
+                    fmt::format("announces more than {} columns, too many for what follows; "
+                                "correct it",
+                                most));
             if (name == "pos" && count == 3)
                 names.insert(names.end(), {"x", "y", "z"});
             else if (count == 1)

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <new>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -548,6 +549,7 @@ PlyType parsePlyType(const FileSource& source, std::string_view name) {
 PlyHeader readPlyHeader(Reader& reader) {
     FileSource& source = reader.source;
     PlyHeader header;
+    std::set<std::string> names;  // of the elements: a header may hold any number of them
     std::string_view line;
     if (!source.takeLine(line) || Words(line).next() != "ply")
         source.fail("is no PLY file: it does not begin with 'ply'");
@@ -576,9 +578,8 @@ PlyHeader readPlyHeader(Reader& reader) {
         } else if (keyword == "element") {
             PlyElement element;
             element.name = words.next();
-            for (const auto& other : header.elements)
-                if (other.name == element.name)
-                    source.failAtLine("element " + quoted(element.name) + " is declared twice");
+            if (!names.insert(element.name).second)
+                source.failAtLine("element " + quoted(element.name) + " is declared twice");
             const std::int64_t count = reader.integer(words.next(), "the number of elements");
             if (count < 0) source.failAtLine(fmt::format("negative count: {}", count));
             element.count = static_cast<std::uint64_t>(count);

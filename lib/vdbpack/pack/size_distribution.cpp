@@ -91,7 +91,9 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
     if (std::filesystem::is_directory(path, ignored))
         throw IoError(path + ": is a folder; name a file");
     std::ifstream file(path);
-    if (!file) throw IoError(path + ": cannot be read; check the name and its permissions");
+    // A folder opens, but there is nothing to read in it.
+    if (!file || std::filesystem::is_directory(path))
+        throw IoError(path + ": cannot be read; check the name and its permissions");
     std::vector<std::pair<double, double>> rows;
     std::string line;
     for (std::size_t number = 1; std::getline(file, line); ++number) {
@@ -294,7 +296,7 @@ SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, Weigh
             number += shape->massSlope.back() *
                       inversePower(shape->radius[k], rows[k + 1].first / 2, dim);
         }
-        if (!(range > 0) || !(number > 0))
+        if (!(range > 0) || !(number > 0) || !std::isfinite(number))
             throw InputError(rest + ": percent finer does not rise; nothing can be drawn from it");
         shape->massTotal = number;
         for (double& c : shape->cumulative) c /= number;

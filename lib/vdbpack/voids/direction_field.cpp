@@ -20,6 +20,9 @@ namespace {
 
 constexpr const char* kColumns = "x,y,z and ux,uy,uz or sxx,syy,szz,sxy,syz,sxz";
 
+constexpr double kFarthest = 1e9;         ///< from the origin, mm
+constexpr double kLargestStress = 1e300;  ///< several of them add up to a finite one
+
 using Columns = std::vector<std::optional<std::size_t>>;
 
 /// The columns of the direction, or none if there are none.
@@ -121,13 +124,17 @@ std::shared_ptr<const DirectionField> readTable(const std::string& file, double 
     while (table.nextRow()) {
         PointTensors::Sample s;
         for (std::size_t d = 0; d < 3; ++d) s.x.c[d] = number(place[d]) * scale;
-        if (!isFinite(s.x)) table.failRow("the point is not finite in mm; check the unit");
+        for (const double c : s.x.c)
+            if (!(std::fabs(c) <= kFarthest))
+                table.failRow("the point lies more than 1e9 mm from the origin; check the unit");
         if (!direction.empty()) {
             const Vec<3> u{{number(direction[0]), number(direction[1]), number(direction[2])}};
             s.tensor = dyad(u);
             if (u == Vec<3>{}) table.failRow("direction (0, 0, 0) points nowhere; remove the row");
         } else {
             for (std::size_t c = 0; c < s.tensor.size(); ++c) s.tensor[c] = number(tensor[c]);
+            if (!(magnitude(s.tensor) < kLargestStress))
+                table.failRow("a stress beyond 1e300; check the unit");
         }
         most = std::max(most, magnitude(s.tensor));
         points.add(s.x);

@@ -16,6 +16,7 @@ constexpr std::size_t kLeaf = 8;            ///< nodes that are searched one by 
 constexpr std::size_t kParallel = 1 << 15;  ///< nodes that are worth a task
 constexpr double kReach = 1.001;            ///< of the farthest neighbor's distance
 constexpr double kRidge = 0.01;             ///< of the spread; bounds slopes across flat layers
+constexpr double kTiny = 1e-290;            ///< numbers below have no reciprocal
 
 }  // namespace
 
@@ -23,12 +24,18 @@ Tensor dyad(const Vec<3>& u) {
     // Squares of large components would overflow.
     const double most = std::max({std::fabs(u[0]), std::fabs(u[1]), std::fabs(u[2])});
     if (!(most > 0)) return {};
+    if (most < kTiny) return dyad(u * (1 / kTiny));
     const Vec<3> n = normalized(u * (1 / most));
     return {n[0] * n[0], n[1] * n[1], n[2] * n[2], n[0] * n[1], n[1] * n[2], n[0] * n[2]};
 }
 
 Vec<3> mainAxis(const Tensor& t) {
     const double size = magnitude(t);
+    if (size > 0 && size < kTiny) {
+        Tensor larger{};
+        addScaled(larger, 1 / kTiny, t);
+        return mainAxis(larger);
+    }
     const double f = size > 0 ? 1 / size : 1;
     const Matrix<3> m{{{{t[0] * f, t[3] * f, t[5] * f}},
                        {{t[3] * f, t[1] * f, t[4] * f}},

@@ -46,6 +46,8 @@ Vec<Dim> unit(const Vec<Dim>& v) {
     if (std::fabs(squaredLength(v) - 1) < 4e-15) return v;
     double most = 0;
     for (const double c : v.c) most = std::max(most, std::fabs(c));
+    // The reciprocal of a number this small is none.
+    if (most > 0 && most < 1e-290) return unit(v * 1e290);
     return most > 0 ? normalized(v * (1 / most)) : v;
 }
 
