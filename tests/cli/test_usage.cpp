@@ -94,6 +94,15 @@ TEST_CASE("a recipe that cannot be read is told by line and name", "[cli]") {
     CHECK_THAT(told("[pick]\nseed = 1\n"), Contains("[pick] is no command"));
     CHECK_THAT(told("radius = 2020-01-01\n"), Contains("line 1") && Contains("radius"));
     CHECK_THAT(told("effort = \"quick\"\n"), Contains("none of fast, normal, dense"));
+    // Keys and values may nest without end.
+    std::string dots = "a", tables, brackets = "radius = ";
+    for (int i = 0; i < 100000; ++i) {
+        dots += ".a";
+        tables += "[a.b.c]\n";
+        brackets += i % 2 == 0 ? "[" : "{x = ";
+    }
+    for (const std::string& text : {dots + " = 1\n", "[" + dots + "]\n", tables, brackets})
+        CHECK_THAT(told(text), Contains("r.toml"));
     // Those of other commands are no concern of this one.
     std::ofstream(file) << "[measure]\nshell = 2\n[pack]\nradius = \"constant:1\" # 1 mm\n";
     CHECK(vdbPack("pack ball:3 --quiet --config " + file).code == 0);

@@ -6,6 +6,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <sstream>
 
 namespace {
@@ -92,6 +94,26 @@ private:
     std::vector<CLI::ConfigItem> items_;
 };
 
+/// Dots in lines that are comments.
+std::ptrdiff_t commentDots(const std::string& text) {
+    std::ptrdiff_t dots = 0;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);)
+        if (!line.empty() && line.front() == '#') dots += std::count(line.begin(), line.end(), '.');
+    return dots;
+}
+
+/// Each dot may open a table within the one before, and tables are destroyed within each other: a
+/// hundred thousand of them overflow the stack. Recipes nest once.
+void requireShallow(const std::string& text, const std::string& file) {
+    constexpr std::ptrdiff_t kMostDots = 2000;
+    if (std::count(text.begin(), text.end(), '.') - commentDots(text) > kMostDots)
+        throw CLI::ConfigError(
+            fmt::format("{}: more than {} dots are in it, which is no recipe; give options of a "
+                        "command, each by its name",
+                        file, kMostDots));
+}
+
 /// As TOML: numbers plain where they come back as they are.
 std::string quoted(const std::string& text) {
     try {
@@ -120,8 +142,10 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     if (running.empty()) return {};
     const std::string file = app_.get_config_ptr()->as<std::string>();
     try {
+        const std::string text{std::istreambuf_iterator<char>(input), {}};
+        requireShallow(text, file);
         Reader reader(*running.front(), file);
-        reader.readTable(toml::parse(input), true);
+        reader.readTable(toml::parse(text), true);
         return reader.items();
     } catch (const toml::parse_error& e) {
         throw CLI::ConfigError(
