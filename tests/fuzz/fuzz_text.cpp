@@ -1,0 +1,20 @@
+// Packs from the text files of YADE and LAMMPS, told apart as they begin.
+#include "fuzz_file.h"
+
+#include "vdbpack/export/pack_file.h"
+
+#include <string_view>
+
+using namespace vdbpack;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    static fuzz::InputAsFile file("p.txt");
+    const std::string& path = file.write(data, size);
+    const std::string_view text(reinterpret_cast<const char*>(data), size);
+    const char first = text.empty() ? '#' : text.front();
+    const std::string format = first == 'I'                                    ? "dump:"
+                               : (first >= 'A' && first <= 'Z') || first < '!' ? "lammps:"
+                                                                               : "yade:";
+    fuzz::readOrRefuse(path, [&] { fuzz::requireSound(readPack(format + path)); });
+    return 0;
+}
