@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain_text.h"
 #include "vdbpack/measure/depth.h"
+#include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
@@ -38,6 +39,25 @@ std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, doubl
         }
     }
     return lines;
+}
+
+/// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
+/// mesh about the origin (within so many of its lengths) are how it was made.
+constexpr double kStepOfEdge = 0.02, kFarOff = 20;
+
+void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
+                      const Callbacks& callbacks) {
+    const Box<3> box = mesh.bounds();
+    const double extent = length(box.size()), away = length(box.center());
+    if (!(away > kFarOff * extent)) return;
+    const double step = coordinateStep(mesh, recipe.scale * millimetersPer(recipe.unit));
+    const double edge = medianEdge(mesh);
+    if (!(step > kStepOfEdge * edge)) return;
+    callbacks.warn(fmt::format(
+        "{}: lies {:.3g} mm from the origin, and its coordinates come in steps of {:.2g} mm, with "
+        "edges of {:.2g} mm: the file itself has lost digits of the shape; move the mesh to the "
+        "origin where it was made, and export it again",
+        recipe.source, away, step, edge));
 }
 
 }  // namespace
@@ -81,6 +101,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             "{}: is {:.3g} mm across, too small to be computed with; the file is read in {}: check "
             "--unit and --scale",
             text, extent, unitName(recipe.unit)));
+    if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "

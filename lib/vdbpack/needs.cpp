@@ -80,7 +80,7 @@ struct Row {
 constexpr Row kRows[] = {{"contacts:", 310}, {"lammps-bonds:", 195}, {"lammps:", 118},
                          {"liggghts:", 118}, {"yade:", 86},          {"blender:", 44},
                          {"points:", 27},    {".csv", 124},          {".vtp", 77},
-                         {".vdb", 27},       {".ply", 20.5},         {".xyz", 126},
+                         {".vdb", 27},       {".ply", 32.5},         {".xyz", 126},
                          {".npz", 73},       {".data", 118},         {".svg", 110}};
 /// A void in a list, a voxel of a level set, a voxel's face of a contour.
 constexpr double kListedVoid = 190, kVoxelInFile = 4.4, kDeepVoxelInFile = 1, kFaceInFile = 150;

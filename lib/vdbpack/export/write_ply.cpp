@@ -1,4 +1,4 @@
-// Stanford polygon files with vertices only: a format for viewers, in single precision.
+// Stanford polygon files with vertices only.
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/byte_order.h"
 #include "vdbpack/export/input_file.h"
@@ -209,13 +209,18 @@ void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile&
     for (std::size_t i = 0; i < pack.size() && ids; ++i)
         ids = pack.id(i) >= std::numeric_limits<std::int32_t>::min() &&
               pack.id(i) <= std::numeric_limits<std::int32_t>::max();
+    // Positions in 32 bits would let spheres overlap by their rounding, which grows with the
+    // distance from the origin. Radii are 32-bit numbers in mm, which some viewers ask for.
+    bool narrow = true;
+    for (std::size_t i = 0; i < pack.size() && narrow; ++i)
+        narrow = static_cast<double>(static_cast<float>(pack.radius(i))) == pack.radius(i);
     std::string header = "ply\nformat binary_little_endian 1.0\n";
     header += fmt::format("comment {}{}\n", kUnitComment, unitName(options.unit));
     if (!options.generator.empty())
         header += fmt::format("comment {}: {}\n", kGeneratorKey, oneLine(options.generator));
     header += fmt::format("element vertex {}\n", pack.size());
-    for (const char* name : {"x", "y", "z", "radius"})
-        header += fmt::format("property float {}\n", name);
+    header += "property double x\nproperty double y\nproperty double z\n";
+    header += fmt::format("property {} radius\n", narrow ? "float" : "double");
     // The format knows no whole numbers beyond 32 bits: better no names than wrong ones.
     if (ids) header += "property int id\n";
     header += "end_header\n";
@@ -228,9 +233,12 @@ void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile&
         if (swap) std::reverse(bytes, bytes + sizeof value);
         text.append(bytes, sizeof value);
     };
-    writeRows(out, pack.size(), [&pack, &append, ids](std::string& text, std::size_t i) {
-        for (const double c : pack.position(i)) append(text, static_cast<float>(c));
-        append(text, static_cast<float>(pack.radius(i)));
+    writeRows(out, pack.size(), [&pack, &append, ids, narrow](std::string& text, std::size_t i) {
+        for (const double c : pack.position(i)) append(text, c);
+        if (narrow)
+            append(text, static_cast<float>(pack.radius(i)));
+        else
+            append(text, pack.radius(i));
         if (ids) append(text, static_cast<std::int32_t>(pack.id(i)));
     });
 }

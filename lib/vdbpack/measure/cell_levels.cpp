@@ -1,5 +1,6 @@
 #include "vdbpack/measure/cell_levels.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 
 #include <fmt/format.h>
@@ -44,11 +45,7 @@ double referenceRadius(const std::vector<Sphere<Dim>>& spheres) {
 
 template <int Dim>
 void requireUsable(const std::vector<Sphere<Dim>>& spheres) {
-    if (spheres.size() >= std::numeric_limits<std::uint32_t>::max())
-        throw ResourceError(
-            fmt::format("pack: {} {} are more than can be measured at once (4e9); "
-                        "split the pack",
-                        spheres.size(), Measure<Dim>::kSpheres));
+    indexable(spheres.size(), Measure<Dim>::kSpheres, "split the pack");
     const auto usable = [](const Sphere<Dim>& s) {
         bool ok = s.radius >= 1 / kLargestLength && s.radius <= kLargestLength;
         for (int i = 0; i < Dim; ++i) ok = ok && std::abs(s.center[i]) <= kLargestLength;

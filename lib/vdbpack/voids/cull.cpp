@@ -1,5 +1,6 @@
 #include "vdbpack/voids/cull.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 
@@ -207,6 +208,7 @@ template <int Dim>
 std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
                                        const std::vector<std::int32_t>& candidates, double fraction,
                                        std::uint64_t seed) {
+    indexable(spheres.size(), Measure<Dim>::kSpheres, "split the pack");
     const RadiusRange radii = rangeOf(spheres, candidates, fraction);
     std::vector<std::uint8_t> keep(spheres.size(), 1);
     if (radii.count == 0) return keep;

@@ -1,5 +1,6 @@
 #include "vdbpack/voids/stamp.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/domain/vdb_grid.h"
@@ -314,8 +315,7 @@ void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim
                 "its axis of length one",
                 i, e.a, e.b));
     }
-    if (voids.size() >= 0xffffffffu)
-        throw ResourceError(fmt::format("{} voids are more than 2^32", voids.size()));
+    indexable(voids.size(), "voids", "give fewer or larger ones");
 }
 
 /// Tiles that the box of a void meets.
