@@ -21,6 +21,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <memory>
 #include <new>
 #include <system_error>
@@ -58,6 +59,22 @@ void onSignal(int) {
     }
     sayFromHandler(
         "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n");
+}
+
+/// Where a destructor of a library runs out of memory: OpenVDB's and nlohmann-json's take some.
+[[noreturn]] void onTerminate() {
+    removeTemporaryFiles();
+    int code = kIoFailed;
+    try {
+        if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
+    } catch (const std::bad_alloc&) {
+        sayFromHandler("vdb_pack: not enough memory; ask for larger radii or clip the domain\n");
+        code = kNoResources;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "vdb_pack: %s\n", e.what());
+    } catch (...) {
+    }
+    ::_exit(code);
 }
 
 /// Signals that ask to stop, and those that would end the process where writing fails: that is
@@ -244,6 +261,7 @@ void limitData([[maybe_unused]] double memory) {
 
 int main(int argc, char** argv) {
     handleSignals();
+    std::set_terminate(onTerminate);
     const auto fail = [](const char* message, int code) {
         try {
             clearProgressLine();

@@ -302,3 +302,36 @@ TEST_CASE("a process killed at any moment of writing leaves files whole or as th
         CHECK(killed > 5);
     }
 }
+
+TEST_CASE("a run with too little memory says so, and leaves nothing half written",
+          "[.slow][output]") {
+    const Given given;
+    const std::vector<std::string> commands{
+        "pack box:60,60,60 --radius uniform:0.5,1 -o " + given.out() + "/p.vdb",
+        "pack " VDBPACK_MESHES "/irregular.ply --target-count 5000 -o " + given.out() + "/p.vtp",
+        "voids box:20,20,20 --voids boolean --void-radius constant:1 -o " + given.out() + "/p.vdb",
+        "verify " + given.pack + " --domain " VDBPACK_MESHES "/irregular.ply",
+        "measure " + given.pack + " --domain " + kBall,
+        "convert " + given.pack + " --domain " + kBall + " -o " + given.out() + "/p.stl"};
+    for (const std::string& command : commands) {
+        int refused = 0;
+        // Kilobytes of addresses: from hardly enough to start with up to enough.
+        for (int limit = 120000; limit < 1500000; limit = limit * 7 / 4) {
+            given.clear();
+            CAPTURE(command, limit);
+            const auto run = shell("ulimit -v " + std::to_string(limit) +
+                                   "; timeout 60 " VDBPACK_TOOL
+                                   " --help > /dev/null 2>&1 || "
+                                   "exit 99; timeout 60 " VDBPACK_TOOL " " +
+                                   command + " --threads 2");
+            if (run.code == 99) continue;  // not even the libraries could be loaded
+            CAPTURE(run.text);
+            refused += run.code == 5;
+            // 1: what was verified lies elsewhere.
+            CHECK((run.code == 0 || run.code == 5 || run.code == 1));
+            if (run.code == 5) CHECK_THAT(run.text, Contains("memory"));
+            if (run.code == 5) CHECK(namesIn(given.out()).empty());
+        }
+        CAPTURE(command, refused);
+    }
+}

@@ -1,0 +1,331 @@
+// Runs whose memory ends at some allocation, and whose callbacks throw: each leaves as an
+// exception, and no file is left half written.
+#include "support/temporary_folder.h"
+
+#include "vdbpack/convert.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+#include <execinfo.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <filesystem>
+#include <functional>
+#include <new>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+
+namespace {
+
+/// Allocations until one fails; 0 or less: they are counted alone.
+std::atomic<long> countdown{0};
+std::atomic<bool> staysOut{false};  ///< all that come after it fail as well
+
+bool isRefused() {
+    const long left = countdown.fetch_sub(1, std::memory_order_relaxed);
+    return left == 1 || (left < 1 && staysOut.load(std::memory_order_relaxed));
+}
+
+void* allocate(std::size_t bytes) {
+    if (isRefused()) throw std::bad_alloc();
+    void* const p = std::malloc(bytes == 0 ? 1 : bytes);
+    if (!p) throw std::bad_alloc();
+    return p;
+}
+void* allocate(std::size_t bytes, std::size_t alignment) {
+    if (isRefused()) throw std::bad_alloc();
+    void* const p = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
+    if (!p) throw std::bad_alloc();
+    return p;
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+    return allocate(bytes);
+}
+void* operator new[](std::size_t bytes) {
+    return allocate(bytes);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+    return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* p) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::size_t) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
+    std::free(p);
+}
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
+    std::free(p);
+}
+
+namespace {
+
+constexpr int kWell = 0, kThrown = 10, kSpeechless = 11, kStranger = 12, kForeign = 13;
+
+/// The trees of OpenVDB and the values of nlohmann-json take memory in their destructors, which may
+/// not throw: nothing of ours can keep that from ending the process (the program does so with its
+/// exit code for memory). Whatever else ends it is a fault of ours.
+[[noreturn]] void onTerminate() {
+    countdown = 0;
+    staysOut = false;
+    std::array<void*, 64> frames{};
+    const int count = ::backtrace(frames.data(), static_cast<int>(frames.size()));
+    char** const names = ::backtrace_symbols(frames.data(), count);
+    for (int i = 0; names && i < count; ++i) {
+        const std::string name = names[i];
+        // The destructor lies right below what ends the process, perhaps as a part of what makes
+        // values.
+        const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
+        const bool json = i < 10 && (has("nlohmann") || has("6toJson") || has("11writeReport"));
+        const bool tree =
+            name.find("openvdb") != std::string::npos && name.find("5clearEv") != std::string::npos;
+        if (json || tree) ::_exit(kForeign);
+    }
+    ::backtrace_symbols_fd(frames.data(), count, STDERR_FILENO);
+    std::abort();
+}
+
+/// What became of some work in a process of its own, whose memory ends at allocation `failing`.
+struct Outcome {
+    int code = 0;          ///< of the above, or 128 + the signal that ended it
+    long allocations = 0;  ///< in all
+};
+
+Outcome runApart(const std::function<void()>& work, long failing, bool staying) {
+    auto* const count = static_cast<long*>(
+        ::mmap(nullptr, sizeof(long), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
+    REQUIRE(count != MAP_FAILED);
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+        ::alarm(60);  // a hang is told by its signal
+        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGTERM})
+            std::signal(number, SIG_DFL);  // not Catch's
+        std::set_terminate(onTerminate);
+        int code = kWell;
+        staysOut = staying && failing > 0;
+        countdown = failing;
+        try {
+            work();
+        } catch (const std::exception& e) {
+            code = e.what() != nullptr && std::strlen(e.what()) > 0 ? kThrown : kSpeechless;
+        } catch (...) {
+            code = kStranger;
+        }
+        *count = failing - countdown;
+        ::_exit(code);
+    }
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    const Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), *count};
+    ::munmap(count, sizeof(long));
+    return outcome;
+}
+
+std::size_t debrisIn(const std::string& folder) {
+    std::size_t debris = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        debris += entry.path().string().find(".tmp") != std::string::npos;
+    return debris;
+}
+
+struct Command {
+    std::string name;
+    std::function<void(const Callbacks&)> run;
+};
+
+VoidRecipe someVoids() {
+    VoidRecipe voids;
+    voids.method = "boolean";
+    voids.radius = "constant:2";
+    voids.targetBvtv = 0.5;
+    return voids;
+}
+
+/// Small runs of each command in a folder; `given` is a pack in it.
+std::vector<Command> commandsIn(const TemporaryFolder& folder, const std::string& given) {
+    const std::string box = "box:16,16,16";
+    std::vector<Command> commands;
+    commands.push_back({"pack", [=, &folder](const Callbacks& callbacks) {
+                            PackRecipe recipe;
+                            recipe.domain.source = box;
+                            recipe.radius = "uniform:1,2";
+                            recipe.threads = 2;
+                            for (const char* name : {"p.vdb", "p.vtp", "p.csv", "p.npz"})
+                                recipe.outputs.push_back(folder.file(name));
+                            recipe.outputs.push_back("blender:" + folder.file("p.py"));
+                            recipe.reportFile = folder.file("p.html");
+                            recipe.optionsText = "domain = 'box:16,16,16'\n";
+                            runPack(recipe, callbacks);
+                        }});
+    commands.push_back({"pack of a mesh", [=, &folder](const Callbacks& callbacks) {
+                            PackRecipe recipe;
+                            recipe.domain.source = VDBPACK_MESHES "/irregular.ply";
+                            recipe.targetCount = 500;
+                            recipe.threads = 2;
+                            recipe.outputs = {folder.file("m.vdb"), folder.file("m.stl")};
+                            runPack(recipe, callbacks);
+                        }});
+    commands.push_back({"voids", [=, &folder](const Callbacks& callbacks) {
+                            VoidsRecipe recipe;
+                            recipe.domain.source = box;
+                            recipe.voids = someVoids();
+                            recipe.threads = 2;
+                            recipe.outputs = {folder.file("v.vdb"), "list:" + folder.file("v.csv")};
+                            runVoids(recipe, callbacks);
+                        }});
+    commands.push_back({"carve", [=, &folder](const Callbacks& callbacks) {
+                            CarveRecipe recipe;
+                            recipe.pack = given;
+                            recipe.domain.source = box;
+                            recipe.voids = someVoids();
+                            recipe.threads = 2;
+                            recipe.outputs = {folder.file("c.csv")};
+                            recipe.reportFile = folder.file("c.json");
+                            runCarve(recipe, callbacks);
+                        }});
+    commands.push_back({"verify", [=](const Callbacks& callbacks) {
+                            VerifyRecipe recipe;
+                            recipe.pack = given;
+                            recipe.domain.source = box;
+                            recipe.threads = 2;
+                            runVerify(recipe, callbacks);
+                        }});
+    commands.push_back({"measure", [=, &folder](const Callbacks& callbacks) {
+                            MeasureRecipe recipe;
+                            recipe.pack = given;
+                            recipe.domain.source = box;
+                            recipe.threads = 2;
+                            recipe.outputs = {"contacts:" + folder.file("k.csv")};
+                            runMeasure(recipe, callbacks);
+                        }});
+    commands.push_back({"convert", [=, &folder](const Callbacks& callbacks) {
+                            ConvertRecipe recipe;
+                            recipe.pack = given;
+                            recipe.domain.source = box;
+                            recipe.threads = 2;
+                            for (const char* name : {"x.vdb", "x.ply", "x.xyz", "x.data", "x.stl"})
+                                recipe.outputs.push_back(folder.file(name));
+                            recipe.preview.file = folder.file("x.png");
+                            recipe.preview.width = recipe.preview.height = 64;
+                            runConvert(recipe, callbacks);
+                        }});
+    return commands;
+}
+
+void makePack(const std::string& file) {
+    const auto made = runApart(
+        [&] {
+            PackRecipe recipe;
+            recipe.domain.source = "box:16,16,16";
+            recipe.radius = "uniform:1,2";
+            recipe.outputs = {file};
+            runPack(recipe);
+        },
+        0, false);
+    REQUIRE(made.code == kWell);
+}
+
+void failAtMany(int moments) {
+    const TemporaryFolder folder, source;
+    const std::string given = source.file("given.csv");
+    makePack(given);
+    std::mt19937 random(7);
+    for (const Command& command : commandsIn(folder, given)) {
+        const Outcome whole = runApart([&] { command.run({}); }, 0, false);
+        CAPTURE(command.name);
+        REQUIRE(whole.code == kWell);
+        REQUIRE(whole.allocations > 100);
+        for (int moment = 0; moment < moments; ++moment) {
+            // Dense at the beginning, where the parts are set up.
+            const double share = std::uniform_real_distribution<double>(0, 1)(random);
+            const long failing = std::max(
+                1L,
+                static_cast<long>(share * share * share * static_cast<double>(whole.allocations)));
+            const bool staying = moment % 2 == 1;
+            const Outcome outcome = runApart([&] { command.run({}); }, failing, staying);
+            CAPTURE(failing, staying, outcome.code, whole.allocations);
+            CHECK((outcome.code == kWell || outcome.code == kThrown || outcome.code == kForeign));
+            CHECK(debrisIn(folder.path()) == 0);
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("a run that is out of memory ends with an exception, and leaves nothing half written",
+          "[memory]") {
+    failAtMany(8);
+}
+
+TEST_CASE("a run out of memory at any of many moments ends with an exception", "[.slow][memory]") {
+    failAtMany(400);
+}
+
+TEST_CASE("what a callback throws comes out of every run", "[memory]") {
+    const TemporaryFolder folder, source;
+    const std::string given = source.file("given.csv");
+    makePack(given);
+    const std::string which = GENERATE("progress", "cancelled");
+    for (const Command& command : commandsIn(folder, given))
+        for (const int patience : {0, 1, 3, 10, 30}) {
+            CAPTURE(which, command.name, patience);
+            const Outcome outcome = runApart(
+                [&] {
+                    std::atomic<int> calls{0};
+                    Callbacks callbacks;
+                    const auto call = [&] {
+                        if (++calls > patience) throw std::runtime_error("of the caller");
+                    };
+                    if (which == "progress")
+                        callbacks.progress = [&](const Progress&) { call(); };
+                    else
+                        callbacks.cancelled = [&] {
+                            call();
+                            return false;
+                        };
+                    try {
+                        command.run(callbacks);
+                        if (calls > patience) throw 0;  // swallowed
+                    } catch (const std::runtime_error& e) {
+                        if (std::string(e.what()) != "of the caller") throw 1;
+                    }
+                },
+                0, false);
+            CHECK(outcome.code == kWell);
+            CHECK(debrisIn(folder.path()) == 0);
+        }
+}
