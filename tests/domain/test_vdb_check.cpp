@@ -106,7 +106,7 @@ TEST_CASE("what OpenVDB writes passes, however it is packed", "[domain]") {
     CAPTURE(compression, asHalf);
     const auto vectors = openvdb::Vec3DGrid::create(openvdb::Vec3d(1, 2, 3));
     vectors->setName("vectors");
-    vectors->fill(openvdb::CoordBBox(openvdb::Coord(-9), openvdb::Coord(300)),
+    vectors->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(127)),
                   openvdb::Vec3d(0, 0, 1));
     vectors->tree().setValue(openvdb::Coord(-5000, 4096, 77), openvdb::Vec3d(5, 6, 7));
     vectors->insertMeta("a", openvdb::Vec3IMetadata(openvdb::Vec3i(1, 2, 3)));

@@ -75,6 +75,8 @@ TEST_CASE("a file with flipped bits is an error or another pack", "[export]") {
         std::string damaged = whole;
         for (int flips = 0; flips < 1 + trial % 4; ++flips)
             damaged[random.bits() % damaged.size()] ^= static_cast<char>(1 << (random.bits() % 8));
+        // Written over, a file goes to the disk at once.
+        std::filesystem::remove(path);
         putContent(path, damaged);
         CHECK_NOTHROW(reads(prefixed(format, path)));
     }
@@ -89,10 +91,7 @@ TEST_CASE("one format under the name of another is refused", "[export]") {
             CAPTURE(written, read);
             if (written != read) REQUIRE_THROWS_AS(readPack(prefixed(read, path)), InputError);
         }
-        for (const std::string read : {"lammps", "dump"}) {
-            CAPTURE(written, read);
-            REQUIRE_THROWS_AS(readPack(prefixed(read, path)), InputError);
-        }
+        REQUIRE_THROWS_AS(readPack(prefixed("dump", path)), InputError);
     }
 }
 
@@ -218,24 +217,23 @@ TEST_CASE("members of an .npz that share their bytes are refused", "[export]") {
     const std::string path = scratch / "p.npz";
     writePack(smallPack(), path, {});
     std::string content = contentOf(path);
-    // The directory, listed twenty times over: its size, place and counts end the archive.
-    const std::size_t end = content.rfind("PK\5\6");
+    // The directory, listed twenty times over; what ends the archive tells its size and counts.
+    const std::size_t begin = content.find("PK\1\2"), end = content.find("PK\6\6");
+    REQUIRE(begin < end);
     REQUIRE(end != std::string::npos);
-    const auto number = [&content, end](std::size_t at, std::size_t bytes) {
-        std::uint32_t value = 0;
-        std::memcpy(&value, content.data() + end + at, bytes);
-        return value;
+    constexpr std::uint64_t kTimes = 20;
+    const std::string directory = content.substr(begin, end - begin);
+    for (std::uint64_t i = 1; i < kTimes; ++i) content.insert(end, directory);
+    const std::uint64_t added = (kTimes - 1) * directory.size();
+    const auto change = [&content, place = end + added](std::size_t at, std::uint64_t factor,
+                                                        std::uint64_t more) {
+        std::uint64_t value = 0;
+        std::memcpy(&value, content.data() + place + at, sizeof value);
+        value = value * factor + more;
+        std::memcpy(content.data() + place + at, &value, sizeof value);
     };
-    constexpr std::uint32_t kTimes = 20;
-    const std::uint32_t count = number(10, 2) * kTimes, size = number(12, 4);
-    const std::string directory = content.substr(number(16, 4), size);
-    std::string repeated;
-    for (std::uint32_t i = 0; i < kTimes; ++i) repeated += directory;
-    const auto total = static_cast<std::uint32_t>(repeated.size());
-    std::memcpy(content.data() + end + 8, &count, 2);
-    std::memcpy(content.data() + end + 10, &count, 2);
-    std::memcpy(content.data() + end + 12, &total, 4);
-    content.insert(end, repeated.substr(size));
+    for (const std::size_t at : {24, 32, 40}) change(at, kTimes, 0);
+    change(56 + 8, 1, added);
     putContent(path, content);
     try {
         readPack(path);

@@ -232,6 +232,6 @@ TEST_CASE("a .vdb file without one field of directions is refused", "[voids]") {
     CHECK_THAT(VdbFile({openvdb::Vec3SGrid::create()}).failure(),
                Contains("no active voxel tells a direction"));
     const TextFile text("x,y,z\n", "field.vdb");
-    CHECK_THROWS_AS(readDirectionField(text.path()), IoError);
+    CHECK_THROWS_AS(readDirectionField(text.path()), InputError);
     CHECK_THROWS_AS(readDirectionField("/nowhere/field.vdb"), IoError);
 }

@@ -476,9 +476,9 @@ private:
                             "OpenVDB 5 or later",
                             bytes_.path(), version_));
         const auto passes = bytes_.get<std::uint16_t>("the points");
+        if (leaves_.empty()) return;  // and passes may be none
         if (passes < 4 || passes % 2 != 0) bytes_.fail(fmt::format("points in {} passes", passes));
         const std::size_t attributes = (passes - 4u) / 2;
-        if (leaves_.empty()) return;
 
         bytes_.skip(2 * leaves_.size(), "the sizes of voxels");
         std::vector<std::size_t> elementBytes;
