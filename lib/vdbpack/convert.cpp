@@ -87,7 +87,10 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
         requireRoom(recipe, extent);
         built = source->build(detail, radius.max, callbacks);
         have.domain = ofDim<Dim>(built).get();
-        if (built.mesh) write.levelSets = {built.mesh->grid()};
+        if (built.mesh) {
+            write.levelSets = {built.mesh->grid()};
+            have.wall = &built.mesh->wall();
+        }
         if constexpr (Dim == 2) write.frame = have.domain->bounds();
         solid = solidFraction(pack.spheres, *have.domain);
     }

@@ -112,7 +112,13 @@ double fileBytes(const std::string& output, const Extent& e) {
         band = std::min(6 * faces, e.domainVolume / (h * h * h)) + 6 * wall;
         wall += faces;
     }
-    if (isSolidOutput(output) && !endsWith(output, ".vdb")) return kFaceInFile * wall;
+    if (isSolidOutput(output) && !endsWith(output, ".vdb")) {
+        // The surface of a mesh is written as it is, by triangles of 50 bytes.
+        const bool surface = starts("surface:") || (!cut && filePart(output) == output);
+        if (surface && e.field.triangles > 0)
+            return 84 + 50 * static_cast<double>(e.field.triangles);
+        return kFaceInFile * wall;
+    }
     double bytes = 0;
     if (isSolidOutput(output))
         bytes = kVoxelInFile * band * (cut ? 2 : 1) + kDeepVoxelInFile * deep;

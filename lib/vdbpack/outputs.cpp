@@ -294,7 +294,8 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
                           target.file, have.options.unit);
             break;
         case OutputKind::contour: {
-            const VdbGrid& levelSet = chosenLevelSet(output, target.grid, levelSetsOf(have));
+            const auto levelSets = levelSetsOf(have);
+            const VdbGrid& levelSet = chosenLevelSet(output, target.grid, levelSets);
             const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
             writeStl(wall ? *have.wall : levelSetMesh(levelSet, output), target.file,
                      have.options.unit, have.options.generator);

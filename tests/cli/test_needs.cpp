@@ -135,7 +135,7 @@ TEST_CASE("a request beyond all memory is refused at once with its parts", "[nee
     CHECK_FALSE(std::filesystem::exists(folder.file("b.vdb")));
 }
 
-TEST_CASE("--memory-limit is kept by every command", "[needs][bad]") {
+TEST_CASE("a limit of memory is kept by every command", "[needs][bad]") {
     const TemporaryFolder folder;
     const std::string pack = folder.file("p.csv");
     REQUIRE(vdbPackWithin(20, {"pack", "ball:9", "--radius", "constant:1", "-o", pack}).code == 0);
