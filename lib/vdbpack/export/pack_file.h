@@ -47,11 +47,11 @@ struct PackWriteOptions {
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
-/// points lie sorted by place, and `readPack` gives them back by id. .ply (double positions, radius,
-/// id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture: y up, so
-/// cy = -y, numbers to six digits of its extent, colors by region. Columns of attributes that are
-/// empty are left out. The unit is recorded in every format but .csv, which has no place for it.
-/// 2D: z = `sliceHeight`.
+/// points lie sorted by place, and `readPack` gives them back by id. .ply (double positions,
+/// radius, id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture:
+/// y up, so cy = -y, numbers to six digits of its extent, colors by region. Columns of attributes
+/// that are empty are left out. The unit is recorded in every format but .csv, which has no place
+/// for it. 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
 /// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. Ids
