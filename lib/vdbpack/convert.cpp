@@ -174,6 +174,7 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
         throw ParameterError("nothing is to be written; name a file with -o or --preview");
     checkPreview(recipe.preview, {});
     checkDensity(recipe.density);
+    requireContactTolerance(recipe.contactTolerance);
     checkOutputKinds(recipe.outputs, RunKind::convert, {});
     requireDomain(recipe);
     checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source}, recipe.preview.file);

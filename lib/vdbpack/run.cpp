@@ -262,6 +262,7 @@ void packAll(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
     const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
     for (const auto& r : recipes) checkOutputs(r);
     checkDensity(recipe.density);
+    requireContactTolerance(recipe.contactTolerance);
     Clock clock;
     Report report;
     report.version = VDBPACK_VERSION;

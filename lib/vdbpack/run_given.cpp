@@ -297,6 +297,7 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     if (recipe.shell > 0 && recipe.domain.source.empty())
         throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
     checkOutputKinds(recipe.outputs, RunKind::measure, {});
+    requireContactTolerance(recipe.contactTolerance);
     checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
     Report report;
     report.version = VDBPACK_VERSION;

@@ -214,6 +214,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
         throw ParameterError("voids are cut into a domain; give that of the pack with --domain");
     checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids);
     checkDensity(recipe.density);
+    requireContactTolerance(recipe.contactTolerance);
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.pack);

@@ -49,21 +49,21 @@ private:
     std::vector<std::atomic<std::uint32_t>> parent_;
 };
 
-void requireTolerance(double tolerance) {
-    if (!(tolerance >= 0 && tolerance <= 1))
-        throw ParameterError(fmt::format(
-            "contacts: tolerance {} is not a share of a radius from 0 to 1", tolerance));
-}
-
 /// A sum of numbers from -1 to 1 that does not depend on their order.
 constexpr double kFixed = 0x1p31;
 
 }  // namespace
 
+void requireContactTolerance(double tolerance) {
+    if (!(tolerance >= 0 && tolerance <= 1))
+        throw ParameterError(fmt::format(
+            "contacts: tolerance {} is not a share of a radius from 0 to 1", tolerance));
+}
+
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
                            const std::vector<float>& depth) {
-    requireTolerance(tolerance);
+    requireContactTolerance(tolerance);
     if (!depth.empty() && depth.size() != spheres.size())
         throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
                                          depth.size(), spheres.size(), Measure<Dim>::kSpheres));
@@ -149,7 +149,7 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
 
 template <int Dim>
 std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance) {
-    requireTolerance(tolerance);
+    requireContactTolerance(tolerance);
     requireUsable(spheres);
     tbb::enumerable_thread_specific<std::vector<Contact>> found;
     const CellLevels<Dim> cells(spheres, tolerance);

@@ -36,6 +36,9 @@ struct ContactCheck : ContactNetwork {
     std::vector<std::int32_t> counts;  ///< spheres and walls that each sphere touches
 };
 
+/// @throws ParameterError unless the tolerance is a share of a radius from 0 to 1.
+void requireContactTolerance(double tolerance);
+
 /// Counts contacts and tells what network they form. The same for any number of threads.
 ///
 /// @param tolerance  two spheres touch if their gap is below this share of the smaller radius

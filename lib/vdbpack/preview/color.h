@@ -14,10 +14,10 @@ struct Color {
         r += o.r, g += o.g, b += o.b;
         return *this;
     }
-    friend Color operator+(Color a, const Color& b) { return a += b; }
+    friend Color operator+(Color sum, const Color& o) { return sum += o; }
     friend Color operator*(const Color& c, float s) { return {c.r * s, c.g * s, c.b * s}; }
-    friend Color operator*(const Color& a, const Color& b) {
-        return {a.r * b.r, a.g * b.g, a.b * b.b};
+    friend Color operator*(const Color& c, const Color& o) {
+        return {c.r * o.r, c.g * o.g, c.b * o.b};
     }
 };
 

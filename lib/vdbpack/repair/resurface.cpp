@@ -76,7 +76,7 @@ class Surfacer {
 public:
     Surfacer(const TriangleMesh& mesh, const WindingNumber& winding, double voxelSize,
              const Callbacks& callbacks)
-        : mesh_(mesh), winding_(winding), voxelSize_(voxelSize), callbacks_(callbacks) {
+        : winding_(winding), voxelSize_(voxelSize), callbacks_(callbacks) {
         // Off the round numbers that planes of a mesh like to lie at.
         const Vec<3> center = mesh.bounds().center();
         for (int d = 0; d < 3; ++d)
@@ -602,7 +602,6 @@ private:
             part.triangles.push_back({ids[k], ids[(k + 1) % n], center});
     }
 
-    const TriangleMesh& mesh_;
     const WindingNumber& winding_;
     double voxelSize_;
     const Callbacks& callbacks_;
