@@ -24,7 +24,7 @@ using Words = std::vector<std::string>;
 
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef VDBPACK_SANITIZED
 constexpr bool kSanitized = true;  // whose tables are most of the memory
 #else
 constexpr bool kSanitized = false;

@@ -36,7 +36,7 @@ Report fullReport() {
     r.contacts.emplace();
     r.contacts->mean = 4.31;
     r.contacts->histogram = {1, 1101920};
-    r.wallSizes.emplace();
+    r.wallSizes = Report::WallSizes{};
     r.overlap = OverlapCheck{};
     r.protrusion = ProtrusionCheck{};
     r.seconds.domain = 1.5;

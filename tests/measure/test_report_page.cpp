@@ -199,7 +199,7 @@ TEST_CASE("a chart without data says why", "[report]") {
 }
 
 TEST_CASE("values that are no numbers are left out", "[report]") {
-    const double bad = GENERATE(kNothing, std::numeric_limits<double>::infinity(),
+    const double bad = GENERATE(as<double>{}, kNothing, std::numeric_limits<double>::infinity(),
                                 -std::numeric_limits<double>::infinity());
     ReportPage page = fullPage(3);
     page.structure.profile->fraction = {0.2, bad, 0.6};

@@ -417,7 +417,7 @@ Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
     };
     constexpr int kSteps = Dim == 3 ? 48 : 256;
     int n[3] = {1, 1, 1};
-    for (int d = 0; d < Dim; ++d)
+    for (int d = 0; d < Dim && longest > 0; ++d)
         n[d] = std::max(1, static_cast<int>(std::ceil(kSteps * bounds.size()[d] / longest)));
     for (int k = 0; k < n[2]; ++k)
         for (int j = 0; j < n[1]; ++j)

@@ -301,7 +301,8 @@ void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::ui
             near_.level[pair[0]] = level[0];
             near_.level[pair[Dim - 2]] = level[1];
             site.limit = t >= most ? radii.largest : probe + t;
-            if (!site.track.at(t, site.end)) site.end = site.start;
+            // Where the path ends, rounding may take the extent below 0: the middle is the end.
+            site.track.at(t, site.end);
         };
         auto live = stdx::max(up, down) >= 0.0f;
         if (none_of(live)) continue;
