@@ -138,6 +138,15 @@ int printed(const RunResult& run, const CliOptions& options) {
     return kDone;
 }
 
+/// The same of a pack that must pass its checks.
+int judged(const RunResult& run, const CliOptions& options) {
+    printed(run, options);
+    if (run.report.interrupted) return kInterrupted;
+    if (run.passed) return kDone;
+    fmt::print(stderr, "{}", failures(run));
+    return kCheckFailed;
+}
+
 int runCommand(const CliOptions& options) {
     const Callbacks callbacks = makeCallbacks(options.quiet);
     switch (options.command) {
@@ -160,16 +169,10 @@ int runCommand(const CliOptions& options) {
             recipe.reportFile = withSeed(recipe.reportFile, recipe.seed);
             recipe.preview.file = withSeed(recipe.preview.file, recipe.seed);
             const RunResult run = runPack(recipe, callbacks);
-            clearProgressLine();
-            if (options.json)
-                fmt::print("{}\n", toJson(run).dump(2));
-            else if (!options.quiet)
-                fmt::print("{}", summary(run.report));
-            if (run.report.interrupted) return kInterrupted;
-            if (run.passed) return kDone;
-            fmt::print(stderr, "{}", failures(run));
-            return kCheckFailed;
+            return judged(run, options);
         }
+        case CliOptions::Command::densify:
+            return judged(runDensify(options.densify, callbacks), options);
         case CliOptions::Command::voids:
             return printed(runVoids(options.voids, callbacks), options);
         case CliOptions::Command::carve:
@@ -230,6 +233,8 @@ double memoryLimitOf(const CliOptions& options) {
             return options.voids.memoryLimit;
         case CliOptions::Command::carve:
             return options.carve.memoryLimit;
+        case CliOptions::Command::densify:
+            return options.densify.memoryLimit;
         case CliOptions::Command::verify:
             return options.verify.memoryLimit;
         case CliOptions::Command::measure:
@@ -246,7 +251,7 @@ double memoryLimitOf(const CliOptions& options) {
 /// is asked for and not what is held (up to twice as much while arrays grow), so it is wider than
 /// the limit, and leaves room for the stacks of threads.
 void limitData([[maybe_unused]] double memory) {
-#ifndef __SANITIZE_ADDRESS__  // whose own tables would count
+#ifndef VDBPACK_SANITIZED  // whose own tables would count
     const double most = 2 * memoryLimit(memory) + 1e9;
     rlimit limit{};
     if (::getrlimit(RLIMIT_DATA, &limit) != 0 || !(most < 9e18)) return;

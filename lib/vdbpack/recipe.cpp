@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 
 namespace vdbpack {
 
@@ -65,6 +66,18 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     return seeds;
 }
 
+double parseDensify(const std::string& text) {
+    if (text == "max") return std::numeric_limits<double>::infinity();
+    double fraction = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), fraction);
+    if (failed != std::errc() || end != text.data() + text.size() ||
+        !(fraction > 0 && fraction < 1))
+        throw ParameterError(
+            "--densify '" + text +
+            "': must be max or a solid fraction above 0 and below 1, such as 0.64");
+    return fraction;
+}
+
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
     return {listFile(recipe), recipe.matrix, recipe.orientation.field};
 }
@@ -75,6 +88,12 @@ void checkOutputs(const PackRecipe& recipe) {
     inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
     checkPreview(recipe.preview, recipe.reportFile);
+    if (recipe.densify > 0 && recipe.maxCount > 0)
+        throw ParameterError("--max-count stops the pack before --densify goes on; leave one out");
+    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
+        throw ParameterError("--densify would move the holes among the spheres of --voids " +
+                             recipe.voids.method +
+                             "; use voids that are cut afterwards, such as boolean");
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
 }
 
@@ -150,42 +169,55 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
 }
 
 template <int Dim>
-Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
-    const std::size_t before = base.spheres.size(), more = added.spheres.size();
+Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
+    const std::size_t before = base.spheres.size(), more = added.size();
     const std::size_t all = before + more;
+    base.depth.clear();
+    base.contacts.clear();
     if (!base.id.empty()) {
         std::int64_t next = *std::max_element(base.id.begin(), base.id.end());
         for (std::size_t i = 0; i < more; ++i) base.id.push_back(++next);
     }
+    if (!base.order.empty()) {
+        std::int64_t next = *std::max_element(base.order.begin(), base.order.end());
+        for (std::size_t i = 0; i < more; ++i) base.order.push_back(++next);
+    }
+    if (!base.region.empty()) base.region.resize(all, 0);
+    for (Column& column : base.columns) {
+        if (!column.numbers.empty()) column.numbers.resize(all, 0.0);
+        if (!column.texts.empty()) column.texts.resize(all);
+    }
+    base.spheres.insert(base.spheres.end(), added.begin(), added.end());
+    return base;
+}
+
+template <int Dim>
+Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
+    const std::size_t before = base.spheres.size();
     if (base.order.empty())
         for (std::size_t i = 0; i < before; ++i) base.order.push_back(static_cast<std::int64_t>(i));
-    const std::int64_t first =
-        before == 0 ? 0 : *std::max_element(base.order.begin(), base.order.end()) + 1;
-    for (std::size_t i = 0; i < more; ++i)
-        base.order.push_back(first + static_cast<std::int64_t>(i));
-    base.region.resize(all, 0);
-    base.depth.clear();
-    base.contacts.clear();
+    base.region.resize(before, 0);
     auto& columns = base.columns;
     columns.erase(std::remove_if(columns.begin(), columns.end(),
                                  [](const Column& c) { return c.name == kExisting; }),
                   columns.end());
-    for (Column& column : columns) {
-        if (!column.numbers.empty()) column.numbers.resize(all, 0.0);
-        if (!column.texts.empty()) column.texts.resize(all);
-    }
     Column mark;
     mark.name = kExisting;
     mark.numbers.assign(before, 1.0);
-    mark.numbers.resize(all, 0.0);
     columns.push_back(std::move(mark));
-    base.spheres.insert(base.spheres.end(), added.spheres.begin(), added.spheres.end());
+    base = appended(std::move(base), added.spheres);
+    // Where nothing stood, there was nothing to go on from.
+    if (before == 0) base.order = added.order;
+    base.region.resize(base.spheres.size(), 0);
+    columns.back().numbers.resize(base.spheres.size(), 0.0);
     base.sliceHeight = added.sliceHeight;
     return base;
 }
 
 template Pack<2> readExisting(const PackRecipe&, double);
 template Pack<3> readExisting(const PackRecipe&, double);
+template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);
+template Pack<3> appended(Pack<3>, const std::vector<Sphere<3>>&);
 template Pack<2> joined(Pack<2>, const Pack<2>&);
 template Pack<3> joined(Pack<3>, const Pack<3>&);
 

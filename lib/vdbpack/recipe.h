@@ -25,6 +25,8 @@ struct PackRecipe {
     Effort effort = Effort::normal;
     Order order = Order::sweep;
     double gap = 0;  ///< least distance between spheres and to the wall, mm
+    /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
+    double densify = 0;
     VoidRecipe voids;
     std::string existing;              ///< pack file with spheres that stand; empty: none
     Unit packUnit = Unit::millimeter;  ///< of `existing`, if it says none
@@ -51,6 +53,10 @@ void checkOutputs(const PackRecipe& recipe);
 /// @throws ParameterError for anything else, a range that falls, a seed named twice, or more than
 /// a million seeds.
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
+
+/// "max" as infinity, or a solid fraction from above 0 to below 1.
+/// @throws ParameterError for anything else.
+double parseDensify(const std::string& text);
 
 /// The files that voids are made from; empty names where there is none.
 std::vector<std::string> voidInputs(const VoidRecipe& recipe);
@@ -82,8 +88,15 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight);
 template <int Dim>
 Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added);
 
+/// `base` with further spheres, which get further ids and places in the order, and 0 or nothing in
+/// its columns. Depths and contacts of all are dropped.
+template <int Dim>
+Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added);
+
 extern template Pack<2> readExisting(const PackRecipe&, double);
 extern template Pack<3> readExisting(const PackRecipe&, double);
+extern template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);
+extern template Pack<3> appended(Pack<3>, const std::vector<Sphere<3>>&);
 extern template Pack<2> joined(Pack<2>, const Pack<2>&);
 extern template Pack<3> joined(Pack<3>, const Pack<3>&);
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <cmath>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -93,6 +94,10 @@ private:
     std::vector<std::pair<std::string, std::string>> rows_;
 };
 
+std::string densifyText(double fraction) {
+    return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
+}
+
 const char* nameOf(Effort effort) {
     return effort == Effort::fast ? "fast" : effort == Effort::dense ? "dense" : "normal";
 }
@@ -116,6 +121,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add("--effort", nameOf(recipe.effort));
     s.add("--order", nameOf(recipe.order));
     s.add("--gap", recipe.gap, " mm");
+    if (recipe.densify > 0) s.add("--densify", densifyText(recipe.densify));
     s.add(recipe.voids);
     s.add("--existing", recipe.existing);
     if (!recipe.existing.empty()) s.add("--pack-unit", unitName(recipe.packUnit));
@@ -148,6 +154,22 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& r
     s.add("--domain", recipe.domain.source);
     s.add(recipe.domain, report);
     s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const DensifyRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("PACK", recipe.pack);
+    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add("--domain", recipe.domain.source);
+    s.add(recipe.domain, report);
+    s.add("--radius", recipe.radius);
+    s.add("--gap", recipe.gap, " mm");
+    s.add("--densify", recipe.fraction > 0 ? densifyText(recipe.fraction) : "overlaps alone");
     s.add("--seed", std::to_string(recipe.seed));
     s.add("--threads", std::to_string(report.threads));
     s.add("--contact-tol", recipe.contactTolerance);
@@ -194,7 +216,11 @@ void writeReport(const RunResult& run, const PageDetails& details, const PackRec
     write(recipe.reportFile, reportPage(page, figures));
 }
 
-void writeReport(const RunResult& run, const CarveRecipe& recipe) {
+namespace {
+
+/// The report of a run on a pack that exists.
+template <class Recipe>
+void writeOfGiven(const RunResult& run, const Recipe& recipe) {
     const Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     ReportPage page;
@@ -204,6 +230,16 @@ void writeReport(const RunResult& run, const CarveRecipe& recipe) {
     std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
     page.settings = settingsOf(recipe, run.report);
     write(recipe.reportFile, reportPage(page, figures));
+}
+
+}  // namespace
+
+void writeReport(const RunResult& run, const CarveRecipe& recipe) {
+    writeOfGiven(run, recipe);
+}
+
+void writeReport(const RunResult& run, const DensifyRecipe& recipe) {
+    writeOfGiven(run, recipe);
 }
 
 void writeReport(const RunResult& run, const VoidsRecipe& recipe) {

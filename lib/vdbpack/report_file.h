@@ -30,6 +30,7 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
 /// Writes `recipe.reportFile` in the format of its extension. @throws IoError
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
 void writeReport(const RunResult& run, const CarveRecipe& recipe);
+void writeReport(const RunResult& run, const DensifyRecipe& recipe);
 void writeReport(const RunResult& run, const VoidsRecipe& recipe);
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
 

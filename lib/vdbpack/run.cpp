@@ -4,7 +4,9 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/densify_stage.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/preview_stage.h"
@@ -112,6 +114,12 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     }
     report.gapAsked = recipe.gap;
     report.seconds.pack = clock.lap();
+    if (recipe.densify > 0 && goesOn() && !result.pack.spheres.empty()) {
+        densifyPack(domain,
+                    {recipe.densify, &options.sizes, recipe.gap, recipe.seed, standing.size()},
+                    result.pack, report, heard);
+        report.seconds.densify = clock.lap();
+    }
 
     const bool cut = !recipe.voids.empty() || recipe.voids.shell > 0;
     if (cut) {

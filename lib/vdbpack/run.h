@@ -119,6 +119,25 @@ struct CarveRecipe : GivenPack {
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks = {});
 
+/// A pack that exists, made denser, or freed of its overlaps.
+struct DensifyRecipe : GivenPack {
+    double fraction = 0;  ///< solid fraction, as that of DensifyOptions; 0: overlaps alone
+    double gap = 0;       ///< least distance between spheres and to the wall, mm
+    std::uint64_t seed = 1;
+    std::string density;  ///< as `particleDensity` takes it
+    std::vector<std::string> outputs;
+    std::string reportFile;
+    std::string optionsText;  ///< as that of PackRecipe
+    PreviewRecipe preview;
+    Unit outUnit = Unit::millimeter;
+};
+
+/// Reads a pack of any program, moves its spheres and adds further ones, of the sizes of `radius`
+/// or of its own; measures and writes it: the whole of `vdb_pack densify`. Ids, columns and radii
+/// are kept. What does not come apart is written as it was, and `passed` is false.
+/// @throws ParameterError, InputError, IoError, ResourceError
+RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks = {});
+
 /// Voids and what they leave of a domain, without a pack.
 struct VoidsRecipe {
     DomainRecipe domain;

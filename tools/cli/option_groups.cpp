@@ -1,6 +1,7 @@
 #include "cli/option_groups.h"
 
 #include "vdbpack/core/memory.h"
+#include "vdbpack/recipe.h"
 
 #include <charconv>
 #include <cmath>
@@ -133,6 +134,15 @@ void addContactTolerance(CLI::App& command, double& tolerance) {
         ->option_text("T [0.001]")
         ->check(notNegative())
         ->group("Run");
+}
+
+void addDensify(CLI::App& command, double& fraction, const std::string& help) {
+    command
+        .add_option_function<std::string>(
+            "--densify", [&fraction](const std::string& text) { fraction = parseDensify(text); },
+            help)
+        ->option_text("F|max")
+        ->group("Spheres");
 }
 
 void addThreads(CLI::App& command, int& threads, const std::string& help) {

@@ -86,6 +86,9 @@ CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
+    addDensify(*command, options.pack.densify,
+               "go on beyond the front, radii untouched: add and move spheres until the solid "
+               "fraction is F, or as dense as it gets");
     command
         ->add_option(
             "--existing", options.pack.existing,
@@ -154,6 +157,30 @@ CLI::App* addCarve(CLI::App& app, CliOptions& options) {
     addVoidOptions(*command, options.carve.voids, VoidsIn::file);
     addRunOptions(*command, options.carve.seed, options.carve.reportFile, options);
     addPreviewOptions(*command, options.carve.preview);
+    return command;
+}
+
+CLI::App* addDensifyCommand(CLI::App& app, CliOptions& options) {
+    CLI::App* command =
+        app.add_subcommand("densify",
+                           "make a pack that exists denser, or free it of its overlaps; radii are "
+                           "kept")
+            ->fallthrough();
+    addGivenPack(*command, options.densify, "PACK", kPackHelp);
+    addOutputs(*command, options.densify.outputs, kOutputHelp);
+    addUnit(*command, "--out-unit", options.densify.outUnit, "unit of what is written");
+    addDensityOption(*command, options.densify.density);
+    addDensify(*command, options.densify.fraction,
+               "add and move spheres until the solid fraction is F, or as dense as it gets; left "
+               "out, none is added and overlaps alone are removed");
+    command
+        ->add_option("--gap", options.densify.gap,
+                     "least distance between spheres, and of spheres to the wall, mm")
+        ->option_text("G [0]")
+        ->check(notNegative())
+        ->group("Spheres");
+    addRunOptions(*command, options.densify.seed, options.densify.reportFile, options);
+    addPreviewOptions(*command, options.densify.preview);
     return command;
 }
 
@@ -289,6 +316,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     CLI::App* const pack = addPack(app, options, seeds);
     CLI::App* const voids = addVoids(app, options);
     CLI::App* const carve = addCarve(app, options);
+    CLI::App* const densify = addDensifyCommand(app, options);
     CLI::App* const verify = addVerify(app, options);
     CLI::App* const measure = addMeasure(app, options);
     CLI::App* const convert = addConvert(app, options);
@@ -311,7 +339,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         options.pack.seed = options.seeds.front();
         for (DomainRecipe* domain :
              {&options.pack.domain, &options.voids.domain, &options.carve.domain,
-              &options.verify.domain, &options.measure.domain})
+              &options.densify.domain, &options.verify.domain, &options.measure.domain})
             if (domain->source.empty()) domain->source = parseShells(domain->shells).outer;
         if ((pack->parsed() && options.pack.domain.source.empty()) ||
             (voids->parsed() && options.voids.domain.source.empty()))
@@ -336,18 +364,19 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                    running.empty() ? "" : running.front()->get_name() + ' ');
         return std::nullopt;
     }
-    for (const CLI::App* command : {pack, voids, carve})
+    for (const CLI::App* command : {pack, voids, carve, densify})
         if (command->parsed())
             options.pack.optionsText = options.voids.optionsText = options.carve.optionsText =
-                recipeText(*command);
+                options.densify.optionsText = recipeText(*command);
     std::string line;
     for (const auto& word : arguments) line += (line.empty() ? "" : " ") + shellQuoted(word);
-    options.voids.command = options.carve.command = line;
+    options.voids.command = options.carve.command = options.densify.command = line;
     options.convert.command = line;
     options.pack.command = options.verify.command = options.measure.command = line;
     options.command = pack->parsed()      ? CliOptions::Command::pack
                       : voids->parsed()   ? CliOptions::Command::voids
                       : carve->parsed()   ? CliOptions::Command::carve
+                      : densify->parsed() ? CliOptions::Command::densify
                       : verify->parsed()  ? CliOptions::Command::verify
                       : measure->parsed() ? CliOptions::Command::measure
                       : convert->parsed() ? CliOptions::Command::convert

@@ -12,13 +12,14 @@
 
 /// What was asked for.
 struct CliOptions {
-    enum class Command { pack, voids, carve, verify, measure, convert, mesh };
+    enum class Command { pack, voids, carve, densify, verify, measure, convert, mesh };
     Command command = Command::pack;
     vdbpack::PackRecipe pack;
     std::vector<std::uint64_t> seeds{1};  ///< of pack: one run each
     std::string table;                    ///< .csv with a row a run; empty: none
     vdbpack::VoidsRecipe voids;
     vdbpack::CarveRecipe carve;
+    vdbpack::DensifyRecipe densify;
     vdbpack::VerifyRecipe verify;
     vdbpack::MeasureRecipe measure;
     vdbpack::ConvertRecipe convert;

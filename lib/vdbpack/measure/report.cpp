@@ -114,6 +114,36 @@ void addDomain(Summary& out, const Report& r) {
     }
 }
 
+Json densifiedJson(const Report& r) {
+    if (!r.densified) return {};
+    const Report::Densified& d = *r.densified;
+    Json contacts = Json::array();
+    for (std::size_t k = 0; k < d.contactsBefore.size(); ++k)
+        contacts.push_back({{"tolerance", Report::Densified::kContactTolerances[k]},
+                            {"before", d.contactsBefore[k]},
+                            {"after", d.contactsAfter[k]}});
+    return {{"asked", d.asked ? Json(*d.asked) : Json("max")},
+            {"before", d.before},
+            {"after", d.after},
+            {"inserted", d.inserted},
+            {"steps", d.steps},
+            {"stages", d.stages},
+            {"contacts", contacts}};
+}
+
+void addDensified(Summary& out, const Report& r, const char* spheres) {
+    const Report::Densified& d = *r.densified;
+    out.line("densified",
+             fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
+                         d.after, grouped(d.inserted), spheres, grouped(d.steps)));
+    const auto& before = d.contactsBefore;
+    const auto& after = d.contactsAfter;
+    out.line("",
+             fmt::format("{} that one touches within 0.1, 1 and 5 % of the smaller radius: "
+                         "{:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
+                         spheres, after[0], after[1], after[2], before[0], before[1], before[2]));
+}
+
 Json voidsJson(const Report& r) {
     const VoidReport v = r.voids.value_or(VoidReport());
     Json json = {{"count", v.count}, {"bvtv", orNull(v.bvtv)}, {"culled", v.culled}};
@@ -263,11 +293,12 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
     json["protrusion"] = {{"max", r.protrusion ? Json(r.protrusion->max) : Json()},
                           {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()}};
+    json["densified"] = densifiedJson(r);
     json["voids"] = voidsJson(r);
-    json["seconds"] = {{"mesh", r.seconds.mesh},       {"domain", r.seconds.domain},
-                       {"pack", r.seconds.pack},       {"voids", r.seconds.voids},
-                       {"measure", r.seconds.measure}, {"write", r.seconds.write},
-                       {"total", r.seconds.total}};
+    json["seconds"] = {{"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
+                       {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
+                       {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
+                       {"write", r.seconds.write}, {"total", r.seconds.total}};
     json["peakMemoryBytes"] = r.peakMemoryBytes;
     return json;
 }
@@ -308,12 +339,15 @@ std::string summary(const Report& r) {
                                  : fmt::format(", {:.3g} without walls", r.contacts->meanOfSpheres),
                              r.contactTolerance, 100 * r.contacts->fewShare, r.contacts->few,
                              100 * r.contacts->largestComponent));
+    if (r.densified) addDensified(out, r, spheres);
     if (r.voids) addVoids(out, r, spheres);
     addChecks(out, r, spheres);
     std::string seconds;
     const std::pair<const char*, double> stages[] = {
-        {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},   {"pack", r.seconds.pack},
-        {"voids", r.seconds.voids}, {"measure", r.seconds.measure}, {"write", r.seconds.write}};
+        {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
+        {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
+        {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
+        {"write", r.seconds.write}};
     for (const auto& [name, value] : stages)
         if (value > 0) seconds += fmt::format("{} {:.2f}, ", name, value);
     out.line("seconds", seconds + fmt::format("total {:.2f} on {} thread{}", r.seconds.total,

@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -82,10 +83,25 @@ struct Report {
     std::optional<double> smallestGap;  ///< between spheres, two that stood already apart; mm
     std::optional<ProtrusionCheck> protrusion;
 
+    /// What densifying did; nothing where it was not asked for.
+    struct Densified {
+        /// Gaps up to which contacts are counted, in smaller radii.
+        static constexpr std::array<double, 3> kContactTolerances{1e-3, 1e-2, 5e-2};
+
+        std::optional<double> asked;  ///< solid fraction; nothing: as dense as it gets
+        double before = 0, after = 0;
+        std::uint64_t inserted = 0, steps = 0;
+        int stages = 0;
+        std::array<double, 3> contactsBefore{}, contactsAfter{};  ///< spheres that one touches
+        double seconds = 0;
+    };
+    std::optional<Densified> densified;
+
     std::optional<VoidReport> voids;  ///< nothing where neither voids nor a shell were asked for
 
     struct Seconds {
-        double mesh = 0, domain = 0, pack = 0, voids = 0, measure = 0, write = 0, total = 0;
+        double mesh = 0, domain = 0, pack = 0, densify = 0, voids = 0, measure = 0, write = 0,
+               total = 0;
     } seconds;
     std::uint64_t peakMemoryBytes = 0;
 

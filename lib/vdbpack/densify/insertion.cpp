@@ -1,0 +1,84 @@
+// Where there is most room for further spheres.
+#include "vdbpack/core/rng.h"
+#include "vdbpack/densify/relaxation.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr int kDraws = 30;
+
+/// The smallest gap between a point and the surfaces of `bodies` (whole eights), quanta.
+float room(const std::vector<Body>& bodies, const Body& at) {
+    Float8 least = Float8{} + std::numeric_limits<float>::max();
+    for (std::size_t j = 0; j < bodies.size(); j += 8) {
+        const Bodies8 other = load(bodies.data() + j);
+        const Float8 dx = difference(other.x, at.x);
+        const Float8 dy = difference(other.y, at.y);
+        const Float8 dz = difference(other.z, at.z);
+        least = smaller(least, squareRoot(dx * dx + dy * dy + dz * dz) - other.radius);
+    }
+    return smallest(least);
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<Sphere<Dim>> Relaxation<Dim>::roomiestPlaces(const std::vector<double>& radii,
+                                                         std::uint64_t salt) {
+    std::vector<Sphere<Dim>> places(radii.size());
+    if (!ready_) return places;
+    const auto slots = static_cast<double>(now_.labels.size());
+    const auto work = [&](std::size_t k, DomainSampler<Dim>& sampler, std::vector<Body>& around) {
+        RandomStream random(seed_ ^ mix64(salt), k);
+        // Beside spheres at equal distances in the order of the cells: as many wherever they lie.
+        const auto slot = static_cast<std::size_t>((static_cast<double>(k) + random.uniform()) /
+                                                   static_cast<double>(radii.size()) * slots);
+        const Body& anchor = now_.bodies[slot];
+        const Home& home = now_.homes[slot];
+        const double radius = radii[k] / quantum_;
+        const double half = static_cast<double>(anchor.radius) + 1.2 * radius;
+        around.clear();
+        forEachNear(home, half + radius,
+                    [&](std::uint32_t j) { around.push_back(now_.bodies[j]); });
+        while (around.size() % 8 != 0) around.push_back(around.front());
+        double most = -std::numeric_limits<double>::infinity();
+        for (int draw = 0; draw < kDraws; ++draw) {
+            Home at = home;
+            for (int d = 0; d < Dim; ++d)
+                at[static_cast<std::size_t>(d)] +=
+                    static_cast<std::int64_t>((2 * random.uniform() - 1) * half);
+            const Vec<Dim> x = position(at);
+            const double wall = -sampler.signedDistance(x) / quantum_;
+            const Body body{lowBits(at[0]), lowBits(at[1]), lowBits(at[2]), 0};
+            double space = wall;
+            if (wall > most) space = std::min(wall, static_cast<double>(room(around, body)));
+            if (space > most) {
+                most = space;
+                places[k] = {x, radii[k]};
+            }
+        }
+    };
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 64),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                          DomainSampler<Dim>& sampler = this->sampler();
+                          std::vector<Body> around;
+                          for (std::size_t k = part.begin(); k < part.end(); ++k)
+                              work(k, sampler, around);
+                      });
+    return places;
+}
+
+template std::vector<Sphere<2>> Relaxation<2>::roomiestPlaces(const std::vector<double>&,
+                                                              std::uint64_t);
+template std::vector<Sphere<3>> Relaxation<3>::roomiestPlaces(const std::vector<double>&,
+                                                              std::uint64_t);
+
+}  // namespace vdbpack

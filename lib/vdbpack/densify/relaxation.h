@@ -1,0 +1,219 @@
+// Private to densify: overlapping spheres pushed apart, all at once.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/densify/octet.h"
+#include "vdbpack/domain/domain.h"
+
+#include <tbb/concurrent_vector.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace vdbpack {
+
+/// How hard overlaps are pushed at.
+struct RelaxationPace {
+    double inertia = 0.97;  ///< share of its velocity that a sphere keeps in a step
+    double cap = 0.07;      ///< largest step, in smallest radii
+    int swapEvery = 3;      ///< steps between exchanges of radii; 0: none
+};
+
+/// Spheres in a domain that push one another, and are pushed by the wall, until none overlap.
+///
+/// v <- inertia v + 0.3 F, x <- x + v for all spheres at once, F the sum of the overlaps with
+/// spheres and wall (radii larger by a small share, so that the true ones end up apart). Now and
+/// then two spheres of nearly the same size, of which the larger is squeezed more, change places.
+/// The same on every machine and for any number of threads.
+template <int Dim>
+class Relaxation {
+public:
+    /// @param spheres  to be relaxed; radii and centers in mm.
+    /// @param fixed    the first of them that stay where they are.
+    /// @param kinds    spheres change places with those of the same kind only; empty: all are.
+    /// @param domain   must outlive this.
+    /// @throws ResourceError above 2^31 spheres.
+    Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
+               std::size_t fixed, const std::vector<std::uint8_t>& kinds, std::uint64_t seed);
+    ~Relaxation();
+    Relaxation(const Relaxation&) = delete;
+    Relaxation& operator=(const Relaxation&) = delete;
+
+    struct Outcome {
+        bool apart = false;  ///< no two spheres overlap, none crosses the wall
+        bool interrupted = false;
+        int steps = 0;
+        double worst = 0;  ///< largest overlap, as a share of the sum of the radii
+    };
+    /// Goes on for up to `steps`. @param told  after every step: steps and worst overlap.
+    Outcome run(const RelaxationPace& pace, int steps, const Callbacks& callbacks,
+                const std::function<void(int, double)>& told = {});
+
+    /// A place for each of further spheres, of some that are drawn all over that which has most
+    /// room; they overlap others, and one another. Radii in mm.
+    std::vector<Sphere<Dim>> roomiestPlaces(const std::vector<double>& radii, std::uint64_t salt);
+
+    /// The spheres in the order in which they were given, at their places now; whole multiples of
+    /// `quantum` but for the fixed ones.
+    std::vector<Sphere<Dim>> spheres() const;
+    double quantum() const { return quantum_; }
+
+private:
+    static constexpr std::uint32_t kNone = 0xffffffff;
+    static constexpr std::uint32_t kRun = 1024;  ///< slots that are one task
+    static constexpr int kMostPlanes = 4;
+
+    /// Velocity, and what the last look for exchanges found; units of the quantum.
+    struct alignas(16) Motion {
+        float x = 0, y = 0, z = 0;
+        float squeeze = 0;  ///< sum of the overlaps
+    };
+    using Home = std::array<std::int64_t, 3>;
+
+    /// The wall near a point of it, as a plane: the domain is where n (x - point) > 0.
+    struct Plane {
+        float nx = 0, ny = 0, nz = 0;
+        std::uint32_t x = 0, y = 0, z = 0;  ///< low bits of the point
+    };
+    struct Wall {
+        std::uint32_t count = 0;
+        std::array<Plane, kMostPlanes> planes;
+    };
+
+    /// What belongs to a place rather than to the sphere in it, and moves with the sorting.
+    struct Slots {
+        std::vector<Body> bodies;
+        std::vector<Motion> motions;
+        std::vector<Home> homes;            ///< positions when lists were made, in quanta
+        std::vector<std::uint32_t> labels;  ///< which of the spheres given is here
+        std::vector<std::uint32_t> walls;   ///< in `walls_`, or kNone
+        std::vector<float> roams;           ///< way it may go before the wall is asked, quanta
+
+        void resize(std::size_t n);
+    };
+
+    /// A run of slots with their neighbors.
+    struct Run {
+        std::uint32_t first = 0, last = 0;
+        std::vector<std::uint32_t> ids;    ///< neighbors, filled up to whole eights with oneself
+        std::vector<std::uint32_t> ends;   ///< of each slot's in `ids`
+        std::vector<std::uint32_t> ranks;  ///< slots that may change places, by kind and radius
+        float worst = 0;                   ///< largest (r_i + r_j) (1 + delta) / d - 1
+        float fastest = 0;                 ///< largest squared step, quanta²
+        bool coincides = false;  ///< two of its spheres were on the same spot when lists were made
+        float grown = 0;         ///< most that a radius has grown since the list was made
+    };
+
+    /// A grid of cells for each class of radii.
+    struct Level {
+        float largest = 0;  ///< radius, quanta
+        double side = 0;    ///< of a cell, quanta
+        std::array<std::int64_t, 3> low{}, count{};
+        std::size_t firstCell = 0;
+        std::uint32_t firstSlot = 0, lastSlot = 0;
+    };
+
+    void layLevels();
+    void rebuild();
+    void sortIntoCells();
+    void askWalls(bool all);
+    void askWall(std::size_t slot, DomainSampler<Dim>& sampler);
+    void listNeighbors();
+    void listRun(Run& run);
+    bool mustRebuild();
+    bool isNear(const Home& a, const Home& b) const;
+    void part(std::uint32_t slot, std::uint32_t other);
+    template <bool kSqueeze>
+    void stepRun(Run& run, float inertia, float cap, Body* next);
+    void swapRun(Run& run);
+    bool keepsWall();
+
+    Vec<Dim> position(const Home& home) const;
+    static std::uint32_t lowBits(std::int64_t v) {
+        return static_cast<std::uint32_t>(static_cast<std::uint64_t>(v));
+    }
+    /// Calls `visit(first, last)` for the rows of slots of a level within `reach` of a place.
+    template <class Visit>
+    void forEachRow(const Level& level, const Home& home, double reach, const Visit& visit) const;
+    /// Calls `visit(slot)` for (at least) all whose surface is closer than `reach`.
+    template <class Visit>
+    void forEachNear(const Home& home, double reach, const Visit& visit) const;
+    std::size_t cellOf(const Level& level, const Home& home) const;
+    std::array<std::int64_t, 3> cellCoords(const Level& level, const Home& home) const;
+    bool isFixed(std::uint32_t label) const { return label < fixed_; }
+    DomainSampler<Dim>& sampler();
+
+    const Domain<Dim>& domain_;
+    std::vector<Sphere<Dim>> given_;
+    std::vector<std::uint8_t> kinds_;
+    std::uint32_t fixed_;
+    std::uint64_t seed_;
+    std::uint64_t clock_ = 0;     ///< steps in all
+    double quantum_ = 1;          ///< mm
+    float least_ = 0, most_ = 0;  ///< radii, quanta
+    float delta_ = 0;
+    float skin_ = 0;   ///< quanta
+    float spent_ = 0;  ///< bound of what any sphere has moved since lists were made, quanta
+    int listed_ = 0;   ///< steps since then
+    double fieldError_ = 0, fieldDepth_ = 0;  ///< quanta
+
+    Slots now_, sorted_;
+    std::vector<Body> next_;
+    std::vector<float> listedRadii_;
+    std::vector<float> touching_;  ///< contacts of each slot when squeezes were summed
+    tbb::concurrent_vector<Wall> walls_;
+    std::vector<Level> levels_;
+    std::vector<std::uint32_t> starts_;  ///< first slot of each cell
+    std::vector<std::uint32_t> cells_, from_;
+    std::vector<Run> runs_;
+    bool wraps_ = false;  ///< whether far spheres may have near low bits
+    bool ready_ = false;
+    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
+};
+
+template <int Dim>
+template <class Visit>
+void Relaxation<Dim>::forEachRow(const Level& level, const Home& home, double reach,
+                                 const Visit& visit) const {
+    std::array<std::int64_t, 3> lo{}, hi{};
+    for (std::size_t d = 0; d < 3; ++d) {
+        const auto cell = [&](double at) {
+            return static_cast<std::int64_t>(std::floor(at / level.side)) - level.low[d];
+        };
+        const auto at = static_cast<double>(home[d]);
+        lo[d] = std::max<std::int64_t>(0, cell(at - reach));
+        hi[d] = std::min<std::int64_t>(level.count[d] - 1, cell(at + reach));
+        if (lo[d] > hi[d]) return;
+    }
+    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
+        for (std::int64_t y = lo[1]; y <= hi[1]; ++y) {
+            const auto row = level.firstCell +
+                             static_cast<std::size_t>((z * level.count[1] + y) * level.count[0]);
+            const std::uint32_t first = starts_[row + static_cast<std::size_t>(lo[0])];
+            const std::uint32_t last = starts_[row + static_cast<std::size_t>(hi[0]) + 1];
+            if (first < last) visit(first, last);
+        }
+}
+
+template <int Dim>
+template <class Visit>
+void Relaxation<Dim>::forEachNear(const Home& home, double reach, const Visit& visit) const {
+    for (const Level& level : levels_)
+        forEachRow(level, home, reach + static_cast<double>(level.largest),
+                   [&](std::uint32_t first, std::uint32_t last) {
+                       for (std::uint32_t j = first; j < last; ++j)
+                           if (isNear(home, now_.homes[j])) visit(j);
+                   });
+}
+
+extern template class Relaxation<2>;
+extern template class Relaxation<3>;
+
+}  // namespace vdbpack

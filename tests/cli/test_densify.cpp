@@ -1,0 +1,138 @@
+// pack --densify and vdb_pack densify.
+#include "cli/recipes.h"
+#include "support/limited_tool.h"
+#include "support/temporary_folder.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+using test::recipeFor;
+using test::vdbPack;
+
+TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli][densify]") {
+    auto recipe = recipeFor("box:30,30,30", "uniform:1,2");
+    const auto before = runPack(recipe);
+    recipe.densify = 0.62;
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(run.report.solidFractionTotal.value_or(0) >= 0.62);
+    REQUIRE(run.report.densified.has_value());
+    const auto& told = *run.report.densified;
+    CHECK(told.before == Approx(*before.report.solidFractionTotal));
+    CHECK(told.after == Approx(*run.report.solidFractionTotal));
+    CHECK(told.inserted == run.report.count - before.report.count);
+    CHECK(told.steps > 0);
+    CHECK(told.contactsBefore[0] > 2);
+    CHECK(told.contactsAfter[2] > told.contactsAfter[1]);
+    const auto json = toJson(run);
+    CHECK(json["densified"]["asked"] == 0.62);
+    CHECK(json["densified"]["contacts"].size() == 3);
+    CHECK(json["seconds"]["densify"] > 0);
+    CHECK(toJson(before)["densified"].is_null());
+    CHECK_THAT(summary(run.report), Contains("densified  from 0.5"));
+    // One name and one place in the order each.
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(pack.order.size() == pack.spheres.size());
+    CHECK(pack.order.back() == static_cast<std::int64_t>(pack.spheres.size()) - 1);
+}
+
+TEST_CASE("what stands already stays while the others get denser", "[cli][densify]") {
+    const TemporaryFolder folder;
+    auto standing = recipeFor("ball:6", "uniform:1,2");
+    standing.outputs = {folder.file("a.csv")};
+    const auto first = std::get<Pack<3>>(runPack(standing).pack).spheres;
+    auto recipe = recipeFor("box:26,26,26", "uniform:1,2");
+    recipe.existing = folder.file("a.csv");
+    recipe.densify = 0.59;
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    REQUIRE(run.report.existing == first.size());
+    for (std::size_t i = 0; i < first.size(); ++i) CHECK(pack.spheres[i] == first[i]);
+    REQUIRE(pack.columns.size() == 1);
+    CHECK(pack.columns[0].numbers.size() == pack.spheres.size());
+    CHECK(run.report.solidFractionTotal.value_or(0) > 0.585);
+}
+
+TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
+    auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
+    recipe.densify = 0.61;
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:3";
+    recipe.voids.targetBvtv = 0.8;
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(run.report.densified->after >= 0.61);
+    CHECK(run.report.voids->culled > 0);
+    CHECK(run.report.ks.value_or(1) < 0.05);
+}
+
+TEST_CASE("densify takes packs of other programs, with their names and columns", "[cli][densify]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.csv"))
+        << ("id,x,y,z,radius,material\n7,0,0,0,1,bone\n3,1.5,0,0,1,tooth\n"
+            "9,-4.5,0,0,1,bone\n");
+    const auto run = vdbPack("densify " + folder.file("p.csv") + " --domain box:10,10,10 -o " +
+                             folder.file("q.csv"));
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+    const auto pack = readPack(folder.file("q.csv"));
+    REQUIRE(pack.spheres.size() == 3);
+    CHECK(pack.id == std::vector<std::int64_t>{7, 3, 9});
+    REQUIRE(pack.columns.size() == 1);
+    CHECK(pack.columns[0].texts == std::vector<std::string>{"bone", "tooth", "bone"});
+    CHECK(gap(pack.spheres[0], pack.spheres[1]) > 0);
+    CHECK(pack.spheres[2].center[0] >= -4);
+    const auto more = vdbPack("densify " + folder.file("p.csv") +
+                              " --domain box:10,10,10 --densify 0.3 --radius uniform:0.5,1 -o " +
+                              folder.file("r.vdb") + " --report " + folder.file("r.json"));
+    CAPTURE(more.text);
+    CHECK(more.code == 0);
+    CHECK(vdbPack("verify " + folder.file("r.vdb") + " --domain box:10,10,10").code == 0);
+    // The recipe beside it makes the same again.
+    const auto again = vdbPack("densify --config " + folder.file("r.recipe.toml"));
+    CAPTURE(again.text);
+    CHECK(again.code == 0);
+}
+
+TEST_CASE("a pack that does not come apart is written as it was, with exit code 1",
+          "[cli][densify]") {
+    const TemporaryFolder folder;
+    std::string text = "x,y,z,radius\n";
+    for (int i = 0; i < 40; ++i) text += "0.0,0.0," + std::to_string(i * 0.01) + ",1\n";
+    std::ofstream(folder.file("p.csv")) << text;
+    const auto run = vdbPack("densify " + folder.file("p.csv") + " --domain box:4,4,4 -o " +
+                             folder.file("q.csv"));
+    CHECK(run.code == 1);
+    CHECK_THAT(run.text, Contains("did not come apart"));
+    CHECK(readPack(folder.file("q.csv")).spheres == readPack(folder.file("p.csv")).spheres);
+}
+
+TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
+    const auto refused = [](const std::string& words, const std::string& why) {
+        const auto run = vdbPack(words);
+        CAPTURE(words);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.text, Contains(why));
+    };
+    refused("pack ball:9 --densify 0", "'0': must be max or a solid fraction above 0");
+    refused("pack ball:9 --densify 1", "'1': must be max");
+    refused("pack ball:9 --densify nan", "'nan': must be max");
+    refused("pack ball:9 --densify 0.6x", "'0.6x': must be max");
+    refused("pack ball:9 --densify most", "'most': must be max");
+    refused("pack ball:9 --densify 0.97", "no spheres fill 0.97 of anything");
+    refused("pack ball:9 --densify 0.6 --max-count 9", "leave one out");
+    refused(
+        "pack ball:9 --densify 0.6 --voids mixed --void-radius constant:2 --void-probability 0.1",
+        "would move the holes");
+    refused("densify p.csv", "give that of the pack with --domain");
+}

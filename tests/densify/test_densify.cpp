@@ -1,0 +1,302 @@
+// Densified packs: no overlap, nothing outside, the radii that were given, the same for any
+// threads.
+#include "support/generators.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/densify/densify.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/verify.h"
+#include "vdbpack/pack/packer.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+using namespace vdbpack;
+
+namespace {
+
+constexpr double kMax = std::numeric_limits<double>::infinity();
+
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> box(double side, const Vec<Dim>& center = {}) {
+    return boxDomain<Dim>(
+        {center + Box<Dim>::filled(-side / 2), center + Box<Dim>::filled(side / 2)});
+}
+
+SizeDistribution sizesOf(const std::string& spec, int dim) {
+    return SizeDistribution::parse(spec, dim);
+}
+
+template <int Dim>
+std::vector<Sphere<Dim>> front(const Domain<Dim>& domain, const std::string& spec) {
+    return packSpheres(domain, PackOptions(sizesOf(spec, Dim))).pack.spheres;
+}
+
+template <int Dim>
+DensifyOptions to(double fraction, const std::string& spec) {
+    DensifyOptions options;
+    options.fraction = fraction;
+    if (!spec.empty()) options.sizes = sizesOf(spec, Dim);
+    return options;
+}
+
+/// How far spheres stick out of a shape whose own distances are exact, mm.
+template <int Dim>
+double protrusion(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
+    const auto sampler = domain.sampler();
+    double most = 0;
+    for (const auto& s : spheres)
+        most = std::max(most, s.radius + sampler->signedDistance(s.center));
+    return most;
+}
+
+template <int Dim>
+void checkSound(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
+    CHECK(checkOverlap(spheres).max == 0);
+    CHECK(protrusion(spheres, domain) <= 0);
+}
+
+/// The radii that were given come first, to the last bit.
+template <int Dim>
+void checkRadii(const std::vector<Sphere<Dim>>& before, const std::vector<Sphere<Dim>>& after) {
+    REQUIRE(after.size() >= before.size());
+    CHECK(std::equal(before.begin(), before.end(), after.begin(),
+                     [](const auto& a, const auto& b) { return a.radius == b.radius; }));
+}
+
+template <int Dim>
+std::vector<Sphere<Dim>> shaken(std::vector<Sphere<Dim>> spheres, double by) {
+    RandomStream random(5, 6);
+    for (auto& s : spheres)
+        for (int d = 0; d < Dim; ++d) s.center[d] += by * (2 * random.uniform() - 1);
+    return spheres;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("a densified pack is denser, sound, and of the sizes asked for", "[densify]",
+                       ((int Dim), Dim), 2, 3) {
+    const std::string spec = "uniform:1,2";
+    const double wanted = Dim == 3 ? 0.63 : 0.84;
+    const auto domain = box<Dim>(Dim == 3 ? 40 : 150);
+    const auto before = front(*domain, spec);
+    const auto result = densify(*domain, before, to<Dim>(wanted, spec));
+    CHECK(result.apart);
+    CHECK(result.reached);
+    CHECK(result.before == Approx(solidFraction(before, *domain)));
+    CHECK(result.before < wanted - 0.005);
+    CHECK(result.after == Approx(solidFraction(result.spheres, *domain)));
+    CHECK(result.after >= wanted);
+    CHECK(result.after < wanted + 0.01);
+    checkSound(result.spheres, *domain);
+    checkRadii(before, result.spheres);
+    for (const auto& s : result.spheres) {
+        CHECK(s.radius >= 1);
+        CHECK(s.radius <= 2);
+    }
+    std::vector<double> radii, all;
+    for (const auto& s : before) radii.push_back(s.radius);
+    for (const auto& s : result.spheres) all.push_back(s.radius);
+    const auto sizes = sizesOf(spec, Dim);
+    const auto cdf = [&](double r) { return sizes.cdf(r); };
+    CHECK(ksDistance(all, cdf) <= ksDistance(radii, cdf) + 2.0 / static_cast<double>(all.size()));
+}
+
+TEMPLATE_TEST_CASE_SIG("a densified pack is the same for any number of threads", "[densify]",
+                       ((int Dim), Dim), 2, 3) {
+    const std::string spec = GENERATE("uniform:1,2", "lognormal:1,0.5,0.4,4");
+    const auto domain = ballDomain<Dim>(Dim == 3 ? 14 : 40);
+    const auto before = front(*domain, spec);
+    std::vector<Sphere<Dim>> first;
+    for (const int threads : {1, 2, 3, 8}) {
+        CAPTURE(threads, spec);
+        const auto result = withThreads(threads, [&] {
+            return densify(*domain, before, to<Dim>(solidFraction(before, *domain) + 0.015, spec));
+        });
+        CHECK(result.reached);
+        if (first.empty()) first = result.spheres;
+        CHECK(result.spheres == first);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("overlaps are removed, whoever made them", "[densify]", ((int Dim), Dim), 2,
+                       3) {
+    // Far off the origin, and in lengths of another size.
+    const double unit = GENERATE(1e-3, 1.0, 1e3);
+    CAPTURE(Dim, unit);
+    const Vec<Dim> center = Box<Dim>::filled(300 * unit);
+    const auto domain = box<Dim>((Dim == 3 ? 24 : 60) * unit, center);
+    auto given = front<Dim>(*box<Dim>(Dim == 3 ? 24 : 60), "uniform:1,2");
+    given = shaken(given, 0.04);
+    for (auto& s : given) {
+        s.center = s.center * unit + center;
+        s.radius *= unit;
+    }
+    REQUIRE(checkOverlap(given).max > 0.02);
+    REQUIRE(protrusion(given, *domain) > 0);
+    const auto result = densify(*domain, given, {});
+    CHECK(result.apart);
+    CHECK(result.spheres.size() == given.size());
+    checkRadii(given, result.spheres);
+    checkSound(result.spheres, *domain);
+}
+
+TEST_CASE("a pack that YADE compressed comes apart", "[densify]") {
+    const auto given = readPack("yade:" VDBPACK_YADE_PACK).spheres;
+    const auto domain = boxDomain<3>({{}, Box<3>::filled(10)});
+    REQUIRE(checkOverlap(given).max > 0.02);
+    const auto result = densify(*domain, given, {});
+    CHECK(result.apart);
+    checkRadii(given, result.spheres);
+    checkSound(result.spheres, *domain);
+    CHECK(solidFraction(result.spheres, *domain) ==
+          Approx(solidFraction(given, *domain)).margin(0.002));
+}
+
+TEST_CASE("a pack without overlaps is left as it is", "[densify]") {
+    const auto domain = box<3>(20);
+    const auto before = front(*domain, "uniform:1,2");
+    const auto result = densify(*domain, before, {});
+    CHECK(result.apart);
+    CHECK(result.steps == 0);
+    CHECK(result.spheres == before);
+}
+
+TEST_CASE("spheres on the same spot come apart", "[densify]") {
+    const auto domain = box<3>(20);
+    std::vector<Sphere<3>> given(30, Sphere<3>{{{1, 2, 3}}, 1.0});
+    const auto result = densify(*domain, given, {});
+    CHECK(result.apart);
+    checkSound(result.spheres, *domain);
+}
+
+TEST_CASE("fixed spheres stay where they are, and the others keep off them", "[densify]") {
+    const auto domain = box<3>(30);
+    auto given = front(*domain, "uniform:1,2");
+    // Every seventh one first, shaken into the others and into one another.
+    std::vector<Sphere<3>> sorted;
+    for (std::size_t i = 0; i < given.size(); i += 7) sorted.push_back(given[i]);
+    const std::size_t fixed = sorted.size();
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (i % 7 != 0) sorted.push_back(given[i]);
+    auto options = to<3>(solidFraction(given, *domain) + 0.004, "uniform:1,2");
+    options.fixed = fixed;
+    const auto result = densify(*domain, sorted, options);
+    CHECK(result.reached);
+    for (std::size_t i = 0; i < fixed; ++i) CHECK(result.spheres[i] == sorted[i]);
+    CHECK(result.spheres[fixed].center != sorted[fixed].center);
+    checkSound(result.spheres, *domain);
+}
+
+TEST_CASE("a gap is kept while a pack gets denser", "[densify]") {
+    const double gap = 0.1;
+    const auto domain = ballDomain<3>(15);
+    PackOptions packing(sizesOf("uniform:1,2", 3));
+    packing.gap = gap;
+    const auto before = packSpheres(*domain, packing).pack.spheres;
+    auto options = to<3>(solidFraction(before, *domain) + 0.01, "uniform:1,2");
+    options.gap = gap;
+    const auto result = densify(*domain, before, options);
+    CHECK(result.reached);
+    checkRadii(before, result.spheres);
+    auto grown = result.spheres;
+    for (auto& s : grown) s.radius += gap / 2;
+    CHECK(checkOverlap(grown).max == 0);
+    for (auto& s : grown) s.radius += gap / 2;
+    CHECK(protrusion(grown, *domain) <= 0);
+}
+
+TEST_CASE("spheres of very different sizes are relaxed together", "[densify]") {
+    const auto domain = box<3>(30);
+    const std::string spec = "lognormal:0.7,0.6,0.2,6";
+    const auto before = front(*domain, spec);
+    const auto result =
+        densify(*domain, shaken(before, 0.02), to<3>(solidFraction(before, *domain), spec));
+    CHECK(result.apart);
+    checkRadii(before, result.spheres);
+    checkSound(result.spheres, *domain);
+}
+
+TEST_CASE("no sphere leaves a wall of triangles", "[densify]") {
+    // A ball with a ball cut out of it: walls that bend either way, and thin places.
+    TriangleMesh mesh = test::ballMesh(14, 4);
+    TriangleMesh inner = test::ballMesh(8, 4);
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (const auto& v : inner.vertices) mesh.vertices.push_back(v + Vec<3>{{3, 0, 0}});
+    for (const auto& t : inner.triangles)
+        mesh.triangles.push_back({t[0] + first, t[2] + first, t[1] + first});
+    FieldOptions field;
+    field.detail = 1;
+    field.depth = 6;
+    const auto domain = meshDomain(mesh, field);
+    const auto before = front<3>(*domain, "uniform:1,2");
+    const auto result =
+        densify<3>(*domain, before, to<3>(solidFraction(before, *domain) + 0.015, "uniform:1,2"));
+    CHECK(result.reached);
+    CHECK(checkOverlap(result.spheres).max == 0);
+    CHECK(checkProtrusion(result.spheres, mesh).max == 0);
+}
+
+TEST_CASE("what is not to be had is approached from below", "[densify]") {
+    const auto domain = box<3>(16);
+    const auto before = front(*domain, "uniform:1,2");
+    const auto result = densify(*domain, before, to<3>(0.8, "uniform:1,2"));
+    CHECK(result.apart);
+    CHECK_FALSE(result.reached);
+    CHECK(result.after > result.before);
+    checkSound(result.spheres, *domain);
+    const auto max = densify(*domain, before, to<3>(kMax, ""));
+    CHECK(max.after > result.before + 0.01);
+    checkSound(max.spheres, *domain);
+}
+
+TEST_CASE("a pack that is interrupted while it gets denser is the last that was apart",
+          "[densify]") {
+    const auto domain = box<3>(20);
+    const auto before = front(*domain, "uniform:1,2");
+    Callbacks callbacks;
+    int asked = 0;
+    callbacks.cancelled = [&] { return ++asked > 40; };
+    const auto result = densify(*domain, before, to<3>(0.66, "uniform:1,2"), callbacks);
+    CHECK(result.interrupted);
+    CHECK(result.spheres == before);
+}
+
+TEST_CASE("more than a domain holds does not come apart, and is given back", "[densify]") {
+    const auto domain = box<3>(6);
+    const std::vector<Sphere<3>> given(40, Sphere<3>{{{1, 0, 0}}, 1.5});
+    const auto result = densify(*domain, given, {});
+    CHECK_FALSE(result.apart);
+    CHECK_FALSE(result.reached);
+    CHECK(result.spheres == given);
+}
+
+TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {
+    const auto domain = box<3>(10);
+    const auto before = front(*domain, "constant:1");
+    using Catch::Matchers::Contains;
+    const auto refused = [&](const DensifyOptions& options, const char* why) {
+        CHECK_THROWS_MATCHES(densify(*domain, before, options), ParameterError,
+                             Catch::Matchers::Predicate<ParameterError>([&](const auto& e) {
+                                 return std::string(e.what()).find(why) != std::string::npos;
+                             }));
+    };
+    refused(to<3>(0.96, ""), "no spheres fill 0.96");
+    refused(to<3>(-0.1, ""), "-0.1 is no solid fraction");
+    refused(to<3>(std::nan(""), ""), "is no solid fraction");
+    DensifyOptions options;
+    options.gap = -1;
+    refused(options, "gap -1 mm");
+    options.gap = 0;
+    options.fixed = before.size() + 1;
+    refused(options, "cannot be fixed");
+    CHECK(densify(*domain, {}, to<3>(0.6, "")).spheres.empty());
+}
