@@ -1,0 +1,194 @@
+// Whole runs are the same to the last bit for any number of threads.
+#include "cli/recipes.h"
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/export/pack_file.h"
+#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/run.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <variant>
+#include <vector>
+
+using namespace vdbpack;
+using test::recipeFor;
+
+namespace {
+
+const char* const kBones[] = {"femur", "hip", "irregular", "mandible", "skull"};
+
+std::string boneFile(const std::string& name) {
+    return VDBPACK_MESHES "/" + name + ".ply";
+}
+
+std::string bytesOf(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::stringstream bytes;
+    bytes << file.rdbuf();
+    return bytes.str();
+}
+
+/// The report without what is allowed to differ.
+std::string measuresOf(const RunResult& run) {
+    auto report = toJson(run);
+    for (const char* key : {"threads", "seconds", "peakMemoryBytes"}) report.erase(key);
+    return report.dump(1);
+}
+
+template <int Dim>
+void requireEqual(const Pack<Dim>& a, const Pack<Dim>& b) {
+    // In one word each: a million numbers are no message.
+    CHECK((a.spheres == b.spheres));
+    CHECK((a.id == b.id));
+    CHECK((a.region == b.region));
+    CHECK((a.order == b.order));
+    CHECK((a.depth == b.depth));
+    CHECK((a.contacts == b.contacts));
+    REQUIRE(a.columns.size() == b.columns.size());
+    for (std::size_t i = 0; i < a.columns.size(); ++i) {
+        CHECK((a.columns[i].numbers == b.columns[i].numbers));
+        CHECK((a.columns[i].texts == b.columns[i].texts));
+    }
+}
+
+/// Runs the recipe with 1, 2, 3 and 8 threads. The spheres must be the same and in the same order,
+/// with all that is known of them, and so must the reports and the bytes of the files.
+/// @return the first run.
+RunResult requireSameForAnyThreads(PackRecipe recipe) {
+    const TemporaryFolder folder;
+    recipe.outputs = {folder.file("p.csv"), folder.file("p.ply")};
+    std::optional<RunResult> first;
+    std::vector<std::string> files;
+    for (const int threads : {1, 2, 3, 8}) {
+        CAPTURE(recipe.domain.source, threads);
+        recipe.threads = threads;
+        RunResult run = runPack(recipe);
+        std::vector<std::string> written;
+        for (const auto& output : recipe.outputs) written.push_back(bytesOf(output));
+        if (!first) {
+            first = std::move(run);
+            files = std::move(written);
+            CHECK(first->passed);
+            CHECK(first->report.count > 500);
+            continue;
+        }
+        REQUIRE(run.report.hash == first->report.hash);
+        REQUIRE(run.pack.index() == first->pack.index());
+        if (first->report.dim == 3)
+            requireEqual(std::get<Pack<3>>(run.pack), std::get<Pack<3>>(first->pack));
+        else
+            requireEqual(std::get<Pack<2>>(run.pack), std::get<Pack<2>>(first->pack));
+        CHECK(measuresOf(run) == measuresOf(*first));
+        CHECK((written == files));
+    }
+    return std::move(*first);
+}
+
+PackRecipe boneRecipe(const std::string& name, double count) {
+    PackRecipe recipe = recipeFor(boneFile(name), "");
+    recipe.targetCount = count;
+    return recipe;
+}
+
+/// A bone as scans leave it: one triangle in twenty is lost, one in twenty looks inward.
+TriangleMesh brokenBone(const std::string& name) {
+    TriangleMesh mesh = readMesh(boneFile(name));
+    RandomStream random(5, 0);
+    std::vector<std::array<std::uint32_t, 3>> kept;
+    for (auto t : mesh.triangles) {
+        const double drawn = random.uniform();
+        if (drawn < 0.05) continue;
+        if (drawn < 0.1) std::swap(t[1], t[2]);
+        kept.push_back(t);
+    }
+    mesh.triangles = std::move(kept);
+    return mesh;
+}
+
+}  // namespace
+
+TEST_CASE("a packed bone is the same for any number of threads", "[run][threads]") {
+    requireSameForAnyThreads(boneRecipe("irregular", 4000));
+}
+
+TEST_CASE("every bundled bone packs the same for any number of threads", "[run][threads][.slow]") {
+    for (const char* name : kBones) requireSameForAnyThreads(boneRecipe(name, 5000));
+}
+
+TEST_CASE("circles are the same for any number of threads", "[run][threads]") {
+    requireSameForAnyThreads(recipeFor("rect:40,30", "uniform:0.3,0.6"));
+    PackRecipe slice = boneRecipe("irregular", 2000);
+    slice.domain.slices = {"z=0"};
+    requireSameForAnyThreads(slice);
+}
+
+TEST_CASE("orders and efforts are the same for any number of threads", "[run][threads]") {
+    for (const Order order : {Order::sweep, Order::wall, Order::center, Order::fifo}) {
+        for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense}) {
+            CAPTURE(static_cast<int>(order), static_cast<int>(effort));
+            for (const char* domain : {"cylinder:6,15", "rect:30,30"}) {
+                PackRecipe recipe = recipeFor(domain, "uniform:0.4,0.8");
+                recipe.order = order;
+                recipe.effort = effort;
+                recipe.gap = 0.01;
+                requireSameForAnyThreads(recipe);
+            }
+        }
+    }
+}
+
+TEST_CASE("a bone with voids is the same for any number of threads",
+          "[run][voids][threads][.slow]") {
+    PackRecipe recipe = boneRecipe("irregular", 4000);
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "uniform:2,3";
+    recipe.voids.shell = 3;
+    recipe.voids.targetBvtv = 0.4;
+    recipe.voids.keepConnected = true;
+    const auto run = requireSameForAnyThreads(recipe);
+    CHECK(run.report.voids->culled > 500);
+    // Circles in a slice of it, in the same way.
+    recipe.targetCount = 2000;
+    recipe.domain.slices = {"z=0"};
+    CHECK(requireSameForAnyThreads(recipe).report.voids->culled > 100);
+}
+
+TEST_CASE("a repaired bone is the same for any number of threads",
+          "[run][repair][threads][.slow]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor(folder.file("broken.obj"), "");
+    recipe.targetCount = 3000;
+    recipe.domain.repair = true;
+    test::writeObj(brokenBone("irregular"), recipe.domain.source);
+    const auto holes = requireSameForAnyThreads(recipe);
+    CHECK(holes.report.domain.repair != nullptr);
+    // Holes too large to fill: the surface is made anew.
+    test::writeObj(test::merged(test::ballMesh(10, 4), test::ballMesh(6, 4, {{9, 0, 0}})),
+                   recipe.domain.source);
+    requireSameForAnyThreads(recipe);
+}
+
+TEST_CASE("spheres around others are the same for any number of threads", "[run][threads]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = boneRecipe("irregular", 3000);
+    recipe.domain.clips = {"plane:0,0,1,0"};
+    recipe.outputs = {folder.file("half.csv")};
+    const auto half = runPack(recipe);
+    PackRecipe whole = recipeFor(boneFile("irregular"), "uniform:0.8,1.2");
+    whole.existing = recipe.outputs[0];
+    const auto run = requireSameForAnyThreads(whole);
+    CHECK(run.report.existing == half.report.count);
+    CHECK(run.report.count > run.report.existing + 500);
+}
