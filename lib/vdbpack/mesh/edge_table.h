@@ -1,6 +1,7 @@
 // The edges of a triangle mesh, each with the triangles that use it. Private to mesh/.
 #pragma once
 
+#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <algorithm>
@@ -91,24 +92,15 @@ inline std::vector<std::uint32_t> groupEdges(
         return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
                                           vertices.begin());
     };
-    std::vector<std::uint32_t> parent(vertices.size());
-    for (std::uint32_t i = 0; i < parent.size(); ++i) parent[i] = i;
-    const auto root = [&](std::uint32_t i) {
-        while (parent[i] != i) i = parent[i] = parent[parent[i]];
-        return i;
-    };
-    for (const auto& e : edges) {
-        const std::uint32_t a = root(number(e[0]));
-        const std::uint32_t b = root(number(e[1]));
-        parent[std::max(a, b)] = std::min(a, b);
-    }
-    std::vector<std::uint32_t> name(parent.size(), 0);
+    DisjointSets sets(vertices.size());
+    for (const auto& e : edges) sets.join(number(e[0]), number(e[1]));
+    std::vector<std::uint32_t> name(vertices.size(), 0);
     std::uint32_t groups = 0;
-    for (std::uint32_t i = 0; i < parent.size(); ++i)
-        if (parent[i] == i) name[i] = groups++;
+    for (std::uint32_t i = 0; i < name.size(); ++i)
+        if (sets.find(i) == i) name[i] = groups++;
     std::vector<std::uint32_t> result;
     result.reserve(edges.size());
-    for (const auto& e : edges) result.push_back(name[root(number(e[0]))]);
+    for (const auto& e : edges) result.push_back(name[sets.find(number(e[0]))]);
     return result;
 }
 

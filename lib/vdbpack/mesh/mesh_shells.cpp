@@ -1,5 +1,6 @@
 #include "vdbpack/mesh/mesh_shells.h"
 
+#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/vertical_line.h"
 
@@ -18,29 +19,6 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Triangles of a piece that vote on what encloses it: the answer must survive one or two that
 /// touch another piece.
 constexpr std::size_t kVotes = 5;
-
-/// Union-find over triangles, by rising index so that a root is the first triangle of its piece.
-class Pieces {
-public:
-    explicit Pieces(std::size_t n) : parent_(n) {
-        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    }
-    std::uint32_t root(std::uint32_t i) {
-        while (parent_[i] != i) {
-            parent_[i] = parent_[parent_[i]];
-            i = parent_[i];
-        }
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
-        if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
 
 /// A point that asks which pieces enclose it.
 struct Probe {
@@ -197,7 +175,7 @@ double ShellAnalysis::enclosedVolume() const {
 ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
     const std::size_t n = mesh.triangles.size();
     const EdgeTable edges(mesh);
-    Pieces pieces(n);
+    DisjointSets pieces(n);  // a piece is named by its first triangle
     edges.forEach(
         [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
             for (const auto* use = first + 1; use < last; ++use)
@@ -229,7 +207,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
     {
         std::vector<std::uint32_t> shellOfRoot(n, kNone);
         for (std::size_t i = 0; i < n; ++i) {
-            const std::uint32_t root = pieces.root(static_cast<std::uint32_t>(i));
+            const std::uint32_t root = pieces.find(static_cast<std::uint32_t>(i));
             if (shellOfRoot[root] == kNone) {
                 shellOfRoot[root] = static_cast<std::uint32_t>(result.shells.size());
                 result.shells.emplace_back();

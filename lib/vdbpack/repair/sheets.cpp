@@ -1,42 +1,18 @@
 #include "vdbpack/repair/sheets.h"
 
+#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/mesh/edge_table.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <vector>
 
 namespace vdbpack {
 
-namespace {
-
-/// Corner k of triangle i is 3 i + k.
-class Corners {
-public:
-    explicit Corners(std::size_t triangles) : parent_(3 * triangles) {
-        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-    }
-    std::uint32_t root(std::uint32_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    void join(std::uint32_t a, std::uint32_t b) {
-        a = root(a);
-        b = root(b);
-        if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-    }
-
-private:
-    std::vector<std::uint32_t> parent_;
-};
-
-}  // namespace
-
 std::size_t partSheets(TriangleMesh& mesh) {
     std::size_t parted = 0;
-    Corners corners(mesh.triangles.size());
+    DisjointSets corners(3 * mesh.triangles.size());  // corner k of triangle i is 3 i + k
     {
         const EdgeTable edges(mesh);
         const auto joinAlong = [&](const EdgeTable::Use& a, const EdgeTable::Use& b) {
@@ -98,7 +74,7 @@ std::size_t partSheets(TriangleMesh& mesh) {
     std::vector<char> known(3 * mesh.triangles.size(), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t root = corners.root(static_cast<std::uint32_t>(3 * i + k));
+            const std::uint32_t root = corners.find(static_cast<std::uint32_t>(3 * i + k));
             std::uint32_t& v = mesh.triangles[i][k];
             if (known[root] == 0) {
                 known[root] = 1;
