@@ -74,6 +74,14 @@ public:
         return mesh_.triangles[use.triangle()][(use.side + 1) % 3] == use.upper;
     }
 
+    /// How many more of the uses [first, last) of an edge run forward than backward: 0 where the
+    /// triangles around it cancel, as at every edge of a closed surface that faces one way.
+    int surplus(const Use* first, const Use* last) const {
+        int forward = 0;
+        for (const Use* use = first; use != last; ++use) forward += isForward(*use) ? 1 : -1;
+        return forward;
+    }
+
 private:
     const TriangleMesh& mesh_;
     std::vector<std::size_t> rows_;

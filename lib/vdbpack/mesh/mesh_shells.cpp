@@ -233,8 +233,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
                       const EdgeTable::Use* last) {
         const std::uint32_t s = of[first->triangle()];
         if (last - first == 1) ++result.shells[s].boundaryEdges;
-        int forward = 0;
-        for (const auto* use = first; use < last; ++use) forward += edges.isForward(*use) ? 1 : -1;
+        const int forward = edges.surplus(first, last);
         if (forward == 0) return;
         open.push_back({lower, upper});
         openUses.emplace_back(s, forward);

@@ -145,9 +145,7 @@ void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turn
     const EdgeTable edges(mesh);
     edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                       const EdgeTable::Use* last) {
-        int forward = 0;
-        for (const auto* use = first; use != last; ++use) forward += edges.isForward(*use) ? 1 : -1;
-        if (forward == 0) return;
+        if (edges.surplus(first, last) == 0) return;
         open.push_back({lower, upper});
         shellOfEdge.push_back(shells.shellOfTriangle[first->triangle()]);
     });
@@ -269,10 +267,7 @@ FacingRepair turnOutward(TriangleMesh& mesh, NestedShells nested) {
     const EdgeTable edges(mesh);
     edges.forEach(
         [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            int forward = 0;
-            for (const auto* use = first; use != last; ++use)
-                forward += edges.isForward(*use) ? 1 : -1;
-            if (last - first > 2 && forward != 0) ++repair.unbalanced;
+            if (last - first > 2 && edges.surplus(first, last) != 0) ++repair.unbalanced;
         });
     return repair;
 }

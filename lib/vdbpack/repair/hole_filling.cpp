@@ -30,8 +30,7 @@ std::vector<Step> stepsOf(const TriangleMesh& mesh) {
     const EdgeTable edges(mesh);
     edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                       const EdgeTable::Use* last) {
-        int forward = 0;
-        for (const auto* use = first; use != last; ++use) forward += edges.isForward(*use) ? 1 : -1;
+        int forward = edges.surplus(first, last);
         for (; forward > 0; --forward) steps.push_back({upper, lower});
         for (; forward < 0; ++forward) steps.push_back({lower, upper});
     });

@@ -94,10 +94,7 @@ bool isBalanced(const TriangleMesh& mesh) {
     const EdgeTable edges(mesh);
     edges.forEach(
         [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            int forward = 0;
-            for (const auto* use = first; use != last; ++use)
-                forward += edges.isForward(*use) ? 1 : -1;
-            balanced = balanced && forward == 0;
+            balanced = balanced && edges.surplus(first, last) == 0;
         });
     return balanced;
 }

@@ -203,10 +203,7 @@ private:
         const EdgeTable edges(local_);
         edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                           const EdgeTable::Use* last) {
-            int forward = 0;
-            for (const auto* use = first; use != last; ++use)
-                forward += edges.isForward(*use) ? 1 : -1;
-            if (forward == 0) return;
+            if (edges.surplus(first, last) == 0) return;
             const Vec<3>& a = local_.vertices[lower];
             const Vec<3> along = local_.vertices[upper] - a;
             const int steps = static_cast<int>(length(along) / 8) + 1;
