@@ -43,7 +43,7 @@ private:
         double trace = 0;
         std::array<double, 6> first{};  // xx yy zz xy yz zx
         Vec<3> contracted;
-        std::array<double, 10> second{};   // xxx yyy zzz xxy xxz yyx yyz zzx zzy xyz
+        std::array<double, 10> second{};   // in the order of kSecond in winding_number.cpp
         std::uint32_t begin = 0, end = 0;  // of triangles_
         std::uint32_t children = 0;        // first of two neighbors; 0: none
     };
