@@ -55,15 +55,13 @@ public:
         }
         return {root, turned};
     }
-    /// @return false where the two hang together already and do not agree.
-    bool join(std::uint32_t a, std::uint32_t b, bool against) {
+    /// Where the two hang together already and do not agree, no turning makes them (Moebius).
+    void join(std::uint32_t a, std::uint32_t b, bool against) {
         const auto [ra, ta] = find(a);
         const auto [rb, tb] = find(b);
-        const bool turned = (ta != tb) != against;
-        if (ra == rb) return !turned;
+        if (ra == rb) return;
         parent_[std::max(ra, rb)] = std::min(ra, rb);
-        turned_[std::max(ra, rb)] = turned;
-        return true;
+        turned_[std::max(ra, rb)] = (ta != tb) != against;
     }
 
 private:
@@ -226,8 +224,7 @@ void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turn
 
 }  // namespace
 
-FacingRepair turnOutward(TriangleMesh& mesh, NestedShells nested) {
-    FacingRepair repair;
+std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested) {
     const std::size_t n = mesh.triangles.size();
     std::vector<char> turn(n, 0);
     {
@@ -237,7 +234,7 @@ FacingRepair turnOutward(TriangleMesh& mesh, NestedShells nested) {
                           const EdgeTable::Use* last) {
             if (last - first != 2) return;
             const bool against = edges.isForward(first[0]) == edges.isForward(first[1]);
-            if (!patches.join(first[0].triangle(), first[1].triangle(), against)) ++repair.onesided;
+            patches.join(first[0].triangle(), first[1].triangle(), against);
         });
         // By areas: the side that most of a patch has in the file.
         std::vector<std::uint32_t> patchOf(n);
@@ -263,13 +260,7 @@ FacingRepair turnOutward(TriangleMesh& mesh, NestedShells nested) {
     for (std::size_t i = 0; i < n; ++i)
         if (turn[i] != 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
     turnShells(mesh, nested, turn);
-    repair.turned = static_cast<std::size_t>(std::count(turn.begin(), turn.end(), char{1}));
-    const EdgeTable edges(mesh);
-    edges.forEach(
-        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            if (last - first > 2 && edges.surplus(first, last) != 0) ++repair.unbalanced;
-        });
-    return repair;
+    return static_cast<std::size_t>(std::count(turn.begin(), turn.end(), char{1}));
 }
 
 }  // namespace vdbpack

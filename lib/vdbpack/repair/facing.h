@@ -13,12 +13,6 @@ enum class NestedShells {
     solid    ///< nothing: all inside the outermost is solid
 };
 
-struct FacingRepair {
-    std::size_t turned = 0;      ///< triangles that face the other way now
-    std::size_t onesided = 0;    ///< edges whose two triangles no turning makes agree (Moebius)
-    std::size_t unbalanced = 0;  ///< edges of three or more, not as many one way as the other
-};
-
 /// Turns triangles so that neighbors agree and the surface faces outward; cavities face into
 /// themselves, where nested shells bound any. `mesh` is welded, without collapsed triangles.
 ///
@@ -29,6 +23,7 @@ struct FacingRepair {
 /// nearly closed changes across them, and the file where it does not.
 ///
 /// Cost: linear in the triangles, but for winding numbers at the pieces that are open.
-FacingRepair turnOutward(TriangleMesh& mesh, NestedShells nested = NestedShells::cavity);
+/// @return how many triangles face the other way now.
+std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested = NestedShells::cavity);
 
 }  // namespace vdbpack

@@ -253,7 +253,7 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
     const std::size_t given = mesh.triangles.size();
     TriangleMesh turned = withoutDuplicates(mesh);
     report.duplicates = given - turned.triangles.size();
-    report.turned = turnOutward(turned, options.nested).turned;
+    report.turned = turnOutward(turned, options.nested);
     const WindingNumber winding(turned);
     callbacks.stopIfCancelled();
     measureDoubt(turned, winding, report);
