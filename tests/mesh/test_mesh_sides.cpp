@@ -1,21 +1,12 @@
 #include "support/generators.h"
+#include "support/random_point.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <catch2/catch.hpp>
 
 using namespace vdbpack;
-
-namespace {
-
-Vec<3> randomPoint(RandomStream& random, double extent) {
-    Vec<3> p;
-    for (int d = 0; d < 3; ++d) p[d] = (2 * random.uniform() - 1) * extent;
-    return p;
-}
-
-}  // namespace
+using test::randomPoint;
 
 TEST_CASE("inside a ball mesh is inside the ball", "[mesh][sides]") {
     const auto mesh = test::ballMesh(10, 4);

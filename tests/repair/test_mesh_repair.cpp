@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/sound_mesh.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
@@ -12,6 +13,7 @@
 #include <cmath>
 
 using namespace vdbpack;
+using test::requireSound;
 
 namespace {
 
@@ -32,15 +34,6 @@ TriangleMesh damaged(const TriangleMesh& mesh, double share, bool turn, std::uin
         result.triangles.push_back(t);
     }
     return result;
-}
-
-void requireSound(const TriangleMesh& mesh) {
-    const MeshHealth health = checkMesh(mesh);
-    CAPTURE(toText(health));
-    REQUIRE(health.isWatertight());
-    REQUIRE(health.inconsistentEdges == 0);
-    REQUIRE(health.invertedShells == 0);
-    REQUIRE(health.signedVolume == Approx(health.enclosedVolume));
 }
 
 }  // namespace

@@ -1,8 +1,8 @@
 #include "support/generators.h"
+#include "support/sound_mesh.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/repair/marching_cubes.h"
 #include "vdbpack/repair/resurface.h"
 #include "vdbpack/repair/winding_number.h"
@@ -13,6 +13,7 @@
 #include <map>
 
 using namespace vdbpack;
+using test::requireSound;
 
 namespace {
 
@@ -23,14 +24,6 @@ Vec<3> cornerPlace(int corner) {
 
 Resurfaced resurfaced(const TriangleMesh& mesh, double voxelSize) {
     return resurface(mesh, WindingNumber(mesh), voxelSize);
-}
-
-void requireSound(const TriangleMesh& mesh) {
-    const MeshHealth health = checkMesh(mesh);
-    CAPTURE(toText(health));
-    REQUIRE(health.isWatertight());
-    REQUIRE(health.inconsistentEdges == 0);
-    REQUIRE(health.invertedShells == 0);
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
 #include "support/generators.h"
+#include "support/random_point.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/repair/winding_number.h"
 
 #include <catch2/catch.hpp>
@@ -8,14 +8,9 @@
 #include <cmath>
 
 using namespace vdbpack;
+using test::randomPoint;
 
 namespace {
-
-Vec<3> randomPoint(RandomStream& random, double extent) {
-    Vec<3> p;
-    for (int d = 0; d < 3; ++d) p[d] = (2 * random.uniform() - 1) * extent;
-    return p;
-}
 
 /// Solid angles of all triangles, one by one, over 4 pi.
 double sumOfAll(const TriangleMesh& mesh, const Vec<3>& x) {
