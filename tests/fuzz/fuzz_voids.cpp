@@ -1,8 +1,8 @@
 // Lists and matrices of voids, and directions as tables. All of them read every input: what is none
 // of theirs must be refused.
+#include "fuzz_directions.h"
 #include "fuzz_file.h"
 
-#include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"
 
@@ -31,11 +31,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         for (const int n : matrix.size) cells *= static_cast<std::size_t>(n);
         if (cells == 0 || cells != matrix.cells.size()) fuzz::report("a matrix without its cells");
     });
-    fuzz::readOrRefuse(path, [&] {
-        const auto field = readDirectionField(path);
-        for (const Vec<3>& x : {Vec<3>{}, Vec<3>{{1, 2, 3}}, Vec<3>{{-1e9, 1e9, 0.5}}})
-            if (!(std::fabs(length(field->at(x)) - 1) < 1e-9))
-                fuzz::report("a direction whose length is not one");
-    });
+    fuzz::readDirections(path);
     return 0;
 }
