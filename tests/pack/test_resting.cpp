@@ -42,22 +42,27 @@ Vec<Dim> randomDirection(RandomStream& random) {
     }
 }
 
+/// @param least  spheres at least; up to 7 more, and up to 2 planes.
 template <int Dim>
-Scene<Dim> randomScene(RandomStream& random, int spheres, int planes) {
+Scene<Dim> randomScene(RandomStream& random, int least) {
+    // One draw a statement: compilers order those of an expression differently.
+    const int spheres = least + static_cast<int>(8 * random.uniform());
+    const int planes = static_cast<int>(3 * random.uniform());
     Scene<Dim> scene;
     scene.pivotRadius = 1 + random.uniform();
     for (int tries = 0; tries < 400 && static_cast<int>(scene.spheres.size()) < spheres; ++tries) {
         Sphere<Dim> s;
         s.radius = 1 + random.uniform();
-        s.center =
-            randomDirection<Dim>(random) * (scene.pivotRadius + s.radius + 3 * random.uniform());
+        const Vec<Dim> towards = randomDirection<Dim>(random);
+        s.center = towards * (scene.pivotRadius + s.radius + 3 * random.uniform());
         const bool free = std::none_of(scene.spheres.begin(), scene.spheres.end(),
                                        [&](const auto& o) { return gap(o, s) < 0; });
         if (free) scene.spheres.push_back(s);
     }
-    for (int p = 0; p < planes; ++p)
-        scene.planes.emplace_back(randomDirection<Dim>(random),
-                                  scene.pivotRadius + 2 * random.uniform());
+    for (int p = 0; p < planes; ++p) {
+        const Vec<Dim> normal = randomDirection<Dim>(random);
+        scene.planes.emplace_back(normal, scene.pivotRadius + 2 * random.uniform());
+    }
     return scene;
 }
 
@@ -146,8 +151,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, Dim);
-    const auto scene = randomScene<Dim>(random, 2 + static_cast<int>(8 * random.uniform()),
-                                        static_cast<int>(3 * random.uniform()));
+    const auto scene = randomScene<Dim>(random, 2);
     Surroundings<Dim> around;
     fillWith(around, scene);
     const double probe = 1.0;
@@ -214,8 +218,7 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, 10 + Dim);
-    const auto scene = randomScene<Dim>(random, 3 + static_cast<int>(8 * random.uniform()),
-                                        static_cast<int>(3 * random.uniform()));
+    const auto scene = randomScene<Dim>(random, 3);
     Surroundings<Dim> around;
     fillWith(around, scene);
     std::vector<typename Surroundings<Dim>::Site> sites;
@@ -242,8 +245,7 @@ TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
     RandomStream random(seed, 20 + Dim);
-    const auto scene = randomScene<Dim>(random, 3 + static_cast<int>(8 * random.uniform()),
-                                        static_cast<int>(3 * random.uniform()));
+    const auto scene = randomScene<Dim>(random, 3);
     const float least = 1.3f;
     Surroundings<Dim> around, again;
     std::vector<typename Surroundings<Dim>::Site> all, some;

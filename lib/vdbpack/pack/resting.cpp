@@ -3,6 +3,7 @@
 #include "vdbpack/core/lanes.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vdbpack {
 
@@ -301,8 +302,10 @@ void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::ui
             near_.level[pair[0]] = level[0];
             near_.level[pair[Dim - 2]] = level[1];
             site.limit = t >= most ? radii.largest : probe + t;
-            // Where the path ends, rounding may take the extent below 0: the middle is the end.
-            site.track.at(t, site.end);
+            // Where the path itself ends nothing is left of its extent, or by rounding less.
+            const float extent = std::max(site.track.middle(t, site.end), 0.0f);
+            const float outward = site.track.side * std::sqrt(extent);
+            for (std::size_t d = 0; d < Dim; ++d) site.end[d] += outward * site.track.w[d];
         };
         auto live = stdx::max(up, down) >= 0.0f;
         if (none_of(live)) continue;
