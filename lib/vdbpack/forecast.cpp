@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/densify/densify.h"
 #include "vdbpack/run_stages.h"
 
 #include <fmt/format.h>
@@ -25,7 +26,11 @@ constexpr double kSmallBesides = 400000;
 /// Share of a full run's packing time that --target-count adds with its own trials.
 constexpr double kTargetTrials = 0.25;
 
+/// A pack is densified on trial with no more spheres.
+constexpr double kDensifyCount = 20000;
+
 /// What one trial gave.
+template <int Dim>
 struct Trial {
     double scale = 1;                ///< of the radii, against the pack to come
     double count = 0, fraction = 0;  ///< of what is placed
@@ -33,6 +38,9 @@ struct Trial {
     double voxels = 0, voxelSize = 0;
     double volume = 0, area = 0;               ///< of the domain, mm^dim
     double domain = 0, pack = 0, measure = 0;  ///< seconds
+    /// What was packed: spheres that stand already first.
+    std::shared_ptr<const Domain<Dim>> filled;
+    std::vector<Sphere<Dim>> spheres;
 };
 
 /// The line through two points, at `x`; through the second alone where they are too close.
@@ -42,11 +50,11 @@ double line(double x1, double y1, double x2, double y2, double x) {
 }
 
 template <int Dim>
-Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDistribution& sizes,
-             double scale, const Callbacks& callbacks) {
+Trial<Dim> tryOut(const PackRecipe& recipe, const DomainSource& source,
+                  const SizeDistribution& sizes, double scale, const Callbacks& callbacks) {
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;
-    Trial trial;
+    Trial<Dim> trial;
     trial.scale = scale;
     Clock clock;
     PackOptions options = packOptions(recipe, sizes.scaled(scale));
@@ -79,6 +87,10 @@ Trial tryOut(const PackRecipe& recipe, const DomainSource& source, const SizeDis
     measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
                 report);
     trial.measure = clock.lap();
+    trial.filled = domain;
+    trial.spheres = existing.spheres;
+    trial.spheres.insert(trial.spheres.end(), result.pack.spheres.begin(),
+                         result.pack.spheres.end());
     return trial;
 }
 
@@ -98,6 +110,37 @@ double scaleBesides(const PackRecipe& recipe, const DomainSource& source,
         return scaleForCount(domain, options, count, quiet, existing.spheres);
     packToCount(domain, options, count, quiet, existing.spheres);
     return options.sizes.mean() / sizes.mean();
+}
+
+/// What densifying adds, from a trial that gains as much over its own front.
+template <int Dim>
+void forecastDensify(const PackRecipe& recipe, const Trial<Dim>& trial,
+                     const SizeDistribution& sizes, Forecast& f, const Callbacks& callbacks) {
+    const double standing = trial.standingFraction, before = trial.fraction + standing;
+    DensifyOptions options;
+    options.sizes = sizes.scaled(trial.scale);
+    options.gap = recipe.gap * trial.scale;
+    options.seed = recipe.seed;
+    options.fixed = static_cast<std::size_t>(trial.standing);
+    options.fraction =
+        std::isfinite(recipe.densify) ? before + recipe.densify - f.solidFraction : recipe.densify;
+    if (!(options.fraction > before)) return;
+    Callbacks quiet;
+    quiet.cancelled = callbacks.cancelled;
+    Clock clock;
+    const auto result = densify(*trial.filled, trial.spheres, options, quiet);
+    if (result.interrupted) throw Interrupted();
+    const double gain = result.after - result.before;
+    const double more = (f.solidFraction + gain) / f.solidFraction;
+    f.seconds.densify = clock.lap() * f.count / static_cast<double>(trial.spheres.size());
+    f.solidFraction += gain;
+    f.densified = result.reached || !std::isfinite(recipe.densify);
+    if (recipe.targetCount > 0 || recipe.radius.empty())  // the radii follow the count
+        f.sizes = scaledSizes(SizeDistribution::parse(f.sizes, Dim, recipe.weightBy),
+                              std::pow(more, 1.0 / Dim), Dim)
+                      .spec();
+    else
+        f.count *= more;
 }
 
 template <int Dim>
@@ -125,7 +168,7 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     // more spheres.
     const double smallCount = recipe.existing.empty() ? kSmallCount : kSmallBesides;
     SizeDistribution sizes = scaledSizes(requested.sizes, unit, Dim);
-    Trial small, large;
+    Trial<Dim> small, large;
     if (expected <= smallCount) {
         small = large = tryOut<Dim>(recipe, source, sizes, 1, callbacks);
     } else {
@@ -160,6 +203,11 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
         recipe.maxCount > 0 ? std::min(1.0, static_cast<double>(recipe.maxCount) / f.count) : 1.0;
     f.count *= share;
     f.solidFraction = f.solidFraction * share + large.standingFraction;
+    if (recipe.densify > 0) {
+        // Fewer spheres tell as much, and relaxing them takes its time.
+        const bool few = static_cast<double>(large.spheres.size()) <= kDensifyCount;
+        forecastDensify(recipe, few ? large : small, sizes, f, callbacks);
+    }
 
     // The field: voxels by a power of the scale, the second where the band is thin against the
     // bone; seconds by the voxels.
@@ -208,7 +256,8 @@ Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks) {
                                        : forecast<2>(recipe, source, callbacks);
         f.threads = recipe.threads > 0 ? recipe.threads : tbb::info::default_concurrency();
         f.seconds.mesh = mesh;
-        f.seconds.total = mesh + f.seconds.domain + f.seconds.pack + f.seconds.measure;
+        f.seconds.total =
+            mesh + f.seconds.domain + f.seconds.pack + f.seconds.densify + f.seconds.measure;
         f.trialSeconds = clock.total();
         return f;
     });
@@ -224,11 +273,9 @@ nlohmann::ordered_json toJson(const Forecast& f) {
     json["spheres"] = {
         {"count", std::llround(f.count)}, {"existing", f.existing}, {"requested", f.sizes}};
     json["solidFraction"] = {{"total", f.solidFraction}};
-    json["seconds"] = {{"mesh", f.seconds.mesh},
-                       {"domain", f.seconds.domain},
-                       {"pack", f.seconds.pack},
-                       {"measure", f.seconds.measure},
-                       {"total", f.seconds.total}};
+    json["seconds"] = {{"mesh", f.seconds.mesh},       {"domain", f.seconds.domain},
+                       {"pack", f.seconds.pack},       {"densify", f.seconds.densify},
+                       {"measure", f.seconds.measure}, {"total", f.seconds.total}};
     json["peakMemoryBytes"] = std::llround(std::min(f.needs.memory(), 9e18));
     json.update(toJson(f.needs));
     json["trial"] = {{"count", f.trialCount}, {"seconds", f.trialSeconds}};
@@ -241,13 +288,15 @@ std::string summary(const Forecast& f) {
     text += fmt::format(
         "{:<11}{:.0f}, radii {} mm{}\n", spheres, f.count, f.sizes,
         f.existing > 0 ? fmt::format("; {} of them stand already", f.existing) : std::string());
-    text += fmt::format("{:<11}{:.3f} of the domain\n", "solid", f.solidFraction);
+    text += fmt::format("{:<11}{:.3f} of the domain{}\n", "solid", f.solidFraction,
+                        f.densified ? "" : "; more than that is not to be had");
     if (f.voxelSize > 0) text += fmt::format("{:<11}voxels of {:.4g} mm\n", "field", f.voxelSize);
     text += fmt::format(
-        "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, measure {:.2f}, total {:.2f} on {} "
+        "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, {}measure {:.2f}, total {:.2f} on {} "
         "thread{}\n",
-        "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack, f.seconds.measure,
-        f.seconds.total, f.threads, f.threads == 1 ? "" : "s");
+        "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack,
+        f.seconds.densify > 0 ? fmt::format("densify {:.2f}, ", f.seconds.densify) : std::string(),
+        f.seconds.measure, f.seconds.total, f.threads, f.threads == 1 ? "" : "s");
     text += summary(f.needs);
     text += fmt::format("{:<11}trials of up to {} {}, {:.2f} s\n", "from", f.trialCount, spheres,
                         f.trialSeconds);

@@ -17,12 +17,13 @@ struct Forecast {
     int dim = 3;
     double count = 0;          ///< spheres, with those that stand already
     double solidFraction = 0;  ///< of the domain, with those inside it
+    bool densified = true;     ///< whether --densify reaches what it is asked for
     std::string sizes;         ///< radii as they would be packed
     std::uint64_t existing = 0;
     double volume = 0;     ///< of the domain, mm^dim
     double voxelSize = 0;  ///< of its field, mm; 0: none
     struct Seconds {
-        double mesh = 0, domain = 0, pack = 0, measure = 0, total = 0;
+        double mesh = 0, domain = 0, pack = 0, densify = 0, measure = 0, total = 0;
     } seconds;    ///< on `threads` of this machine, without writing
     Needs needs;  ///< of memory, and what the files will take
     int threads = 0;

@@ -7,6 +7,7 @@
 #include "vdbpack/densify_stage.h"
 #include "vdbpack/export/pack_file.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/density.h"
 #include "vdbpack/needs.h"
 #include "vdbpack/outputs.h"
 #include "vdbpack/preview_stage.h"
@@ -71,6 +72,17 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     return prepared;
 }
 
+/// About what densifying adds to the solid fraction of a front at most.
+template <int Dim>
+constexpr double kMostGain = Dim == 3 ? 0.045 : 0.02;
+
+template <int Dim>
+std::vector<Sphere<Dim>> joinedSpheres(std::vector<Sphere<Dim>> spheres,
+                                       const std::vector<Sphere<Dim>>& more) {
+    spheres.insert(spheres.end(), more.begin(), more.end());
+    return spheres;
+}
+
 /// Pack, measure, check, write, for the recipe's seed.
 template <int Dim>
 RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
@@ -93,6 +105,15 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     const bool holes = needsFront(methodOf(recipe.voids));
     if (target > 0) {
         result = packToCount(domain, options, target, heard, standing);
+        if (recipe.densify > 0 && !result.interrupted) {
+            // What is added counts as well: the front gets by with fewer, larger ones.
+            const double front =
+                solidFraction(joinedSpheres(standing, result.pack.spheres), domain);
+            const double after =
+                std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
+            if (after > front)
+                result = packToCount(domain, options, target * front / after, heard, standing);
+        }
         report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
                                             options.sizes.spec(), target, Measure<Dim>::kSpheres));
     } else if (!holes) {

@@ -6,6 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/export/pack_file.h"
+#include "vdbpack/forecast.h"
 #include "vdbpack/run.h"
 
 #include <catch2/catch.hpp>
@@ -61,6 +62,29 @@ TEST_CASE("what stands already stays while the others get denser", "[cli][densif
     REQUIRE(pack.columns.size() == 1);
     CHECK(pack.columns[0].numbers.size() == pack.spheres.size());
     CHECK(run.report.solidFractionTotal.value_or(0) > 0.585);
+}
+
+TEST_CASE("a densified pack has the count asked for, and its forecast comes true",
+          "[cli][densify]") {
+    auto recipe = recipeFor("ball:20", "uniform:1,2");
+    recipe.targetCount = 3000;
+    recipe.densify = 0.625;
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
+    CHECK(run.report.solidFractionTotal.value_or(0) >= 0.625);
+    const auto forecast = forecastPack(recipe);
+    CHECK(forecast.densified);
+    CHECK(forecast.solidFraction == Approx(0.625).margin(0.003));
+    CHECK(forecast.count == Approx(3000).epsilon(0.02));
+    recipe.targetCount = 0;
+    recipe.densify = 0.7;
+    const auto less = forecastPack(recipe);
+    CHECK_FALSE(less.densified);
+    const auto reached = runPack(recipe);
+    CHECK_FALSE(reached.report.warnings.empty());
+    CHECK(less.solidFraction == Approx(*reached.report.solidFractionTotal).margin(0.006));
+    CHECK(less.count == Approx(static_cast<double>(reached.report.count)).epsilon(0.02));
 }
 
 TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
