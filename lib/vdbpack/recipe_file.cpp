@@ -5,8 +5,11 @@
 #include "vdbpack/run.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
+#include <utility>
 
 namespace vdbpack {
 
@@ -19,6 +22,33 @@ bool isForeign(const std::string& file) {
     std::ifstream in(file);
     std::string line;
     return in && std::getline(in, line) && line.compare(0, std::string(kMark).size(), kMark) != 0;
+}
+
+/// A name as one word of a shell, on one line: a line break would end the comment.
+std::string shellWord(const std::string& name) {
+    const auto isControl = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
+    const bool quotes = name.find_first_of("'\"\\$`!") != std::string::npos;
+    if (!quotes && std::none_of(name.begin(), name.end(), isControl))
+        return name.find_first_of(" #&;|<>()[]{}*?~") == std::string::npos ? name
+                                                                           : '"' + name + '"';
+    std::string word = "$'";
+    for (const char c : name) {
+        if (isControl(c))
+            word += fmt::format("\\{:03o}", static_cast<int>(c));
+        else
+            word += (c == '\'' || c == '\\' ? "\\" : "") + std::string(1, c);
+    }
+    return word + '\'';
+}
+
+/// Whether the text is UTF-8, as TOML must be: JSON must as well.
+bool isUtf8(const std::string& text) {
+    try {
+        (void)nlohmann::json(text).dump();
+        return true;
+    } catch (const nlohmann::json::type_error&) {
+        return false;
+    }
 }
 
 }  // namespace
@@ -34,11 +64,10 @@ std::string recipeFileFor(const std::vector<std::string>& outputs) {
 }
 
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report) {
-    const bool blank = file.find(' ') != std::string::npos;
     std::string text = fmt::format(
         "{} {}: this repeats the run, from the folder that it was started in\n"
         "#   vdb_pack {} --config {}\n",
-        kMark, report.version, report.task, blank ? '"' + file + '"' : file);
+        kMark, report.version, report.task, shellWord(file));
     if (report.interrupted)
         text += fmt::format(
             "# The run that left it was interrupted at {} {}: this gives all of them.\n",
@@ -54,7 +83,14 @@ void leaveRecipe(const std::string& toml, const std::vector<std::string>& output
                  const Callbacks& callbacks) {
     const std::string file = recipeFileFor(outputs);
     if (toml.empty() || file.empty()) return;
-    report.recipe = recipeFileText(toml, file, report);
+    std::string text = recipeFileText(toml, file, report);
+    if (!isUtf8(text)) {
+        callbacks.warn(file +
+                       ": no recipe is left, as it would hold a name that is not UTF-8; rename the "
+                       "file or folder to have one");
+        return;
+    }
+    report.recipe = std::move(text);
     if (isForeign(file)) {
         callbacks.warn(file +
                        ": is no recipe that vdb_pack wrote, so it stays as it is; to have one that "

@@ -19,8 +19,9 @@ std::string recipeFileFor(const std::vector<std::string>& outputs);
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report);
 
 /// Writes the recipe beside the first output, adds it to `report.files` and keeps it in
-/// `report.recipe`. A file of that name that is no such recipe stays, with a warning. Nothing is
-/// done where there are no outputs or no options.
+/// `report.recipe`. A file of that name that is no such recipe stays, with a warning, and names
+/// that are not UTF-8 are in no recipe, with another. Nothing is done where there are no outputs or
+/// no options.
 /// @throws IoError
 void leaveRecipe(const std::string& toml, const std::vector<std::string>& outputs, Report& report,
                  const Callbacks& callbacks);

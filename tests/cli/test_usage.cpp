@@ -180,6 +180,33 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
             "carve \"" + out + "\" --domain ball:8 --voids list:" + list + " --json -o " + carved));
         CHECK(hashOf(vdbPack("carve --json --config " + folder.file("c.recipe.toml"))) == cut);
     }
+    SECTION("whatever the names of its files") {
+        for (const std::string name :
+             {"it's \"one\" \\ $HOME %s", "-\xc3\xbc \xe9\xaa\xa8 # a=b [c]", "new\nline\ttab"}) {
+            CAPTURE(name);
+            const std::string pack = folder.file(name + ".csv");
+            std::string quoted;
+            for (const char c : pack) quoted += c == '\'' ? "'\\''" : std::string(1, c);
+            const std::string run = "pack ball:4 --radius constant:0.8 --json ";
+            const std::string given = hashOf(vdbPack(run + "-o '" + quoted + "'"));
+            const std::string content = textOf(pack);
+            REQUIRE(content.size() > 500);
+            const std::string left = textOf(folder.file(name + ".recipe.toml"));
+            // As its second line says, by a shell that knows $'...'.
+            const auto from = left.find("--config ");
+            REQUIRE(from != std::string::npos);
+            const std::string word = left.substr(from, left.find('\n', from) - from);
+            std::remove(pack.c_str());
+            std::ofstream(folder.file("again")) << VDBPACK_TOOL " pack --json " << word << '\n';
+            CHECK(hashOf(vdbpack::test::shell("bash " + folder.file("again"))) == given);
+            CHECK(textOf(pack) == content);
+        }
+        const auto bytes = vdbPack("pack ball:4 --radius constant:0.8 --quiet -o '" +
+                                   folder.file("\xff.csv") + "'");
+        CHECK(bytes.code == 0);
+        CHECK_THAT(bytes.text, Contains("no recipe is left") && Contains("not UTF-8"));
+        CHECK(textOf(folder.file("\xff.recipe.toml")).empty());
+    }
     SECTION("one a seed of a study") {
         REQUIRE(vdbPack("pack ball:5 --radius constant:1 --seed 1..2 --quiet -o " +
                         folder.file("s{seed}.csv"))
