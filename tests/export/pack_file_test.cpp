@@ -192,6 +192,53 @@ TEST_CASE("ids that are not indices come back with their spheres", "[export]") {
     REQUIRE(read.order == pack.order);
 }
 
+TEST_CASE("names and texts of columns come back whatever they hold", "[export]") {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.npz");
+    CAPTURE(file);
+    const std::vector<std::string> odd{"a<b> & \"c\" 'd'", "&amp; &#65; &lt;", "]]> <!-- --> ?>",
+                                       "h\xc3\xb6he \xe9\xaa\xa8 \xf0\x9f\xa6\xb4",
+                                       "a,b;c\\n%s{0}"};
+    Pack<3> pack;
+    for (std::size_t i = 0; i < odd.size(); ++i)
+        pack.spheres.push_back({{{3.0 * static_cast<double>(i), 0, 0}}, 1.0});
+    for (const auto& name : odd) {
+        pack.columns.push_back({name, {}, odd});
+        pack.columns.push_back({"number " + name, {1, 2, 3, 4, 5}, {}});
+    }
+    const Scratch scratch;
+    writePack(pack, scratch / file, PackWriteOptions{});
+    const auto read = readPack(scratch / file);
+    REQUIRE(read.columns.size() == pack.columns.size());
+    for (std::size_t c = 0; c < pack.columns.size(); ++c) {
+        // OpenVDB allows letters, digits and _ in names.
+        if (file != "p.vdb") CHECK(read.columns[c].name == pack.columns[c].name);
+        CHECK(read.columns[c].numbers == pack.columns[c].numbers);
+        CHECK(read.columns[c].texts == pack.columns[c].texts);
+    }
+}
+
+TEST_CASE("names in XML are UTF-8, and references in them are read", "[export]") {
+    Pack<3> pack;
+    pack.spheres.push_back({{{0, 0, 0}}, 1.0});
+    pack.columns.push_back({"h\xf6he", {1}, {}});  // Latin-1
+    pack.columns.push_back({"line\nbreak", {2}, {}});
+    const Scratch scratch;
+    writePack(pack, scratch / "p.vtp", PackWriteOptions{});
+    auto read = readPack(scratch / "p.vtp");
+    REQUIRE(read.columns.size() == 2);
+    CHECK(read.columns[0].name == "h\xef\xbf\xbdhe");  // U+FFFD
+    CHECK(read.columns[1].name == "line break");
+    std::string text = contentOf(scratch / "p.vtp");
+    const std::string name = "line break";
+    text.replace(text.find(name), name.size(),
+                 "h&#246;he &#x9aa8;&#x1F9B4; &#xd800; &#1; &#9 &#; &#x");
+    putContent(scratch / "p.vtp", text);
+    read = readPack(scratch / "p.vtp");
+    REQUIRE(read.columns.size() == 2);
+    CHECK(read.columns[1].name ==
+          "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#xd800; &#1; &#9 &#; &#x");
+}
+
 TEST_CASE("CSV numbers keep their decimal point", "[export]") {
     Pack<3> pack;
     pack.spheres = {{{{1e-5, -3, 0.1}}, 2}, {{{1e22, 1.5e-300, -0.0}}, 1e-7}};

@@ -5,6 +5,7 @@
 #include "vdbpack/export/pack_formats.h"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -315,9 +316,24 @@ std::string oneLine(std::string text) {
     return text;
 }
 
+namespace {
+
+/// Bytes that are no UTF-8, as in names of Latin-1 files, become U+FFFD: parsers of XML refuse
+/// them.
+std::string asUtf8(const std::string& text) {
+    const bool ascii = std::all_of(text.begin(), text.end(),
+                                   [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+    if (ascii) return text;
+    using nlohmann::json;
+    return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace))
+        .get<std::string>();
+}
+
+}  // namespace
+
 std::string escapedXml(const std::string& text) {
     std::string out;
-    for (const char c : oneLine(text)) {
+    for (const char c : asUtf8(oneLine(text))) {
         switch (c) {
             case '&':
                 out += "&amp;";

@@ -11,13 +11,16 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <functional>
 #include <limits>
 #include <map>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <vector>
 
 namespace vdbpack {
@@ -104,6 +107,40 @@ bool isBlank(char c) {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
 }
 
+void appendUtf8(std::string& out, std::uint32_t code) {
+    const auto put = [&](std::uint32_t byte) { out += static_cast<char>(byte); };
+    const auto rest = [&](int shift) { put(0x80 | (code >> shift & 0x3f)); };
+    if (code < 0x80) {
+        put(code);
+    } else if (code < 0x800) {
+        put(0xc0 | code >> 6);
+        rest(0);
+    } else if (code < 0x10000) {
+        put(0xe0 | code >> 12);
+        rest(6);
+        rest(0);
+    } else {
+        put(0xf0 | code >> 18);
+        rest(12);
+        rest(6);
+        rest(0);
+    }
+}
+
+/// The length of a reference as "&#233;" or "&#xe9;" at the start of `text`, with its character.
+/// @return 0 if there is none, or none that XML allows.
+std::size_t characterReference(std::string_view text, std::uint32_t& code) {
+    if (text.substr(0, 2) != "&#") return 0;
+    const bool hex = text.substr(2, 1) == "x";
+    const char* const first = text.data() + (hex ? 3 : 2);
+    const char* const end = text.data() + text.size();
+    if (first >= end) return 0;
+    const auto [last, error] = std::from_chars(first, end, code, hex ? 16 : 10);
+    const bool allowed = code >= 0x20 && code <= 0x10ffff && (code < 0xd800 || code > 0xdfff);
+    if (error != std::errc() || last == end || *last != ';' || !allowed) return 0;
+    return static_cast<std::size_t>(last + 1 - text.data());
+}
+
 std::string unescaped(std::string_view text) {
     static constexpr struct {
         std::string_view entity;
@@ -120,7 +157,14 @@ std::string unescaped(std::string_view text) {
             replaced = true;
             break;
         }
-        if (!replaced) out += text[i++];
+        if (replaced) continue;
+        std::uint32_t code = 0;
+        if (const std::size_t length = characterReference(text.substr(i), code)) {
+            appendUtf8(out, code);
+            i += length;
+        } else {
+            out += text[i++];
+        }
     }
     return out;
 }
