@@ -1,6 +1,7 @@
 #include "vdbpack/densify_stage.h"
 
 #include "vdbpack/densify/densify.h"
+#include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/recipe.h"
 #include "vdbpack/run_stages.h"
@@ -45,6 +46,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     told.steps = result.steps;
     told.stages = result.stages;
     told.contactsAfter = contactsOf(result.spheres);
+    told.solidLike = solidLikeShare(result.spheres);
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
                          result.spheres.end());

@@ -42,6 +42,8 @@ Report fullReport() {
     r.seconds.domain = 1.5;
     r.seconds.pack = 10;
     r.seconds.total = 13.25;
+    r.densified = Report::Densified{};
+    r.densified->asked = 0.65;
     r.peakMemoryBytes = 300 << 20;
     r.chosen = {
         "radius uniform:0.31,0.62, so that about 100,000 spheres fill the domain; say "
@@ -70,8 +72,12 @@ TEST_CASE("the report has the keys that scripts rely on", "[measure]") {
       "overlap": {"max": 0, "pairs": 0},
       "gap": {"asked": 0, "min": 0},
       "protrusion": {"max": 0, "spheres": 0},
+      "densified": {"asked": 0.65, "before": 0, "after": 0, "inserted": 0, "steps": 0, "stages": 0,
+                    "contacts": [{"tolerance": 0, "before": 0, "after": 0},
+                                 {"tolerance": 0, "before": 0, "after": 0},
+                                 {"tolerance": 0, "before": 0, "after": 0}], "solidLike": 0},
       "voids": {"count": 0, "bvtv": 0, "culled": 0},
-      "seconds": {"mesh": 0, "domain": 0, "pack": 0, "voids": 0, "measure": 0, "write": 0,
+      "seconds": {"mesh": 0, "domain": 0, "pack": 0, "densify": 0, "voids": 0, "measure": 0, "write": 0,
                   "total": 0},
       "peakMemoryBytes": 0})");
     const auto keys = [](const nlohmann::ordered_json& j) {

@@ -128,7 +128,8 @@ Json densifiedJson(const Report& r) {
             {"inserted", d.inserted},
             {"steps", d.steps},
             {"stages", d.stages},
-            {"contacts", contacts}};
+            {"contacts", contacts},
+            {"solidLike", d.solidLike}};
 }
 
 void addDensified(Summary& out, const Report& r, const char* spheres) {
@@ -142,6 +143,7 @@ void addDensified(Summary& out, const Report& r, const char* spheres) {
              fmt::format("{} that one touches within 0.1, 1 and 5 % of the smaller radius: "
                          "{:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
                          spheres, after[0], after[1], after[2], before[0], before[1], before[2]));
+    out.line("", fmt::format("{:.2g} % lie as in a crystal (bond order)", 100 * d.solidLike));
 }
 
 Json voidsJson(const Report& r) {
