@@ -93,7 +93,7 @@ struct Report {
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;
         std::array<double, 3> contactsBefore{}, contactsAfter{};  ///< spheres that one touches
-        double solidLike = 0;  ///< `solidLikeShare` afterwards
+        double solidLike = 0;                                     ///< `solidLikeShare` afterwards
         double seconds = 0;
     };
     std::optional<Densified> densified;
