@@ -1,6 +1,7 @@
 // bench_pack: how fast and how dense packs are, beside the time it takes to check them; and what
 // the distance field of a mesh costs beside the one call that it cannot do without, OpenVDB's
 // meshToVolume at the same voxel size and band; and how fast it answers. Each in one run.
+#include "bench_densify.h"
 #include "bench_lookups.h"
 #include "bench_measure.h"
 #include "bench_preview.h"
@@ -364,9 +365,10 @@ int main(int argc, char** argv) {
         const bool preview = !words.empty() && words[0] == "preview";
         const bool measures = !words.empty() && words[0] == "measure";
         const bool voids = !words.empty() && words[0] == "voids";
+        const bool densifies = !words.empty() && words[0] == "densify";
         const bool writes = !words.empty() && words[0] == "write";
         bool quick = false, usable = !words.empty() && (words[0] == "packs" || measures || voids ||
-                                                        preview || writes);
+                                                        preview || writes || densifies);
         int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
         for (std::size_t i = 1; usable && i < words.size(); ++i) {
             if (words[i] == "--quick")
@@ -388,6 +390,9 @@ int main(int argc, char** argv) {
         } else if (usable && voids) {
             for (const auto& mesh : meshes) benchVoids(mesh, threads, quick ? 50000 : 349748);
             if (!meshes.empty()) return 0;
+        } else if (usable && densifies) {
+            benchDensify(threads, quick, meshes);
+            return 0;
         } else if (usable && writes) {
             if (meshes.empty()) {
                 benchWrite(threads, quick ? 120 : 370);
@@ -405,22 +410,25 @@ int main(int argc, char** argv) {
         fmt::print(stderr, "bench_pack: {}\n", e.what());
         return 1;
     }
-    fmt::print(stderr,
-               "bench_pack packs [--quick] [--threads T] [MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...]\n"
-               "    packs of boxes, squares and meshes: density, speed, the time to check them\n"
-               "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
-               "    seconds to make the field of each mesh, against one bare meshToVolume at the "
-               "same\n    voxel size and band; the least of three runs each, in turn\n"
-               "bench_pack measure [--quick] [--threads T]\n"
-               "    what all measures of a pack and the morphometry of a sample cost\n"
-               "bench_pack write [--quick] [--threads T]\n"
-               "    what writing a pack to each format costs beside packing it\n"
-               "bench_pack voids [--quick] [--threads T] MESH[:UNIT] ...\n"
-               "    what stamping 100,000 ellipsoids costs, beside csgDifference one by one and\n"
-               "    beside packing\n"
-               "bench_pack preview [--threads T] [N]\n"
-               "    what drawing about N spheres (a million) costs\n"
-               "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
-               "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
+    fmt::print(
+        stderr,
+        "bench_pack packs [--quick] [--threads T] [MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...]\n"
+        "    packs of boxes, squares and meshes: density, speed, the time to check them\n"
+        "bench_pack fields MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
+        "    seconds to make the field of each mesh, against one bare meshToVolume at the "
+        "same\n    voxel size and band; the least of three runs each, in turn\n"
+        "bench_pack measure [--quick] [--threads T]\n"
+        "    what all measures of a pack and the morphometry of a sample cost\n"
+        "bench_pack write [--quick] [--threads T]\n"
+        "    what writing a pack to each format costs beside packing it\n"
+        "bench_pack densify [--quick] [--threads T] [DOMAIN[@UNIT]=FRACTION[=SPEC[=COUNT]] ...]\n"
+        "    how dense packs become beyond the front, and what it costs\n"
+        "bench_pack voids [--quick] [--threads T] MESH[:UNIT] ...\n"
+        "    what stamping 100,000 ellipsoids costs, beside csgDifference one by one and\n"
+        "    beside packing\n"
+        "bench_pack preview [--threads T] [N]\n"
+        "    what drawing about N spheres (a million) costs\n"
+        "bench_pack lookups MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...\n"
+        "    clearances a second beside CGAL's AABB tree and the loop over all triangles\n");
     return 2;
 }
