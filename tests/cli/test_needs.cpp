@@ -47,7 +47,7 @@ Needs needsOfPack(const std::string& domain, const std::string& radius) {
 
 /// The memory told where less is allowed, though as much as reading takes, and that of the run.
 std::pair<double, double> toldAndTaken(const std::string& line, unsigned seconds) {
-    Words words = split(line + " --threads 2 --quiet");
+    Words words = split(line + " --threads 2 --quiet --json");
     const auto run = vdbPackWithin(seconds, words);
     CAPTURE(run.text);
     REQUIRE(run.code == 0);
@@ -59,7 +59,8 @@ std::pair<double, double> toldAndTaken(const std::string& line, unsigned seconds
     std::istringstream told(refused.text.substr(refused.text.find(start) + start.size()));
     std::string number, unit;
     told >> number >> unit;
-    return {parseBytes(number + unit, ""), run.peakBytes};
+    const auto report = nlohmann::json::parse(run.text.substr(run.text.find('{')));
+    return {parseBytes(number + unit, ""), report["peakMemoryBytes"].get<double>()};
 }
 
 }  // namespace

@@ -20,28 +20,63 @@ namespace vdbpack {
 namespace {
 
 /// Paces from quick to thorough, each with the gain in solid fraction over the front's up to which
-/// it comes to its end (spheres of ratio 1:2 in a box).
+/// it is worth a try (spheres of ratio 1:2 in a box).
 struct Pace {
     RelaxationPace pace;
     double gain;
 };
-constexpr std::array<Pace, 4> kPaces{{{{0.97, 0.07, 3}, 0.015},
-                                      {{0.98, 0.15, 3}, 0.03},
-                                      {{0.99, 0.20, 3}, 0.04},
-                                      {{0.995, 0.25, 3}, 1}}};
+using Paces = std::array<Pace, 4>;
+constexpr Paces kPaces{{{{0.97, 0.07, 3}, 0.018},
+                        {{0.98, 0.15, 3}, 0.032},
+                        {{0.99, 0.20, 3}, 0.045},
+                        {{0.995, 0.25, 3}, 1}}};
+/// The same for spheres that are all nearly as large: driven slowly, they crystallize.
+constexpr Paces kNarrowPaces{{{{0.97, 0.07, 3}, 0.02},
+                              {{0.98, 0.07, 3}, 0.045},
+                              {{0.98, 0.15, 3}, 0.05},
+                              {{0.99, 0.20, 3}, 1}}};
+/// Standard deviation of the radii up to which they are, in mean radii.
+constexpr double kNarrow = 0.06;
 /// A pace that comes to its end does so within this many of its memories, 1 / (1 - inertia).
 constexpr double kMemories = 14;
+
+/// Whether a relaxation has jammed. One that comes to its end takes its worst overlap down to a
+/// tenth in three memories, from the sixth on; in one that does not, it stays where it is.
+class Jam {
+public:
+    explicit Jam(const RelaxationPace& pace) : memory_(1 / (1 - pace.inertia)) {}
+
+    bool seen(int step, double worst) {
+        const auto window = static_cast<std::size_t>(step / memory_);
+        if (window == least_.size()) {
+            if (isJammed()) return true;
+            least_.push_back(worst);
+        }
+        least_.back() = std::min(least_.back(), worst);
+        return false;
+    }
+
+private:
+    /// Of the windows that are complete.
+    bool isJammed() const {
+        const std::size_t n = least_.size();
+        if (n < 7) return false;
+        return least_[n - 1] > 0.4 * least_[n - 4] && std::min(least_[n - 1], least_[n - 2]) > 1e-3;
+    }
+
+    double memory_;
+    std::vector<double> least_;  ///< smallest worst overlap in each memory
+};
+
 /// Stages when it is to be as dense as it gets, in solid fraction; the last one ends it.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
+/// Shares of the size distribution in which spheres are counted.
+constexpr std::size_t kBins = 512;
 /// Where what was asked for is not to be had, the search ends when it is known this well.
 constexpr double kNear = 0.004;
 /// Fractions that are no packs of spheres any more: all of the volume but for single crystals.
 template <int Dim>
 constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
-
-int stepsOf(const RelaxationPace& pace) {
-    return static_cast<int>(kMemories / (1 - pace.inertia));
-}
 
 template <int Dim>
 class Densifier {
@@ -71,6 +106,11 @@ public:
         for (std::size_t i = options.fixed; i < spheres.size(); ++i)
             radii_.push_back(spheres[i].radius);
         std::sort(radii_.begin(), radii_.end());
+        double sum = 0, squares = 0;
+        for (const double r : radii_) sum += r;
+        const double mean = sum / static_cast<double>(radii_.size());
+        for (const double r : radii_) squares += (r - mean) * (r - mean);
+        if (squares <= kNarrow * kNarrow * mean * sum) paces_ = &kNarrowPaces;
     }
 
     DensifyResult<Dim> run() {
@@ -92,7 +132,7 @@ public:
             double low = reachedFraction(), high = wanted;
             while (high - low > kNear && !result_.interrupted) {
                 const double middle = 0.5 * (low + high);
-                (attempt(middle, kPaces.size() - 1) ? low : high) = middle;
+                (attempt(middle, paceFor(middle - result_.before)) ? low : high) = middle;
             }
             return finished();
         }
@@ -130,9 +170,9 @@ private:
     }
     double reachedFraction() const { return fractionOf(result_.spheres); }
 
-    static std::size_t paceFor(double gain) {
+    std::size_t paceFor(double gain) const {
         std::size_t k = 0;
-        while (k + 1 < kPaces.size() && gain > kPaces[k].gain) ++k;
+        while (k + 1 < paces_->size() && gain > (*paces_)[k].gain) ++k;
         return k;
     }
 
@@ -142,30 +182,88 @@ private:
         return radii_[std::min(n - 1, static_cast<std::size_t>(u * static_cast<double>(n)))];
     }
 
-    /// Radii of spheres that bring the fraction from what it is to `fraction`:
-    /// evenly spread over the distribution, in random order.
+    /// Where the radii of the spheres that move lie in the distribution, each 0 to 1 and counted in
+    /// `kBins` bins; those of another distribution count in none.
+    std::vector<double> standing() const {
+        std::vector<double> have(kBins, 0.0);
+        for (std::size_t i = 0, n = 0; i < radii_.size(); i += n) {
+            const double r = radii_[i];
+            for (n = 1; i + n < radii_.size() && radii_[i + n] == r; ++n) {
+            }
+            const double low = options_.sizes->cdfBelow(r), high = options_.sizes->cdf(r);
+            if (r < options_.sizes->min() * (1 - 1e-6) || r > options_.sizes->max() * (1 + 1e-6))
+                continue;
+            // Those of one radius spread over the share that it has.
+            const double first = low * kBins, last = std::max(first, high * kBins);
+            for (double at = first;;) {
+                const auto bin = std::min<std::size_t>(kBins - 1, static_cast<std::size_t>(at));
+                const double end = std::min(last, std::floor(at) + 1);
+                const double share = last > first ? (end - at) / (last - first) : 1;
+                have[bin] += share * static_cast<double>(n);
+                if (!(end < last)) break;
+                at = end;
+            }
+        }
+        return have;
+    }
+
+    /// How many of `count` further spheres belong into each bin, so that all together come as near
+    /// to the distribution as they can: those that a front has placed too few of come first.
+    std::vector<double> missing(double count) const {
+        std::vector<double> want(kBins, count / kBins);
+        if (!options_.sizes) return want;
+        const std::vector<double> have = standing();
+        double all = count;
+        for (const double n : have) all += n;
+        double sum = 0;
+        for (std::size_t b = 0; b < kBins; ++b) {
+            want[b] = std::max(0.0, all / kBins - have[b]);
+            sum += want[b];
+        }
+        for (double& w : want) w *= count / sum;
+        return want;
+    }
+
+    /// Radii of spheres that bring the fraction from what it is to `fraction`, in random order.
     std::vector<double> furtherRadii(double fraction) {
-        const double missing = (fraction - reachedFraction()) * volume_;
-        if (!(missing > 0)) return {};
+        const double volume = (fraction - reachedFraction()) * volume_;
+        if (!(volume > 0)) return {};
         double mean = 0;
-        constexpr int kSamples = 1024;
-        for (int k = 0; k < kSamples; ++k)
-            mean += Measure<Dim>::ball(quantile((k + 0.5) / kSamples)) / kSamples;
-        const double count = missing / mean;
-        if (count > 2e9)
+        for (std::size_t b = 0; b < kBins; ++b) mean += ballAt(b) / kBins;
+        if (volume / mean > 2e9)
             throw ResourceError(
                 fmt::format("densify: about {:.3g} further {} are too many; ask for larger ones",
-                            count, Measure<Dim>::kSpheres));
+                            volume / mean, Measure<Dim>::kSpheres));
         RandomStream random(options_.seed ^ 0x64656e73696679ull,
                             static_cast<std::uint64_t>(result_.stages));
-        // Rounded at random: a stage that asks for less than one gets one now and then.
-        const auto n = static_cast<std::size_t>(std::ceil(count));
-        std::vector<double> radii(n);
-        const double start = random.uniform();
-        for (std::size_t k = 0; k < n; ++k)
-            radii[k] = quantile((static_cast<double>(k) + start) / static_cast<double>(n));
-        for (std::size_t k = n; k > 1; --k) std::swap(radii[k - 1], radii[random.bits() % k]);
+        // Which sizes are missing depends on how many there will be, and the other way round.
+        double count = volume / mean;
+        std::vector<double> want;
+        for (int turn = 0; turn < 4; ++turn) {
+            want = missing(count);
+            double have = 0;
+            for (std::size_t b = 0; b < kBins; ++b) have += want[b] * ballAt(b);
+            if (turn < 3) count *= volume / have;
+        }
+        std::vector<double> radii;
+        radii.reserve(static_cast<std::size_t>(count) + 2);
+        double due = random.uniform(), placed = 0;
+        for (std::size_t b = 0; b < kBins; ++b)
+            for (due += want[b]; due >= 1; due -= 1) {
+                const double u = (static_cast<double>(b) + random.uniform()) / kBins;
+                radii.push_back(quantile(u));
+                placed += Measure<Dim>::ball(radii.back());
+            }
+        while (placed < volume) {
+            radii.push_back(quantile(random.uniform()));
+            placed += Measure<Dim>::ball(radii.back());
+        }
+        for (std::size_t k = radii.size(); k > 1; --k)
+            std::swap(radii[k - 1], radii[random.bits() % k]);
         return radii;
+    }
+    double ballAt(std::size_t bin) const {
+        return Measure<Dim>::ball(quantile((static_cast<double>(bin) + 0.5) / kBins));
     }
 
     /// Adds what is missing to `fraction` and relaxes, from pace `first` on. What came apart is
@@ -180,17 +278,21 @@ private:
             spheres.insert(spheres.end(), places.begin(), places.end());
         }
         ++result_.stages;
-        Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, {},
-                                   options_.seed + static_cast<std::uint64_t>(result_.stages));
-        for (std::size_t k = first; k < kPaces.size(); ++k) {
-            const int steps = stepsOf(kPaces[k].pace);
-            const auto tell = [&](int step, double worst) {
-                if (step % 10 != 0 || !callbacks_.progress) return;
-                callbacks_.progress(
-                    {fmt::format("densify to {:.4f}, overlap {:.2g}", fraction, worst),
-                     static_cast<double>(step) / steps, static_cast<double>(spheres.size())});
+        for (std::size_t k = first; k < paces_->size(); ++k) {
+            const RelaxationPace& pace = (*paces_)[k].pace;
+            // From the beginning each time: what has jammed does not come loose any more.
+            Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, {},
+                                       options_.seed + static_cast<std::uint64_t>(result_.stages));
+            const int steps = static_cast<int>(kMemories / (1 - pace.inertia));
+            Jam jam(pace);
+            const auto goOn = [&](int step, double worst) {
+                if (step % 10 == 0 && callbacks_.progress)
+                    callbacks_.progress(
+                        {fmt::format("densify to {:.4f}, overlap {:.2g}", fraction, worst),
+                         static_cast<double>(step) / steps, static_cast<double>(spheres.size())});
+                return !jam.seen(step, worst);
             };
-            const auto outcome = relaxation.run(kPaces[k].pace, steps, callbacks_, tell);
+            const auto outcome = relaxation.run(pace, steps, callbacks_, goOn);
             result_.steps += static_cast<std::uint64_t>(outcome.steps);
             if (outcome.interrupted) {
                 result_.interrupted = true;
@@ -219,6 +321,7 @@ private:
     std::unique_ptr<Domain<Dim>> inset_;
     const Domain<Dim>* domain_ = nullptr;
     std::vector<double> radii_;  ///< of the spheres that move, sorted, mm
+    const Paces* paces_ = &kPaces;
     DensifyResult<Dim> result_;
 };
 

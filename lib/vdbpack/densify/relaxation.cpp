@@ -634,7 +634,7 @@ bool Relaxation<Dim>::keepsWall() {
 template <int Dim>
 typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
     const RelaxationPace& pace, int steps, const Callbacks& callbacks,
-    const std::function<void(int, double)>& told) {
+    const std::function<bool(int, double)>& goOn) {
     Outcome outcome;
     if (!ready_) {
         outcome.apart = true;
@@ -667,13 +667,12 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
             fastest = std::max(fastest, run.fastest);
         }
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
-        if (told) told(outcome.steps, outcome.worst);
         // Told of where they stand now, not of where the step would take them.
         if (worst < kApart * delta_ && keepsWall()) {
             outcome.apart = true;
             return outcome;
         }
-        if (outcome.steps == steps) return outcome;
+        if (outcome.steps == steps || (goOn && !goOn(outcome.steps, outcome.worst))) return outcome;
         std::swap(now_.bodies, next_);
         spent_ += std::sqrt(fastest);
         ++listed_;

@@ -52,9 +52,11 @@ public:
         int steps = 0;
         double worst = 0;  ///< largest overlap, as a share of the sum of the radii
     };
-    /// Goes on for up to `steps`. @param told  after every step: steps and worst overlap.
+    /// Goes on for up to `steps`.
+    /// @param goOn  asked before every step, with the steps done and the worst overlap; false ends
+    ///              it.
     Outcome run(const RelaxationPace& pace, int steps, const Callbacks& callbacks,
-                const std::function<void(int, double)>& told = {});
+                const std::function<bool(int, double)>& goOn = {});
 
     /// A place for each of further spheres, of some that are drawn all over that which has most
     /// room; they overlap others, and one another. Radii in mm.
