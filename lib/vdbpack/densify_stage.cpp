@@ -45,8 +45,10 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     told.inserted = result.spheres.size() - before;
     told.steps = result.steps;
     told.stages = result.stages;
-    told.contactsAfter = contactsOf(result.spheres);
-    told.solidLike = solidLikeShare(result.spheres);
+    if (!result.interrupted) {
+        told.contactsAfter = contactsOf(result.spheres);
+        told.solidLike = solidLikeShare(result.spheres);
+    }
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
                          result.spheres.end());

@@ -21,6 +21,7 @@ struct Extent {
     double count = 0;         ///< spheres, with those that stand already; 0: none
     bool placing = false;     ///< they are placed, not read
     bool searching = false;   ///< for --target-count: two packs are held at a time
+    bool densifying = false;  ///< they are moved, and further ones added
     double domainVolume = 0;  ///< mm^dim
     double domainArea = 0;    ///< of its wall, mm^(dim - 1)
     FieldPlan field;          ///< `triangles` 0: the domain is a shape

@@ -40,6 +40,7 @@ void densifyGiven(const DensifyRecipe& recipe, const DomainSource& source, Pack<
     const double detail = fieldDetail(radius.min, radius.mean), reach = radius.max + recipe.gap;
     Extent extent = extentOf(source, detail, reach);
     extent.count = static_cast<double>(pack.spheres.size());
+    extent.densifying = true;
     extent.outputs = recipe.outputs;
     extent.preview = recipe.preview;
     extent.reportFile = recipe.reportFile;

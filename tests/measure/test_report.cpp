@@ -44,6 +44,8 @@ Report fullReport() {
     r.seconds.total = 13.25;
     r.densified = Report::Densified{};
     r.densified->asked = 0.65;
+    r.densified->contactsAfter = {0.4, 5, 7};
+    r.densified->solidLike = 0.01;
     r.peakMemoryBytes = 300 << 20;
     r.chosen = {
         "radius uniform:0.31,0.62, so that about 100,000 spheres fill the domain; say "

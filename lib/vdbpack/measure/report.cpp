@@ -121,7 +121,7 @@ Json densifiedJson(const Report& r) {
     for (std::size_t k = 0; k < d.contactsBefore.size(); ++k)
         contacts.push_back({{"tolerance", Report::Densified::kContactTolerances[k]},
                             {"before", d.contactsBefore[k]},
-                            {"after", d.contactsAfter[k]}});
+                            {"after", d.contactsAfter ? Json((*d.contactsAfter)[k]) : Json()}});
     return {{"asked", d.asked ? Json(*d.asked) : Json("max")},
             {"before", d.before},
             {"after", d.after},
@@ -129,7 +129,7 @@ Json densifiedJson(const Report& r) {
             {"steps", d.steps},
             {"stages", d.stages},
             {"contacts", contacts},
-            {"solidLike", d.solidLike}};
+            {"solidLike", orNull(d.solidLike)}};
 }
 
 void addDensified(Summary& out, const Report& r, const char* spheres) {
@@ -138,12 +138,13 @@ void addDensified(Summary& out, const Report& r, const char* spheres) {
              fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
                          d.after, grouped(d.inserted), spheres, grouped(d.steps)));
     const auto& before = d.contactsBefore;
-    const auto& after = d.contactsAfter;
+    if (!d.contactsAfter || !d.solidLike) return;
+    const auto& after = *d.contactsAfter;
     out.line("",
              fmt::format("{} that one touches within 0.1, 1 and 5 % of the smaller radius: "
                          "{:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
                          spheres, after[0], after[1], after[2], before[0], before[1], before[2]));
-    out.line("", fmt::format("{:.2g} % lie as in a crystal (bond order)", 100 * d.solidLike));
+    out.line("", fmt::format("{:.2g} % lie as in a crystal (bond order)", 100 * *d.solidLike));
 }
 
 Json voidsJson(const Report& r) {

@@ -92,8 +92,10 @@ struct Report {
         double before = 0, after = 0;
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;
-        std::array<double, 3> contactsBefore{}, contactsAfter{};  ///< spheres that one touches
-        double solidLike = 0;                                     ///< `solidLikeShare` afterwards
+        std::array<double, 3> contactsBefore{};  ///< spheres that one touches
+        /// Nothing once interrupted.
+        std::optional<std::array<double, 3>> contactsAfter;
+        std::optional<double> solidLike;  ///< `solidLikeShare` afterwards
         double seconds = 0;
     };
     std::optional<Densified> densified;
