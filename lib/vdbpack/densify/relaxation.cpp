@@ -84,11 +84,12 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
     if (n > 0x7fffffff)
         throw ResourceError(fmt::format("densify: {} {} are more than 2^31 - 1; pack in parts", n,
                                         Measure<Dim>::kSpheres));
-    double sum = 0, least = std::numeric_limits<double>::infinity(), most = 0;
+    double sum = 0, least = std::numeric_limits<double>::infinity(), smallest = least, most = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const double r = spheres[i].radius;
         sum += r;
         most = std::max(most, r);
+        smallest = std::min(smallest, r);
         if (i >= fixed) least = std::min(least, r);
     }
     if (n == 0 || fixed == n) return;
@@ -98,6 +99,7 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
                         std::exp2(std::ceil(std::log2(most)) - 27));
     least_ = static_cast<float>(least / quantum_);
     most_ = static_cast<float>(most / quantum_);
+    smallest_ = static_cast<float>(smallest / quantum_);
     // Rounding to whole quanta must not matter.
     delta_ = static_cast<float>(std::max(kDelta, 100.0 / static_cast<double>(least_)));
     skin_ = 0.5f * least_;
@@ -169,10 +171,8 @@ void Relaxation<Dim>::layLevels() {
             hi.fill(std::numeric_limits<std::int64_t>::min());
         }
     };
-    float smallest = most_;
     const std::size_t n = now_.labels.size();
-    for (std::size_t i = 0; i < n; ++i) smallest = std::min(smallest, now_.bodies[i].radius);
-    const double ratio = static_cast<double>(most_) / static_cast<double>(smallest);
+    const double ratio = static_cast<double>(most_) / static_cast<double>(smallest_);
     const auto classes =
         static_cast<std::size_t>(std::max(1.0, std::ceil(std::log(ratio) / std::log(kClass))));
     const double factor = std::pow(ratio, 1 / static_cast<double>(classes)) * (1 + 1e-6);
@@ -181,7 +181,7 @@ void Relaxation<Dim>::layLevels() {
         levels_[k].largest =
             k + 1 == classes
                 ? most_
-                : static_cast<float>(static_cast<double>(smallest) * std::pow(factor, k + 1));
+                : static_cast<float>(static_cast<double>(smallest_) * std::pow(factor, k + 1));
     tbb::enumerable_thread_specific<std::vector<Extent>> parts(classes);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain),
                       [&](const tbb::blocked_range<std::size_t>& part) {
@@ -240,20 +240,13 @@ void Relaxation<Dim>::layLevels() {
 }
 
 template <int Dim>
-std::array<std::int64_t, 3> Relaxation<Dim>::cellCoords(const Level& level,
-                                                        const Home& home) const {
-    std::array<std::int64_t, 3> at{};
-    for (std::size_t d = 0; d < 3; ++d)
-        at[d] = static_cast<std::int64_t>(std::floor(static_cast<double>(home[d]) / level.side)) -
-                level.low[d];
-    return at;
-}
-
-template <int Dim>
 std::size_t Relaxation<Dim>::cellOf(const Level& level, const Home& home) const {
-    const auto at = cellCoords(level, home);
-    return level.firstCell +
-           static_cast<std::size_t>((at[2] * level.count[1] + at[1]) * level.count[0] + at[0]);
+    std::int64_t cell = 0;
+    for (std::size_t d = 3; d-- > 0;)
+        cell = cell * level.count[d] +
+               static_cast<std::int64_t>(std::floor(static_cast<double>(home[d]) / level.side)) -
+               level.low[d];
+    return level.firstCell + static_cast<std::size_t>(cell);
 }
 
 template <int Dim>
@@ -308,18 +301,16 @@ void Relaxation<Dim>::rebuild() {
     });
     layLevels();
     sortIntoCells();
-    askWalls(false);
+    askWalls();
     listNeighbors();
     spent_ = 0;
     listed_ = 0;
 }
 
 template <int Dim>
-void Relaxation<Dim>::askWalls(bool all) {
+void Relaxation<Dim>::askWalls() {
     const std::size_t n = now_.labels.size();
-    const auto isDue = [&](std::size_t i) {
-        return (all || now_.roams[i] < 0) && !isFixed(now_.labels[i]);
-    };
+    const auto isDue = [&](std::size_t i) { return now_.roams[i] < 0 && !isFixed(now_.labels[i]); };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 256),
                       [&](const tbb::blocked_range<std::size_t>& part) {
                           DomainSampler<Dim>& sampler = this->sampler();

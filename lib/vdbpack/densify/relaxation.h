@@ -119,13 +119,12 @@ private:
         double side = 0;    ///< of a cell, quanta
         std::array<std::int64_t, 3> low{}, count{};
         std::size_t firstCell = 0;
-        std::uint32_t firstSlot = 0, lastSlot = 0;
     };
 
     void layLevels();
     void rebuild();
     void sortIntoCells();
-    void askWalls(bool all);
+    void askWalls();
     void askWall(std::size_t slot, DomainSampler<Dim>& sampler);
     void listNeighbors();
     void listRun(Run& run);
@@ -148,7 +147,6 @@ private:
     template <class Visit>
     void forEachNear(const Home& home, double reach, const Visit& visit) const;
     std::size_t cellOf(const Level& level, const Home& home) const;
-    std::array<std::int64_t, 3> cellCoords(const Level& level, const Home& home) const;
     bool isFixed(std::uint32_t label) const { return label < fixed_; }
     DomainSampler<Dim>& sampler();
 
@@ -157,9 +155,10 @@ private:
     std::vector<std::uint8_t> kinds_;
     std::uint32_t fixed_;
     std::uint64_t seed_;
-    std::uint64_t clock_ = 0;     ///< steps in all
-    double quantum_ = 1;          ///< mm
-    float least_ = 0, most_ = 0;  ///< radii, quanta
+    std::uint64_t clock_ = 0;        ///< steps in all
+    double quantum_ = 1;             ///< mm
+    float least_ = 0;                ///< smallest radius of those that move, quanta
+    float smallest_ = 0, most_ = 0;  ///< radii of all, quanta
     float delta_ = 0;
     float skin_ = 0;   ///< quanta
     float spent_ = 0;  ///< bound of what any sphere has moved since lists were made, quanta
