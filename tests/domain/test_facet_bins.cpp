@@ -118,6 +118,39 @@ TEMPLATE_TEST_CASE_SIG("bins find the same nearest facet as a search through all
     }
 }
 
+TEMPLATE_TEST_CASE_SIG("bins find every facet within reach, and no other", "[domain]",
+                       ((int Dim), Dim), 2, 3) {
+    const auto seed = GENERATE(range(1u, 4u));
+    const double reach = GENERATE(0.1, 1.0, 6.0);
+    CAPTURE(Dim, seed, reach);
+    const auto facets = mixedFacets<Dim>(seed, 400, 0);
+    const FacetBins<Dim> bins(facets);
+    RandomStream random(seed, 3);
+    for (int k = 0; k < 100; ++k) {
+        const Vec<Dim> x = bins.bounds().center() + randomVec<Dim>(random, 25);
+        std::vector<double> expected;
+        for (const auto& facet : facets)
+            if (const double d = distanceTo(facet, x); d < reach) expected.push_back(d);
+        std::vector<WallPoint<Dim>> points;
+        bins.within(x, reach, points);
+        std::vector<double> found;
+        for (const auto& p : points) {
+            REQUIRE(std::abs(length(p.point - x) - p.distance) < 1e-9);
+            found.push_back(p.distance);
+        }
+        // Some may come more than once: compare without repeats.
+        for (auto* distances : {&expected, &found}) {
+            std::sort(distances->begin(), distances->end());
+            distances->erase(std::unique(distances->begin(), distances->end(),
+                                         [](double a, double b) { return b - a < 1e-8; }),
+                             distances->end());
+        }
+        REQUIRE(found.size() == expected.size());
+        for (std::size_t i = 0; i < found.size(); ++i)
+            REQUIRE(found[i] == Approx(expected[i]).margin(1e-7));
+    }
+}
+
 TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices", "[domain]") {
     const TriangleMesh mesh = test::ballMesh(10, 4);
     std::vector<Facet<3>> facets;

@@ -29,6 +29,11 @@ public:
         return true;
     }
 
+    void wallsWithin(const Vec<Dim>& x, double reach,
+                     std::vector<WallPoint<Dim>>& points) override {
+        shape_.wallsWithin(x, reach, points);
+    }
+
 private:
     const ConvexShape<Dim>& shape_;
 };
@@ -38,6 +43,13 @@ private:
 template <int Dim>
 double ConvexShape<Dim>::fieldDepth() const {
     return std::numeric_limits<double>::infinity();
+}
+
+template <int Dim>
+void ConvexShape<Dim>::wallsWithin(const Vec<Dim>& x, double reach,
+                                   std::vector<WallPoint<Dim>>& points) const {
+    const double distance = std::abs(signedDistance(x));
+    if (distance < reach) points.push_back({nearestOnWall(x), distance});
 }
 
 template <int Dim>
@@ -130,6 +142,20 @@ public:
             p[nearestAxis] =
                 x[nearestAxis] < center_[nearestAxis] ? box_.lo[nearestAxis] : box_.hi[nearestAxis];
         return p;
+    }
+
+    void wallsWithin(const Vec<Dim>& x, double reach,
+                     std::vector<WallPoint<Dim>>& points) const override {
+        if (signedDistance(x) > 0) {
+            ConvexShape<Dim>::wallsWithin(x, reach, points);
+            return;
+        }
+        for (int i = 0; i < Dim; ++i)
+            for (const double face : {box_.lo[i], box_.hi[i]}) {
+                if (!(std::abs(x[i] - face) < reach)) continue;
+                points.push_back({x, std::abs(x[i] - face)});
+                points.back().point[i] = face;
+            }
     }
 
 private:
@@ -247,6 +273,22 @@ public:
         }
         if (toEnd) p[2] = x[2] < 0 ? -half_ : half_;
         return p;
+    }
+
+    void wallsWithin(const Vec<3>& x, double reach,
+                     std::vector<WallPoint<3>>& points) const override {
+        if (signedDistance(x) > 0) {
+            ConvexShape<3>::wallsWithin(x, reach, points);
+            return;
+        }
+        const double rho = std::hypot(x[0], x[1]);
+        if (radius_ - rho < reach) {
+            const double out = rho > 0 ? radius_ / rho : 0;
+            points.push_back({{{rho > 0 ? x[0] * out : radius_, x[1] * out, x[2]}}, radius_ - rho});
+        }
+        for (const double end : {-half_, half_})
+            if (std::abs(x[2] - end) < reach)
+                points.push_back({{{x[0], x[1], end}}, std::abs(x[2] - end)});
     }
 
     std::shared_ptr<const Domain<2>> slice(double height) const override {

@@ -129,6 +129,16 @@ public:
         return found;
     }
 
+    void wallsWithin(const Vec<Dim>& x, double reach,
+                     std::vector<WallPoint<Dim>>& points) override {
+        base_->wallsWithin(x, reach, points);
+        for (const auto& plane : planes_) {
+            const double height = dot(plane.normal, x) - plane.offset;
+            if (std::abs(height) < reach)
+                points.push_back({x - plane.normal * height, std::abs(height)});
+        }
+    }
+
 private:
     std::unique_ptr<DomainSampler<Dim>> base_;
     const std::vector<HalfSpace<Dim>>& planes_;

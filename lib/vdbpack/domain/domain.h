@@ -41,6 +41,14 @@ public:
     /// @return false, `wall` untouched, if no wall is closer than `reach`.
     virtual bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) = 0;
 
+    /// Adds the nearest point of every smooth piece of wall (a face of a box, a triangle) that is
+    /// closer to `x` than `reach`, in no order; some may come more than once. By default the
+    /// nearest of all alone.
+    virtual void wallsWithin(const Vec<Dim>& x, double reach, std::vector<WallPoint<Dim>>& points) {
+        WallPoint<Dim> wall;
+        if (nearestWall(x, reach, wall)) points.push_back(wall);
+    }
+
     /// Whether any wall is closer than `reach`: as `nearestWall`, at less cost.
     virtual bool isWallCloser(const Vec<Dim>& x, double reach) {
         WallPoint<Dim> wall;

@@ -401,8 +401,8 @@ void FacetBins<Dim>::markDistances() {
 }
 
 template <int Dim>
-template <bool kAny>
-bool FacetBins<Dim>::search(const Vec<Dim>& x, double reach, WallPoint<Dim>* wall) const {
+template <typename FacetBins<Dim>::Want kWant, class Found>
+bool FacetBins<Dim>::search(const Vec<Dim>& x, double reach, Found* found) const {
     if (!(reach > 0) || facets_.empty()) return false;
     Index home;
     Vec<Dim> within;  // place inside the home cell, mm from its lower corner
@@ -445,7 +445,7 @@ bool FacetBins<Dim>::search(const Vec<Dim>& x, double reach, WallPoint<Dim>* wal
     std::array<float, static_cast<std::size_t>(Dim)> local;
     for (int i = 0; i < Dim; ++i)
         local[static_cast<std::size_t>(i)] = static_cast<float>(x[i] - origin_[i]);
-    bool found = false;
+    bool any = false;
     const auto axisSquare = [&](int axis, int offset) {
         if (offset == 0) return 0.0;
         double d = offset > 0 ? offset * cell_ - within[axis] : within[axis] - (offset + 1) * cell_;
@@ -470,12 +470,14 @@ bool FacetBins<Dim>::search(const Vec<Dim>& x, double reach, WallPoint<Dim>* wal
             last = candidate.facet;
             Vec<Dim> point;
             const double square = facetDistance(facets_[candidate.facet], x, best, point);
-            if (square < best) {
-                if constexpr (kAny) return true;
+            if (!(square < best)) continue;
+            any = true;
+            if constexpr (kWant == Want::kAny) return true;
+            if constexpr (kWant == Want::kAll) found->push_back({point, std::sqrt(square)});
+            if constexpr (kWant == Want::kNearest) {
                 best = square;
                 bestLength = static_cast<float>(std::sqrt(square) * (1 + 1e-6));
-                wall->point = point;
-                found = true;
+                found->point = point;
             }
         }
         return false;
@@ -523,18 +525,25 @@ bool FacetBins<Dim>::search(const Vec<Dim>& x, double reach, WallPoint<Dim>* wal
             }
         }
     }
-    if (found) wall->distance = std::sqrt(best);
-    return found;
+    if constexpr (kWant == Want::kNearest)
+        if (any) found->distance = std::sqrt(best);
+    return any;
 }
 
 template <int Dim>
 bool FacetBins<Dim>::nearest(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) const {
-    return search<false>(x, reach, &wall);
+    return search<Want::kNearest>(x, reach, &wall);
+}
+
+template <int Dim>
+void FacetBins<Dim>::within(const Vec<Dim>& x, double reach,
+                            std::vector<WallPoint<Dim>>& points) const {
+    search<Want::kAll>(x, reach, &points);
 }
 
 template <int Dim>
 bool FacetBins<Dim>::anyCloser(const Vec<Dim>& x, double reach) const {
-    return search<true>(x, reach, nullptr);
+    return search<Want::kAny, const void>(x, reach, nullptr);
 }
 
 template <int Dim>

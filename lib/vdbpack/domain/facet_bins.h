@@ -33,6 +33,10 @@ public:
     /// @return false, `wall` untouched, if there is none.
     bool nearest(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) const;
 
+    /// Adds the nearest point of every facet that is closer to `x` than `reach`; some may come
+    /// more than once.
+    void within(const Vec<Dim>& x, double reach, std::vector<WallPoint<Dim>>& points) const;
+
     /// Whether any facet is closer to `x` than `reach`.
     bool anyCloser(const Vec<Dim>& x, double reach) const;
 
@@ -52,8 +56,11 @@ private:
         std::uint32_t facet;
     };
 
-    template <bool kAny>
-    bool search(const Vec<Dim>& x, double reach, WallPoint<Dim>* wall) const;
+    enum class Want { kAny, kNearest, kAll };
+
+    /// @param found  the nearest point, or the vector that all are added to.
+    template <Want kWant, class Found>
+    bool search(const Vec<Dim>& x, double reach, Found* found) const;
     void chooseCell(double cell);
     bool fill(std::size_t mostItems);
     void markDistances();

@@ -25,16 +25,25 @@ public:
     }
 
     bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) override {
-        WallPoint<Dim> outer;
-        if (!outer_->nearestWall(x, reach + inset_, outer)) return false;
-        wall.distance = std::fabs(outer.distance - inset_);
-        wall.point = outer.point;
-        // On the way from the wall to x, or past x where that is nearer to the wall.
-        if (outer.distance > 0) wall.point += (x - outer.point) * (inset_ / outer.distance);
+        if (!outer_->nearestWall(x, reach + inset_, wall)) return false;
+        moveInward(x, wall);
         return true;
     }
 
+    void wallsWithin(const Vec<Dim>& x, double reach,
+                     std::vector<WallPoint<Dim>>& points) override {
+        std::size_t k = points.size();
+        outer_->wallsWithin(x, reach + inset_, points);
+        for (; k < points.size(); ++k) moveInward(x, points[k]);
+    }
+
 private:
+    /// On the way from the wall to x, or past x where that is nearer to the wall.
+    void moveInward(const Vec<Dim>& x, WallPoint<Dim>& wall) const {
+        if (wall.distance > 0) wall.point += (x - wall.point) * (inset_ / wall.distance);
+        wall.distance = std::fabs(wall.distance - inset_);
+    }
+
     std::unique_ptr<DomainSampler<Dim>> outer_;
     double inset_;
 };

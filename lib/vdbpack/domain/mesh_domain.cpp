@@ -114,6 +114,10 @@ public:
         return bins_.nearest(x, reach, wall);
     }
 
+    void wallsWithin(const Vec<3>& x, double reach, std::vector<WallPoint<3>>& points) override {
+        bins_.within(x, reach, points);
+    }
+
     bool isWallCloser(const Vec<3>& x, double reach) override { return bins_.anyCloser(x, reach); }
 
 private:

@@ -224,6 +224,9 @@ public:
     bool nearestWall(const Vec<2>& x, double reach, WallPoint<2>& wall) override {
         return slice_.bins().nearest(x, reach, wall);
     }
+    void wallsWithin(const Vec<2>& x, double reach, std::vector<WallPoint<2>>& points) override {
+        slice_.bins().within(x, reach, points);
+    }
 
 private:
     const SliceDomain& slice_;

@@ -28,6 +28,10 @@ public:
     virtual double signedDistance(const Vec<Dim>& x) const = 0;
     /// The nearest point of the wall from anywhere.
     virtual Vec<Dim> nearestOnWall(const Vec<Dim>& x) const = 0;
+    /// The faces closer to `x` than `reach`: the nearest point of each. Where one face is all there
+    /// is, and from outside, the nearest of all alone.
+    virtual void wallsWithin(const Vec<Dim>& x, double reach,
+                             std::vector<WallPoint<Dim>>& points) const;
 
     double fieldDepth() const override;
     std::unique_ptr<DomainSampler<Dim>> sampler() const override;
