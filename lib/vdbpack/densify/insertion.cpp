@@ -55,7 +55,7 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::roomiestPlaces(const std::vector<doubl
             for (int d = 0; d < Dim; ++d)
                 at[static_cast<std::size_t>(d)] +=
                     static_cast<std::int64_t>((2 * random.uniform() - 1) * half);
-            const Vec<Dim> x = position(at);
+            const Vec<Dim> x = walls_.position(at);
             const double wall = -sampler.signedDistance(x) / quantum_;
             const Body body{lowBits(at[0]), lowBits(at[1]), lowBits(at[2]), 0};
             double space = wall;
@@ -68,7 +68,7 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::roomiestPlaces(const std::vector<doubl
     };
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, radii.size(), 64),
                       [&](const tbb::blocked_range<std::size_t>& part) {
-                          DomainSampler<Dim>& sampler = this->sampler();
+                          DomainSampler<Dim>& sampler = walls_.sampler();
                           std::vector<Body> around;
                           for (std::size_t k = part.begin(); k < part.end(); ++k)
                               work(k, sampler, around);

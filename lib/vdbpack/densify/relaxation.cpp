@@ -25,14 +25,20 @@ constexpr double kDelta = 4e-4;
 constexpr float kApart = 0.97f;
 /// Share of an overlap that a sphere gains as velocity in a step.
 constexpr float kPush = 0.3f;
-/// Gap up to which neighbors are listed, in smallest radii: adapted so that a list lasts a while.
-constexpr float kLeastSkin = 0.2f, kMostSkin = 0.7f;
-constexpr int kShortList = 6, kLongList = 15;  // steps
+/// Gap up to which neighbors are listed, in smallest radii: such that a list lasts about so many
+/// steps of the fastest sphere. One that lists far more than that is made anew.
+constexpr float kLeastSkin = 0.15f, kMostSkin = 0.7f, kListSteps = 10, kFarMore = 1.6f;
 /// Ranks apart up to which spheres change places, and how far their radii may differ.
 constexpr std::uint64_t kRanks = 20;
 constexpr float kAlike = 0.1f;
-/// Way that a sphere goes along a wall before it asks for it anew, in its radii.
-constexpr float kSlide = 0.1f;
+/// Way that a sphere goes along a wall before it asks for it anew, in its radii: while overlaps
+/// are large, and when they are small.
+constexpr double kRough = 0.05;
+constexpr float kRoughSlide = 0.3f, kFineSlide = 0.05f;
+/// Where the worst overlap is small, and yet falls by less than this factor in half a memory, those
+/// that have it change places with the least squeezed of so many smaller ones.
+constexpr float kNearlyApart = 0.01f, kStays = 0.8f;
+constexpr std::uint32_t kLooser = 100;
 /// Radii of one class of cells span this factor at most.
 constexpr double kClass = 2.2;
 
@@ -55,6 +61,20 @@ std::array<std::int64_t, 3> whereIs(const std::array<std::int64_t, 3>& home, con
     return {moved(home[0], body.x), moved(home[1], body.y), moved(home[2], body.z)};
 }
 
+/// As fine as that of the front, unless the largest spheres would not fit into 2^28 quanta; mm.
+template <int Dim>
+double quantumOf(const std::vector<Sphere<Dim>>& spheres) {
+    double sum = 0, most = 0;
+    for (const auto& s : spheres) {
+        sum += s.radius;
+        most = std::max(most, s.radius);
+    }
+    if (!(sum > 0)) return 1;
+    const double mean = sum / static_cast<double>(spheres.size());
+    return std::max(std::exp2(std::floor(std::log2(mean)) - 22),
+                    std::exp2(std::ceil(std::log2(most)) - 27));
+}
+
 float square(float v) {
     return v * v;
 }
@@ -67,44 +87,37 @@ void Relaxation<Dim>::Slots::resize(std::size_t n) {
     motions.resize(n);
     homes.resize(n);
     labels.resize(n);
-    walls.resize(n);
-    roams.resize(n);
+    places.resize(n);
 }
 
 template <int Dim>
 Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                             std::size_t fixed, const std::vector<std::uint8_t>& kinds,
                             std::uint64_t seed)
-    : domain_(domain),
+    : quantum_(quantumOf(spheres)),
       given_(spheres),
       kinds_(kinds),
       fixed_(static_cast<std::uint32_t>(fixed)),
-      seed_(seed) {
+      seed_(seed),
+      walls_(domain, quantum_) {
     const std::size_t n = spheres.size();
     if (n > 0x7fffffff)
         throw ResourceError(fmt::format("densify: {} {} are more than 2^31 - 1; pack in parts", n,
                                         Measure<Dim>::kSpheres));
-    double sum = 0, least = std::numeric_limits<double>::infinity(), smallest = least, most = 0;
+    double least = std::numeric_limits<double>::infinity(), smallest = least, most = 0;
     for (std::size_t i = 0; i < n; ++i) {
         const double r = spheres[i].radius;
-        sum += r;
         most = std::max(most, r);
         smallest = std::min(smallest, r);
         if (i >= fixed) least = std::min(least, r);
     }
     if (n == 0 || fixed == n) return;
-    const double mean = sum / static_cast<double>(n);
-    // As fine as that of the front, unless the largest spheres would not fit into 2^28 quanta.
-    quantum_ = std::max(std::exp2(std::floor(std::log2(mean)) - 22),
-                        std::exp2(std::ceil(std::log2(most)) - 27));
     least_ = static_cast<float>(least / quantum_);
     most_ = static_cast<float>(most / quantum_);
     smallest_ = static_cast<float>(smallest / quantum_);
     // Rounding to whole quanta must not matter.
     delta_ = static_cast<float>(std::max(kDelta, 100.0 / static_cast<double>(least_)));
     skin_ = 0.5f * least_;
-    fieldError_ = domain.facts().voxelSize / quantum_;
-    fieldDepth_ = domain.fieldDepth() / quantum_;
 
     now_.resize(n);
     sorted_.resize(n);
@@ -123,30 +136,15 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
                           static_cast<float>(spheres[i].radius / quantum_)};
         now_.motions[i] = {};
         now_.labels[i] = static_cast<std::uint32_t>(i);
-        now_.walls[i] = kNone;
-        now_.roams[i] = i < fixed ? std::numeric_limits<float>::infinity() : -1;
+        now_.places[i] = {};
+        if (i < fixed) now_.places[i].roam = std::numeric_limits<float>::infinity();
     });
     ready_ = true;
-    rebuild();
+    sort();
 }
 
 template <int Dim>
 Relaxation<Dim>::~Relaxation() = default;
-
-template <int Dim>
-DomainSampler<Dim>& Relaxation<Dim>::sampler() {
-    auto& mine = samplers_.local();
-    if (!mine) mine = domain_.sampler();
-    return *mine;
-}
-
-template <int Dim>
-Vec<Dim> Relaxation<Dim>::position(const Home& home) const {
-    Vec<Dim> x;
-    for (int d = 0; d < Dim; ++d)
-        x[d] = static_cast<double>(home[static_cast<std::size_t>(d)]) * quantum_;
-    return x;
-}
 
 template <int Dim>
 std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
@@ -155,7 +153,7 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
     forAll(now_.labels.size(), [&](std::size_t i) {
         const std::uint32_t label = now_.labels[i];
         if (!isFixed(label))
-            spheres[label].center = position(whereIs(now_.homes[i], now_.bodies[i]));
+            spheres[label].center = walls_.position(whereIs(now_.homes[i], now_.bodies[i]));
     });
     return spheres;
 }
@@ -281,26 +279,30 @@ void Relaxation<Dim>::sortIntoCells() {
         sorted_.motions[to] = now_.motions[i];
         sorted_.homes[to] = now_.homes[i];
         sorted_.labels[to] = now_.labels[i];
-        sorted_.walls[to] = now_.walls[i];
-        sorted_.roams[to] = now_.roams[i];
+        sorted_.places[to] = now_.places[i];
         listedRadii_[to] = now_.bodies[i].radius;
     });
     std::swap(now_, sorted_);
 }
 
 template <int Dim>
-void Relaxation<Dim>::rebuild() {
+void Relaxation<Dim>::sort() {
     const std::size_t n = now_.labels.size();
     forAll(n, [&](std::size_t i) {
         Home& home = now_.homes[i];
         const Home at = whereIs(home, now_.bodies[i]);
         float way = 0;
         for (std::size_t d = 0; d < 3; ++d) way += square(static_cast<float>(at[d] - home[d]));
-        now_.roams[i] -= std::sqrt(way);
+        now_.places[i].roam -= std::sqrt(way);
         home = at;
     });
     layLevels();
     sortIntoCells();
+}
+
+template <int Dim>
+void Relaxation<Dim>::rebuild() {
+    sort();
     askWalls();
     listNeighbors();
     spent_ = 0;
@@ -309,69 +311,20 @@ void Relaxation<Dim>::rebuild() {
 
 template <int Dim>
 void Relaxation<Dim>::askWalls() {
-    const std::size_t n = now_.labels.size();
-    const auto isDue = [&](std::size_t i) { return now_.roams[i] < 0 && !isFixed(now_.labels[i]); };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 256),
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, now_.labels.size(), 256),
                       [&](const tbb::blocked_range<std::size_t>& part) {
-                          DomainSampler<Dim>& sampler = this->sampler();
                           for (std::size_t i = part.begin(); i < part.end(); ++i)
-                              if (isDue(i)) askWall(i, sampler);
+                              if (now_.places[i].roam < 0) askWall(i);
                       });
 }
 
 template <int Dim>
-void Relaxation<Dim>::askWall(std::size_t slot, DomainSampler<Dim>& sampler) {
+void Relaxation<Dim>::askWall(std::size_t slot) {
     const Body& body = now_.bodies[slot];
-    const Home home = whereIs(now_.homes[slot], body);
-    const Vec<Dim> x = position(home);
-    const double radius = static_cast<double>(body.radius);
-    const double need = radius * (1 + static_cast<double>(delta_)) + static_cast<double>(skin_);
-    const double slide = static_cast<double>(kSlide) * radius;
-    const double inside = -sampler.signedDistance(x) / quantum_;
-    const double least = std::min(inside, fieldDepth_) - fieldError_;
-    std::uint32_t& index = now_.walls[slot];
-    WallPoint<Dim> found;
-    if (least > need + slide || !sampler.nearestWall(x, (need + 3 * slide) * quantum_, found)) {
-        now_.roams[slot] = static_cast<float>(std::max(least - need, slide));
-        // Nothing is near any more, but if the center left the domain altogether.
-        if (inside > -fieldError_ && index != kNone) walls_[index].count = 0;
-        return;
-    }
-    const double distance = found.distance / quantum_;
-    now_.roams[slot] = static_cast<float>(std::max(distance - need, slide));
-    if (index == kNone)
-        index = static_cast<std::uint32_t>(walls_.push_back(Wall{}) - walls_.begin());
-    Wall& wall = walls_[index];
-    Vec<Dim> normal = normalized(x - found.point);
-    if (inside < 2 * fieldError_ && !sampler.contains(x)) normal *= -1;
-    Plane plane;
-    plane.nx = static_cast<float>(normal[0]);
-    plane.ny = static_cast<float>(normal[1]);
-    std::array<std::uint32_t*, 3> to{&plane.x, &plane.y, &plane.z};
-    for (int d = 0; d < Dim; ++d)
-        *to[static_cast<std::size_t>(d)] =
-            lowBits(static_cast<std::int64_t>(std::nearbyint(found.point[d] / quantum_)));
-    if constexpr (Dim > 2) plane.nz = static_cast<float>(normal[2]);
-    // Other walls that it met are kept while it is beside them.
-    std::uint32_t kept = 0;
-    for (std::uint32_t k = 0; k < wall.count; ++k) {
-        const Plane& p = wall.planes[k];
-        const float dx = difference(body.x, p.x), dy = difference(body.y, p.y),
-                    dz = difference(body.z, p.z);
-        const float away = p.nx * dx + p.ny * dy + p.nz * dz;
-        const float aside = dx * dx + dy * dy + dz * dz - away * away;
-        const float alike = p.nx * plane.nx + p.ny * plane.ny + p.nz * plane.nz;
-        if (alike > 0.9f || aside > square(0.7f * body.radius) ||
-            away > static_cast<float>(need + 3 * slide) || away < 0)
-            continue;
-        wall.planes[kept++] = p;
-    }
-    if (kept == kMostPlanes) {
-        std::copy(wall.planes.begin() + 1, wall.planes.end(), wall.planes.begin());
-        --kept;
-    }
-    wall.planes[kept++] = plane;
-    wall.count = kept;
+    auto& place = now_.places[slot];
+    const float margin = body.radius * delta_ + skin_;
+    if (walls_.isDue(body, place, margin))
+        walls_.ask(whereIs(now_.homes[slot], body), body, margin, place);
 }
 
 template <int Dim>
@@ -383,6 +336,7 @@ void Relaxation<Dim>::listNeighbors() {
         run.first = static_cast<std::uint32_t>(k) * kRun;
         run.last = std::min(n, run.first + kRun);
         listRun(run);
+        listPlanes(run);
     });
 }
 
@@ -446,6 +400,21 @@ void Relaxation<Dim>::listRun(Run& run) {
 }
 
 template <int Dim>
+void Relaxation<Dim>::listPlanes(Run& run) {
+    run.planes.clear();
+    run.planeEnds.clear();
+    for (std::uint32_t i = run.first; i < run.last; ++i) {
+        if (const std::uint32_t wall = now_.places[i].wall; wall != WallPlanes<Dim>::kNone) {
+            const Body& body = now_.bodies[i];
+            for (const WallPlane& plane : walls_[wall])
+                if (plane.distance(body) < body.radius * (1 + delta_) + skin_)
+                    run.planes.push_back(plane);
+        }
+        run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
+    }
+}
+
+template <int Dim>
 bool Relaxation<Dim>::isNear(const Home& a, const Home& b) const {
     for (std::size_t d = 0; d < 3; ++d)
         if (a[d] - b[d] > (std::int64_t(1) << 30) || b[d] - a[d] > (std::int64_t(1) << 30))
@@ -472,6 +441,7 @@ void Relaxation<Dim>::stepRun(Run& run, float inertia, float cap, Body* next) {
     const std::uint32_t* ids = run.ids.data();
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
+    std::uint32_t plane = 0;
     const float capSquare = cap * cap;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
@@ -504,19 +474,17 @@ void Relaxation<Dim>::stepRun(Run& run, float inertia, float cap, Body* next) {
             squeezed = sum(squeeze);
             contacts = sum(__builtin_convertvector(touching, Float8));
         }
-        if (const std::uint32_t index = now_.walls[i]; index != kNone) {
-            const Wall& wall = walls_[index];
+        if (const std::uint32_t last = run.planeEnds[i - run.first]; plane < last) {
             const float reach = body.radius * grow;
-            for (std::uint32_t k = 0; k < wall.count; ++k) {
-                const Plane& p = wall.planes[k];
-                const float away = p.nx * difference(body.x, p.x) + p.ny * difference(body.y, p.y) +
-                                   p.nz * difference(body.z, p.z);
+            for (; plane < last; ++plane) {
+                const WallPlane& p = run.planes[plane];
+                const float away = p.distance(body);
                 const float over = reach - away;
                 if (!(over > 0)) continue;
                 x += over * p.nx;
                 y += over * p.ny;
                 z += over * p.nz;
-                worstWall = std::max(worstWall, over / std::max(away, 0.1f * reach));
+                worstWall = std::max(worstWall, p.overlap(away, reach));
                 squeezed += over;
                 contacts += 1;
             }
@@ -555,21 +523,76 @@ void Relaxation<Dim>::swapRun(Run& run) {
         const auto l = k + 1 + static_cast<std::uint32_t>(mix64(key + k) % kRanks);
         if (l >= n) continue;
         const std::uint32_t a = run.ranks[k], b = run.ranks[l];
-        Body &small = now_.bodies[a], &big = now_.bodies[b];
+        const Body &small = now_.bodies[a], &big = now_.bodies[b];
         const float more = big.radius - small.radius;
-        float &pSmall = now_.motions[a].squeeze, &pBig = now_.motions[b].squeeze;
+        const float pSmall = now_.motions[a].squeeze, pBig = now_.motions[b].squeeze;
         if (!(more > 0 && pBig > 0 && touching_[a] >= 0 && touching_[b] >= 0 &&
               more <= kAlike * small.radius &&
               pBig - pSmall > 0.5f * (touching_[a] + touching_[b]) * more))
             continue;
-        if (!kinds_.empty() && kinds_[now_.labels[a]] != kinds_[now_.labels[b]]) continue;
-        std::swap(small.radius, big.radius);
-        std::swap(now_.labels[a], now_.labels[b]);
-        std::swap(run.ranks[k], run.ranks[l]);
-        touching_[a] = touching_[b] = -1;  // once in a step: what they push has changed
-        now_.roams[a] -= more;
-        run.grown = std::max(run.grown, small.radius - listedRadii_[a]);
+        if (!isAlike(a, b)) continue;
+        exchange(run, k, l);
     }
+}
+
+template <int Dim>
+void Relaxation<Dim>::exchange(Run& run, std::uint32_t k, std::uint32_t l) {
+    const std::uint32_t a = run.ranks[k], b = run.ranks[l];
+    Body &small = now_.bodies[a], &big = now_.bodies[b];
+    const float more = big.radius - small.radius;
+    std::swap(small.radius, big.radius);
+    std::swap(now_.labels[a], now_.labels[b]);
+    std::swap(run.ranks[k], run.ranks[l]);
+    touching_[a] = touching_[b] = -1;  // once in a step: what they push has changed
+    now_.places[a].roam -= more;
+    run.grown = std::max(run.grown, small.radius - listedRadii_[a]);
+}
+
+template <int Dim>
+float Relaxation<Dim>::worstOf(const Run& run, std::uint32_t slot) const {
+    const Body& body = now_.bodies[slot];
+    const float grow = 1 + delta_;
+    float worst = 0;
+    const std::uint32_t k = slot - run.first;
+    for (std::uint32_t e = k > 0 ? run.ends[k - 1] : 0; e < run.ends[k]; ++e) {
+        if (run.ids[e] == slot) continue;
+        const Body& other = now_.bodies[run.ids[e]];
+        const float dx = difference(other.x, body.x), dy = difference(other.y, body.y),
+                    dz = difference(other.z, body.z);
+        const float reach = (other.radius + body.radius) * grow;
+        worst = std::max(worst, reach / std::sqrt(dx * dx + dy * dy + dz * dz) - 1);
+    }
+    for (std::uint32_t p = k > 0 ? run.planeEnds[k - 1] : 0; p < run.planeEnds[k]; ++p) {
+        const float reach = body.radius * grow;
+        worst = std::max(worst, run.planes[p].overlap(run.planes[p].distance(body), reach));
+    }
+    return worst;
+}
+
+template <int Dim>
+void Relaxation<Dim>::loosen(float worst) {
+    const float least = std::max(0.5f * worst, delta_);
+    std::vector<std::vector<std::uint32_t>> stuck(runs_.size());  // ranks in each run
+    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+        const Run& run = runs_[k];
+        if (!(run.worst > least)) return;
+        for (std::uint32_t rank = 0; rank < run.ranks.size(); ++rank)
+            if (worstOf(run, run.ranks[rank]) > least) stuck[k].push_back(rank);
+    });
+    for (std::size_t k = 0; k < runs_.size(); ++k)
+        for (const std::uint32_t rank : stuck[k]) {
+            Run& run = runs_[k];
+            const std::uint32_t big = run.ranks[rank];
+            if (touching_[big] < 0) continue;
+            std::uint32_t best = rank;
+            for (std::uint32_t l = rank; l-- > 0 && rank - l <= kLooser;) {
+                const std::uint32_t small = run.ranks[l];
+                if (touching_[small] >= 0 && isAlike(small, big) &&
+                    now_.motions[small].squeeze < now_.motions[run.ranks[best]].squeeze)
+                    best = l;
+            }
+            if (best != rank) exchange(run, best, rank);
+        }
 }
 
 template <int Dim>
@@ -602,23 +625,21 @@ template <int Dim>
 bool Relaxation<Dim>::keepsWall() {
     std::atomic<bool> keeps{true};
     const double grow = 1 + 0.03 * static_cast<double>(delta_);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, now_.labels.size(), 256),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          DomainSampler<Dim>& sampler = this->sampler();
-                          for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                              if (isFixed(now_.labels[i])) continue;
-                              const Vec<Dim> x = position(whereIs(now_.homes[i], now_.bodies[i]));
-                              const double radius =
-                                  static_cast<double>(now_.bodies[i].radius) * grow;
-                              const double inside = -sampler.signedDistance(x) / quantum_;
-                              if (std::min(inside, fieldDepth_) - fieldError_ > radius) continue;
-                              if (!sampler.isWallCloser(x, radius * quantum_) &&
-                                  (inside > fieldError_ || sampler.contains(x)))
-                                  continue;
-                              keeps.store(false, std::memory_order_relaxed);
-                              askWall(i, sampler);
-                          }
-                      });
+    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+        Run& run = runs_[k];
+        bool asked = false;
+        for (std::uint32_t i = run.first; i < run.last; ++i) {
+            if (isFixed(now_.labels[i])) continue;
+            const Body& body = now_.bodies[i];
+            const Home home = whereIs(now_.homes[i], body);
+            if (walls_.allows(home, body, grow)) continue;
+            walls_.ask(home, body, body.radius * delta_ + skin_, now_.places[i]);
+            asked = true;
+        }
+        if (!asked) return;
+        keeps.store(false, std::memory_order_relaxed);
+        listPlanes(run);
+    });
     return keeps;
 }
 
@@ -633,26 +654,36 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
     }
     const auto inertia = static_cast<float>(pace.inertia);
     const float cap = static_cast<float>(pace.cap) * least_;
+    walls_.setSlide(kRoughSlide);
+    rebuild();
+    const int lookEvery =
+        static_cast<int>(0.5 / (1 - pace.inertia) / std::max(1, pace.swapEvery)) + 1;
+    int looks = 0;
+    float fastest = square(cap);  // of the last step
+    float before = 1;
     for (;; ++outcome.steps) {
         if (callbacks.isCancelled()) {
             outcome.interrupted = true;
             return outcome;
         }
-        if (mustRebuild()) {
-            const float wanted = listed_ < kShortList ? 1.15f : listed_ > kLongList ? 0.87f : 1.0f;
-            skin_ = std::clamp(skin_ * wanted, std::max(kLeastSkin * least_, 2.5f * cap),
-                               std::max(kMostSkin * least_, 3 * cap));
+        const float wanted = std::clamp(2 * kListSteps * std::sqrt(fastest), kLeastSkin * least_,
+                                        std::max(kMostSkin * least_, 3 * cap));
+        if (mustRebuild() ||
+            (static_cast<float>(listed_) > kListSteps && skin_ > kFarMore * wanted)) {
+            skin_ = wanted;
+            walls_.setSlide(outcome.worst > kRough ? kRoughSlide : kFineSlide);
             rebuild();
         }
-        const bool exchange =
+        const bool exchanges =
             pace.swapEvery > 0 && clock_ % static_cast<std::uint64_t>(pace.swapEvery) == 0;
         tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
-            if (exchange)
+            if (exchanges)
                 stepRun<true>(runs_[k], inertia, cap, next_.data());
             else
                 stepRun<false>(runs_[k], inertia, cap, next_.data());
         });
-        float worst = 0, fastest = 0;
+        float worst = 0;
+        fastest = 0;
         for (const Run& run : runs_) {
             worst = std::max(worst, run.worst);
             fastest = std::max(fastest, run.fastest);
@@ -667,9 +698,16 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         std::swap(now_.bodies, next_);
         spent_ += std::sqrt(fastest);
         ++listed_;
-        if (exchange)
+        if (exchanges)
             tbb::parallel_for(std::size_t(0), runs_.size(),
                               [&](std::size_t k) { swapRun(runs_[k]); });
+        if (exchanges && ++looks >= lookEvery) {
+            looks = 0;
+            if (worst < kNearlyApart && worst > kStays * before) {
+                loosen(worst);
+            }
+            before = worst;
+        }
         ++clock_;
     }
 }

@@ -4,10 +4,8 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/densify/octet.h"
+#include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/domain.h"
-
-#include <tbb/concurrent_vector.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -70,23 +68,11 @@ public:
 private:
     static constexpr std::uint32_t kNone = 0xffffffff;
     static constexpr std::uint32_t kRun = 1024;  ///< slots that are one task
-    static constexpr int kMostPlanes = 4;
 
     /// Velocity, and what the last look for exchanges found; units of the quantum.
     struct alignas(16) Motion {
         float x = 0, y = 0, z = 0;
         float squeeze = 0;  ///< sum of the overlaps
-    };
-    using Home = std::array<std::int64_t, 3>;
-
-    /// The wall near a point of it, as a plane: the domain is where n (x - point) > 0.
-    struct Plane {
-        float nx = 0, ny = 0, nz = 0;
-        std::uint32_t x = 0, y = 0, z = 0;  ///< low bits of the point
-    };
-    struct Wall {
-        std::uint32_t count = 0;
-        std::array<Plane, kMostPlanes> planes;
     };
 
     /// What belongs to a place rather than to the sphere in it, and moves with the sorting.
@@ -95,8 +81,7 @@ private:
         std::vector<Motion> motions;
         std::vector<Home> homes;            ///< positions when lists were made, in quanta
         std::vector<std::uint32_t> labels;  ///< which of the spheres given is here
-        std::vector<std::uint32_t> walls;   ///< in `walls_`, or kNone
-        std::vector<float> roams;           ///< way it may go before the wall is asked, quanta
+        std::vector<typename WallPlanes<Dim>::Place> places;
 
         void resize(std::size_t n);
     };
@@ -104,11 +89,13 @@ private:
     /// A run of slots with their neighbors.
     struct Run {
         std::uint32_t first = 0, last = 0;
-        std::vector<std::uint32_t> ids;    ///< neighbors, filled up to whole eights with oneself
-        std::vector<std::uint32_t> ends;   ///< of each slot's in `ids`
-        std::vector<std::uint32_t> ranks;  ///< slots that may change places, by kind and radius
-        float worst = 0;                   ///< largest (r_i + r_j) (1 + delta) / d - 1
-        float fastest = 0;                 ///< largest squared step, quanta²
+        std::vector<std::uint32_t> ids;   ///< neighbors, filled up to whole eights with oneself
+        std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
+        std::vector<WallPlane> planes;    ///< walls that are near
+        std::vector<std::uint32_t> planeEnds;  ///< of each slot's in `planes`
+        std::vector<std::uint32_t> ranks;      ///< slots that may change places, by kind and radius
+        float worst = 0;                       ///< largest (r_i + r_j) (1 + delta) / d - 1
+        float fastest = 0;                     ///< largest squared step, quanta²
         bool coincides = false;  ///< two of its spheres were on the same spot when lists were made
         float grown = 0;         ///< most that a radius has grown since the list was made
     };
@@ -122,24 +109,27 @@ private:
     };
 
     void layLevels();
+    void sort();
     void rebuild();
     void sortIntoCells();
     void askWalls();
-    void askWall(std::size_t slot, DomainSampler<Dim>& sampler);
+    void askWall(std::size_t slot);
     void listNeighbors();
     void listRun(Run& run);
+    void listPlanes(Run& run);
     bool mustRebuild();
     bool isNear(const Home& a, const Home& b) const;
     void part(std::uint32_t slot, std::uint32_t other);
     template <bool kSqueeze>
     void stepRun(Run& run, float inertia, float cap, Body* next);
     void swapRun(Run& run);
+    /// Two of a run's ranks, the smaller sphere first, change places.
+    void exchange(Run& run, std::uint32_t k, std::uint32_t l);
+    /// The largest overlap of a slot's sphere with others, as `Run::worst`.
+    float worstOf(const Run& run, std::uint32_t slot) const;
+    void loosen(float worst);
     bool keepsWall();
 
-    Vec<Dim> position(const Home& home) const;
-    static std::uint32_t lowBits(std::int64_t v) {
-        return static_cast<std::uint32_t>(static_cast<std::uint64_t>(v));
-    }
     /// Calls `visit(first, last)` for the rows of slots of a level within `reach` of a place.
     template <class Visit>
     void forEachRow(const Level& level, const Home& home, double reach, const Visit& visit) const;
@@ -148,35 +138,35 @@ private:
     void forEachNear(const Home& home, double reach, const Visit& visit) const;
     std::size_t cellOf(const Level& level, const Home& home) const;
     bool isFixed(std::uint32_t label) const { return label < fixed_; }
-    DomainSampler<Dim>& sampler();
+    /// Whether the spheres in two slots may change places.
+    bool isAlike(std::uint32_t a, std::uint32_t b) const {
+        return kinds_.empty() || kinds_[now_.labels[a]] == kinds_[now_.labels[b]];
+    }
 
-    const Domain<Dim>& domain_;
+    double quantum_;  ///< mm
     std::vector<Sphere<Dim>> given_;
     std::vector<std::uint8_t> kinds_;
     std::uint32_t fixed_;
     std::uint64_t seed_;
     std::uint64_t clock_ = 0;        ///< steps in all
-    double quantum_ = 1;             ///< mm
     float least_ = 0;                ///< smallest radius of those that move, quanta
     float smallest_ = 0, most_ = 0;  ///< radii of all, quanta
     float delta_ = 0;
     float skin_ = 0;   ///< quanta
     float spent_ = 0;  ///< bound of what any sphere has moved since lists were made, quanta
     int listed_ = 0;   ///< steps since then
-    double fieldError_ = 0, fieldDepth_ = 0;  ///< quanta
 
     Slots now_, sorted_;
     std::vector<Body> next_;
     std::vector<float> listedRadii_;
     std::vector<float> touching_;  ///< contacts of each slot when squeezes were summed
-    tbb::concurrent_vector<Wall> walls_;
+    WallPlanes<Dim> walls_;
     std::vector<Level> levels_;
     std::vector<std::uint32_t> starts_;  ///< first slot of each cell
     std::vector<std::uint32_t> cells_, from_;
     std::vector<Run> runs_;
     bool wraps_ = false;  ///< whether far spheres may have near low bits
     bool ready_ = false;
-    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
 };
 
 template <int Dim>
