@@ -1,6 +1,7 @@
 // Private to densify: eight numbers at a time, gathered from all over.
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
@@ -70,6 +71,12 @@ VDBPACK_INLINE Bodies8 load(const Body* first) {
     return byComponent(b);
 }
 
+template <class Number, class Octet>
+VDBPACK_INLINE void store(Number* to, Octet from) {
+    static_assert(sizeof(Octet) == 8 * sizeof(Number));
+    std::memcpy(to, &from, sizeof from);
+}
+
 /// a - b where they are less than 2^31 apart.
 VDBPACK_INLINE Float8 difference(Word8 a, std::uint32_t b) {
     return __builtin_convertvector(bitsAs<Int8>(a - b), Float8);
@@ -119,6 +126,31 @@ VDBPACK_INLINE unsigned bitsOf(Int8 mask) {
     for (int l = 0; l < 8; ++l) bits |= (mask[l] != 0 ? 1u : 0u) << l;
     return bits;
 #endif
+}
+
+/// For each set of lanes the numbers of those in it, one a byte, the lowest first.
+inline constexpr auto kLanesOf = [] {
+    std::array<std::uint64_t, 256> lanes{};
+    for (unsigned bits = 0; bits < 256; ++bits) {
+        unsigned at = 0;
+        for (std::uint64_t l = 0; l < 8; ++l)
+            if ((bits >> l & 1u) != 0) lanes[bits] |= l << 8 * at++;
+    }
+    return lanes;
+}();
+
+/// Writes the lanes that are set in `bits` one after the other; whole eights are written.
+/// @return how many they are.
+VDBPACK_INLINE unsigned writeLanes(std::uint32_t* to, Word8 from, unsigned bits) {
+#if defined(__AVX2__)
+    const __m256i lanes =
+        _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kLanesOf[bits])));
+    store(to, bitsAs<Word8>(_mm256_permutevar8x32_epi32(bitsAs<__m256i>(from), lanes)));
+#else
+    std::uint64_t lanes = kLanesOf[bits];
+    for (int l = 0; l < 8; ++l, lanes >>= 8) to[l] = from[lanes & 7u];
+#endif
+    return static_cast<unsigned>(__builtin_popcount(bits));
 }
 
 /// The sum in the same order on every machine.

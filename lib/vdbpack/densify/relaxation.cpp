@@ -341,52 +341,94 @@ void Relaxation<Dim>::listNeighbors() {
 }
 
 template <int Dim>
+void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidates& around) const {
+    Home lo = now_.homes[first], hi = lo;
+    float largest = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+        largest = std::max(largest, now_.bodies[i].radius);
+        for (std::size_t d = 0; d < 3; ++d) {
+            lo[d] = std::min(lo[d], now_.homes[i][d]);
+            hi[d] = std::max(hi[d], now_.homes[i][d]);
+        }
+    }
+    around.count = 0;
+    for (const Level& level : levels_) {
+        if (level.count[0] == 0) continue;
+        const double reach = (static_cast<double>(largest) + static_cast<double>(level.largest)) *
+                                 static_cast<double>(1 + delta_) * (1 + 1e-6) +
+                             static_cast<double>(skin_);
+        forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
+            around.add(now_.bodies.data(), from, to);
+        });
+    }
+}
+
+template <int Dim>
+void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around) {
+    const float grow = 1 + delta_;
+    const Body body = now_.bodies[slot];
+    std::uint32_t* const found = around.found.data();
+    std::uint32_t count = 0;
+    int coinciding = 0;
+    for (std::size_t j = 0; j < around.count; j += 8) {
+        const Bodies8 other = around.bodies(j);
+        const Float8 dx = difference(other.x, body.x);
+        const Float8 dy = difference(other.y, body.y);
+        const Float8 dz = difference(other.z, body.z);
+        const Float8 d2 = dx * dx + dy * dy + dz * dz;
+        const Float8 near = (other.radius + body.radius) * grow + skin_;
+        unsigned bits = bitsOf(d2 < near * near);
+        if (around.count - j < 8) bits &= (1u << (around.count - j)) - 1;
+        const unsigned same = bitsOf(d2 == 0) & bits;
+        coinciding += __builtin_popcount(same);
+        count += writeLanes(found + count, around.numbers(j), bits & ~same);
+    }
+    // One's own slot is one of them, and the others are too far away where low bits tell too
+    // little.
+    if (coinciding > 1)
+        for (std::size_t j = 0; j < around.count; ++j) {
+            const std::uint32_t k = around.slots[j];
+            const Body& met = now_.bodies[k];
+            if (k == slot || met.x != body.x || met.y != body.y || met.z != body.z ||
+                (wraps_ && !isNear(now_.homes[slot], now_.homes[k])))
+                continue;
+            part(slot, k);
+            run.coincides = true;
+        }
+    if (wraps_)
+        count = static_cast<std::uint32_t>(
+            std::remove_if(
+                found, found + count,
+                [&](std::uint32_t k) { return !isNear(now_.homes[slot], now_.homes[k]); }) -
+            found);
+    while (count % 8 != 0) found[count++] = slot;
+    run.ids.insert(run.ids.end(), found, found + count);
+}
+
+template <int Dim>
 void Relaxation<Dim>::listRun(Run& run) {
     run.ids.clear();
     run.ends.clear();
     run.ranks.clear();
     run.grown = 0;
     run.coincides = false;
-    const float grow = 1 + delta_;
-    for (std::uint32_t i = run.first; i < run.last; ++i) {
-        if (isFixed(now_.labels[i])) {
+    Candidates around;
+    for (std::uint32_t i = run.first; i < run.last;) {
+        // Those of one cell look at the same others.
+        const std::size_t cell = cells_[from_[i]];
+        std::uint32_t end = i + 1;
+        while (end < run.last && cells_[from_[end]] == cell) ++end;
+        bool collected = false;
+        for (std::uint32_t slot = i; slot < end; ++slot) {
+            if (!isFixed(now_.labels[slot])) {
+                if (!collected) collect(i, end, around);
+                collected = true;
+                run.ranks.push_back(slot);
+                listSlot(run, slot, around);
+            }
             run.ends.push_back(static_cast<std::uint32_t>(run.ids.size()));
-            continue;
         }
-        run.ranks.push_back(i);
-        const Body body = now_.bodies[i];
-        const Home& home = now_.homes[i];
-        for (const Level& level : levels_) {
-            if (level.count[0] == 0) continue;
-            const double reach =
-                (static_cast<double>(body.radius) + static_cast<double>(level.largest)) *
-                    static_cast<double>(grow) * (1 + 1e-6) +
-                static_cast<double>(skin_);
-            forEachRow(level, home, reach, [&](std::uint32_t first, std::uint32_t last) {
-                for (std::uint32_t j = first; j < last; j += 8) {
-                    const Bodies8 other = load(now_.bodies.data() + j);
-                    const Float8 dx = difference(other.x, body.x);
-                    const Float8 dy = difference(other.y, body.y);
-                    const Float8 dz = difference(other.z, body.z);
-                    const Float8 d2 = dx * dx + dy * dy + dz * dz;
-                    const Float8 near = (other.radius + body.radius) * grow + skin_;
-                    unsigned bits = bitsOf(d2 < near * near);
-                    if (last - j < 8) bits &= (1u << (last - j)) - 1;
-                    for (; bits != 0; bits &= bits - 1) {
-                        const auto k = j + static_cast<std::uint32_t>(__builtin_ctz(bits));
-                        if (k == i || (wraps_ && !isNear(home, now_.homes[k]))) continue;
-                        const Body& met = now_.bodies[k];
-                        if (met.x == body.x && met.y == body.y && met.z == body.z) {
-                            part(i, k);
-                            run.coincides = true;
-                        }
-                        run.ids.push_back(k);
-                    }
-                }
-            });
-        }
-        while (run.ids.size() % 8 != 0) run.ids.push_back(i);
-        run.ends.push_back(static_cast<std::uint32_t>(run.ids.size()));
+        i = end;
     }
     // By kind, radius and slot: bits of positive floats are in the order of their values.
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
