@@ -232,6 +232,8 @@ TEST_CASE("memory told is memory taken", "[needs][.slow]") {
           "pack box:60,60,60 --radius constant:0.3 -o contacts:" + folder.file("c.csv"),
           "pack " + ball + " --radius uniform:0.3,0.6", "pack " + ball + " --target-count 5e5",
           "pack " + ball + " --radius constant:2 --voxel 0.1",
+          std::string("pack box:100,100,100 --radius uniform:0.4,0.8 --densify 0.64"),
+          "pack " + ball + " --radius uniform:0.4,0.8 --densify 0.64",
           std::string("voids box:60,60,60 --voids boolean --target-bvtv 0.3 --void-radius "
                       "constant:1 --void-voxel 0.15")}) {
         CAPTURE(line);
