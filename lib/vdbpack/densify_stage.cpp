@@ -38,6 +38,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     options.gap = setting.gap;
     options.seed = setting.seed;
     options.fixed = setting.fixed;
+    options.regions = pack.region;
     auto result = densify(domain, pack.spheres, options, callbacks);
     const std::size_t before = pack.spheres.size();
     told.before = result.before;
@@ -55,6 +56,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     result.spheres.resize(before);
     pack.spheres = std::move(result.spheres);
     pack = appended(std::move(pack), added.spheres);
+    if (!result.regions.empty()) pack.region = std::move(result.regions);
     if (result.interrupted)
         report.interrupted = true;
     else if (!result.apart)

@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <fstream>
 
 using namespace vdbpack;
@@ -146,6 +147,28 @@ TEST_CASE("densify takes packs of other programs, with their names and columns",
     const auto again = vdbPack("densify --config " + folder.file("r.recipe.toml"));
     CAPTURE(again.text);
     CHECK(again.code == 0);
+}
+
+TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]") {
+    const TemporaryFolder folder;
+    auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
+    recipe.voids.shell = 4;
+    recipe.outputs = {folder.file("p.csv")};
+    const auto before = std::get<Pack<3>>(runPack(recipe).pack);
+    const auto run = vdbPack("densify " + folder.file("p.csv") +
+                             " --domain box:24,24,24 --densify 0.61 -o " + folder.file("q.csv"));
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+    const auto pack = readPack(folder.file("q.csv"));
+    const std::size_t n = before.spheres.size();
+    REQUIRE(pack.region.size() == pack.spheres.size());
+    REQUIRE(pack.spheres.size() > n + 10);
+    CHECK(std::equal(before.region.begin(), before.region.end(), pack.region.begin()));
+    for (const std::int32_t region : {0, 1}) {
+        CAPTURE(region);
+        CHECK(std::count(pack.region.begin() + static_cast<std::ptrdiff_t>(n), pack.region.end(),
+                         region) > 0);
+    }
 }
 
 TEST_CASE("a pack that does not come apart is written as it was, with exit code 1",

@@ -196,6 +196,39 @@ TEST_CASE("fixed spheres stay where they are, and the others keep off them", "[d
     checkSound(result.spheres, *domain);
 }
 
+TEST_CASE("spheres keep to their regions, and those added are like them", "[densify]") {
+    // Small ones below, large ones above, which a front has not laid at one time.
+    const auto lower = boxDomain<3>({{{-12, -12, -12}}, {{12, 12, 0}}});
+    const auto upper = boxDomain<3>({{{-12, -12, 0}}, {{12, 12, 12}}});
+    const auto domain = box<3>(24);
+    auto spheres = front<3>(*lower, "uniform:0.6,0.9");
+    const std::size_t below = spheres.size();
+    const auto large = front<3>(*upper, "uniform:0.8,1.2");
+    spheres.insert(spheres.end(), large.begin(), large.end());
+    auto options = to<3>(solidFraction(spheres, *domain) + 0.02, "");
+    for (std::size_t i = 0; i < spheres.size(); ++i) options.regions.push_back(i < below ? 7 : -1);
+    const auto result = densify<3>(*domain, spheres, options);
+    CHECK(result.reached);
+    checkSound(result.spheres, *domain);
+    checkRadii(spheres, result.spheres);
+    REQUIRE(result.regions.size() == result.spheres.size());
+    CHECK(std::equal(options.regions.begin(), options.regions.end(), result.regions.begin()));
+    double added[2] = {0, 0};
+    for (std::size_t i = 0; i < result.spheres.size(); ++i) {
+        const auto& s = result.spheres[i];
+        const bool isBelow = result.regions[i] == 7;
+        // Nothing came farther across the plane between the two than a diameter.
+        CHECK((isBelow ? s.center[2] : -s.center[2]) < 2);
+        if (i < spheres.size()) continue;
+        CHECK(s.radius >= (isBelow ? 0.6 : 0.8));
+        CHECK(s.radius <= (isBelow ? 0.9 : 1.2));
+        added[isBelow ? 0 : 1] += Measure<3>::ball(s.radius);
+    }
+    CHECK(added[0] / added[1] == Approx(1).epsilon(0.3));
+    options.regions.pop_back();
+    CHECK_THROWS_AS(densify<3>(*domain, spheres, options), ParameterError);
+}
+
 TEST_CASE("a gap is kept while a pack gets denser", "[densify]") {
     const double gap = 0.1;
     const auto domain = ballDomain<3>(15);

@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <limits>
+#include <map>
 #include <memory>
 #include <utility>
 
@@ -107,11 +109,21 @@ public:
         if (!(volume_ > 0)) throw InputError("densify: the domain has no volume");
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
+        if (!options.regions.empty() && options.regions.size() != spheres.size())
+            throw ParameterError(fmt::format("densify: {} regions are given for {} {}",
+                                             options.regions.size(), spheres.size(),
+                                             Measure<Dim>::kSpheres));
         result_.spheres = spheres;
+        result_.regions = options.regions;
         result_.before = fractionOf(result_.spheres);
-        for (std::size_t i = options.fixed; i < spheres.size(); ++i)
+        for (std::size_t i = options.fixed; i < spheres.size(); ++i) {
             radii_.push_back(spheres[i].radius);
+            Region& region = regions_[options.regions.empty() ? 0 : options.regions[i]];
+            region.radii.push_back(spheres[i].radius);
+            region.volume += Measure<Dim>::ball(spheres[i].radius);
+        }
         std::sort(radii_.begin(), radii_.end());
+        for (auto& [id, region] : regions_) std::sort(region.radii.begin(), region.radii.end());
         double sum = 0, squares = 0;
         for (const double r : radii_) sum += r;
         const double mean = sum / static_cast<double>(radii_.size());
@@ -182,10 +194,11 @@ private:
         return k;
     }
 
-    double quantile(double u) const {
+    /// @param radii  sorted; where no distribution is given, they are it.
+    double quantile(const std::vector<double>& radii, double u) const {
         if (options_.sizes) return options_.sizes->quantile(u);
-        const auto n = radii_.size();
-        return radii_[std::min(n - 1, static_cast<std::size_t>(u * static_cast<double>(n)))];
+        const auto n = radii.size();
+        return radii[std::min(n - 1, static_cast<std::size_t>(u * static_cast<double>(n)))];
     }
 
     /// Where the radii of the spheres that move lie in the distribution, each 0 to 1 and counted in
@@ -230,18 +243,56 @@ private:
         return want;
     }
 
-    /// Radii of spheres that bring the fraction from what it is to `fraction`, in random order.
-    std::vector<double> furtherRadii(double fraction) {
+    /// Spheres to be added.
+    struct Further {
+        std::vector<double> radii;
+        std::vector<std::int32_t> regions;  ///< empty: all are of one
+    };
+
+    /// What brings the fraction from what it is to `fraction`, in random order.
+    Further further(double fraction) const {
         const double volume = (fraction - reachedFraction()) * volume_;
+        RandomStream random(options_.seed ^ 0x64656e73696679ull,
+                            static_cast<std::uint64_t>(result_.stages));
+        Further all;
+        if (options_.regions.empty()) {
+            all.radii = furtherRadii(volume, radii_, random);
+            return all;
+        }
+        double sum = 0;
+        for (const auto& [id, region] : regions_) sum += region.volume;
+        if (options_.sizes) {
+            all.radii = furtherRadii(volume, radii_, random);
+            for (std::size_t k = 0; k < all.radii.size(); ++k) {
+                double rest = random.uniform() * sum;
+                auto at = regions_.begin();
+                while (rest >= at->second.volume && std::next(at) != regions_.end())
+                    rest -= (at++)->second.volume;
+                all.regions.push_back(at->first);
+            }
+            return all;
+        }
+        for (const auto& [id, region] : regions_) {
+            const auto radii = furtherRadii(volume * region.volume / sum, region.radii, random);
+            all.radii.insert(all.radii.end(), radii.begin(), radii.end());
+            all.regions.resize(all.radii.size(), id);
+        }
+        return all;
+    }
+
+    /// Radii that sum up to a volume, in random order. @param own  as for `quantile`.
+    std::vector<double> furtherRadii(double volume, const std::vector<double>& own,
+                                     RandomStream& random) const {
         if (!(volume > 0)) return {};
+        const auto ballAt = [&](std::size_t bin) {
+            return Measure<Dim>::ball(quantile(own, (static_cast<double>(bin) + 0.5) / kBins));
+        };
         double mean = 0;
         for (std::size_t b = 0; b < kBins; ++b) mean += ballAt(b) / kBins;
         if (volume / mean > 2e9)
             throw ResourceError(
                 fmt::format("densify: about {:.3g} further {} are too many; ask for larger ones",
                             volume / mean, Measure<Dim>::kSpheres));
-        RandomStream random(options_.seed ^ 0x64656e73696679ull,
-                            static_cast<std::uint64_t>(result_.stages));
         // Which sizes are missing depends on how many there will be, and the other way round.
         double count = volume / mean;
         std::vector<double> want;
@@ -257,21 +308,17 @@ private:
         for (std::size_t b = 0; b < kBins; ++b)
             for (due += want[b]; due >= 1; due -= 1) {
                 const double u = (static_cast<double>(b) + random.uniform()) / kBins;
-                radii.push_back(quantile(u));
+                radii.push_back(quantile(own, u));
                 placed += Measure<Dim>::ball(radii.back());
             }
         while (placed < volume) {
-            radii.push_back(quantile(random.uniform()));
+            radii.push_back(quantile(own, random.uniform()));
             placed += Measure<Dim>::ball(radii.back());
         }
         for (std::size_t k = radii.size(); k > 1; --k)
             std::swap(radii[k - 1], radii[random.bits() % k]);
         return radii;
     }
-    double ballAt(std::size_t bin) const {
-        return Measure<Dim>::ball(quantile((static_cast<double>(bin) + 0.5) / kBins));
-    }
-
     /// Moves spheres at random, within the domain: what a front of equal ones laid in rows along
     /// the wall is disordered again.
     void stir(std::vector<Sphere<Dim>>& spheres) const {
@@ -293,19 +340,21 @@ private:
     /// kept. @return whether it did.
     bool attempt(double fraction, std::size_t first) {
         std::vector<Sphere<Dim>> spheres = result_.spheres;
-        if (auto radii = furtherRadii(fraction); !radii.empty()) {
-            Relaxation<Dim> standing(*domain_, withShell(spheres), options_.fixed, {},
+        std::vector<std::int32_t> regions = result_.regions;
+        if (const Further added = further(fraction); !added.radii.empty()) {
+            Relaxation<Dim> standing(*domain_, withShell(spheres), options_.fixed, regions,
                                      options_.seed);
-            const auto places =
-                standing.roomiestPlaces(radii, static_cast<std::uint64_t>(result_.stages));
+            const auto places = standing.roomiestPlaces(added.radii, added.regions,
+                                                        static_cast<std::uint64_t>(result_.stages));
             spheres.insert(spheres.end(), places.begin(), places.end());
+            regions.insert(regions.end(), added.regions.begin(), added.regions.end());
             if (paces_ == &kNarrowPaces) stir(spheres);
         }
         ++result_.stages;
         for (std::size_t k = first; k < paces_->size(); ++k) {
             const RelaxationPace& pace = (*paces_)[k].pace;
             // From the beginning each time: what has jammed does not come loose any more.
-            Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, {},
+            Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
                                        options_.seed + static_cast<std::uint64_t>(result_.stages));
             const int steps = static_cast<int>(kMemories / (1 - pace.inertia));
             Jam jam(pace);
@@ -326,6 +375,7 @@ private:
                 const auto moved = relaxation.spheres();
                 for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
                 result_.spheres = std::move(spheres);
+                result_.regions = std::move(regions);
                 return result_.apart = true;
             }
         }
@@ -344,7 +394,13 @@ private:
     double shell_;
     std::unique_ptr<Domain<Dim>> inset_;
     const Domain<Dim>* domain_ = nullptr;
+    /// What moves of a region: radii, sorted, mm; and their volume, mm^Dim.
+    struct Region {
+        std::vector<double> radii;
+        double volume = 0;
+    };
     std::vector<double> radii_;  ///< of the spheres that move, sorted, mm
+    std::map<std::int32_t, Region> regions_;
     const Paces* paces_ = &kPaces;
     DensifyResult<Dim> result_;
 };

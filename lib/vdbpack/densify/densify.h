@@ -21,6 +21,10 @@ struct DensifyOptions {
     double gap = 0;          ///< least distance between spheres, and of spheres to the wall, mm
     std::uint64_t seed = 1;  ///< another seed, another pack of the same kind
     std::size_t fixed = 0;   ///< the first spheres, which stay where they are
+    /// Regions of the spheres; empty: all are of one. Spheres change places within their region
+    /// only, and those that are added are put beside spheres of theirs, as many as its share of
+    /// the volume; without `sizes` their radii are those of the region.
+    std::vector<std::int32_t> regions;
 };
 
 template <int Dim>
@@ -28,9 +32,10 @@ struct DensifyResult {
     /// The spheres given, in their order, then those added. No two overlap and none crosses the
     /// wall, but for the fixed ones among themselves, if `apart`.
     std::vector<Sphere<Dim>> spheres;
-    bool apart = false;            ///< false: not even the pack as given came apart
-    bool reached = false;          ///< the fraction asked for
-    bool interrupted = false;      ///< cancelled: what is given is the last that was apart
+    std::vector<std::int32_t> regions;  ///< of all of them, if they were given
+    bool apart = false;                 ///< false: not even the pack as given came apart
+    bool reached = false;               ///< the fraction asked for
+    bool interrupted = false;           ///< cancelled: what is given is the last that was apart
     double before = 0, after = 0;  ///< solid fractions (of spheres that may overlap: their sum)
     std::uint64_t steps = 0;       ///< of the relaxation, all stages together
     int stages = 0;                ///< insertions

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 namespace vdbpack {
 
@@ -32,15 +33,30 @@ float room(const std::vector<Body>& bodies, const Body& at) {
 
 template <int Dim>
 std::vector<Sphere<Dim>> Relaxation<Dim>::roomiestPlaces(const std::vector<double>& radii,
+                                                         const std::vector<std::int32_t>& regions,
                                                          std::uint64_t salt) {
     std::vector<Sphere<Dim>> places(radii.size());
     if (!ready_) return places;
-    const auto slots = static_cast<double>(now_.labels.size());
+    // The slots of each region in the order of the cells, how many are put beside them, and each
+    // one's number among those.
+    struct Region {
+        std::vector<std::uint32_t> slots;
+        std::size_t added = 0;
+    };
+    std::map<std::int32_t, Region> all;
+    const bool apart = !regions.empty() && !regions_.empty();
+    for (std::uint32_t slot = 0; slot < now_.labels.size(); ++slot)
+        all[apart ? regions_[now_.labels[slot]] : 0].slots.push_back(slot);
+    std::vector<std::size_t> numbers(radii.size());
+    for (std::size_t k = 0; k < radii.size(); ++k) numbers[k] = all[apart ? regions[k] : 0].added++;
     const auto work = [&](std::size_t k, DomainSampler<Dim>& sampler, std::vector<Body>& around) {
         RandomStream random(seed_ ^ mix64(salt), k);
         // Beside spheres at equal distances in the order of the cells: as many wherever they lie.
-        const auto slot = static_cast<std::size_t>((static_cast<double>(k) + random.uniform()) /
-                                                   static_cast<double>(radii.size()) * slots);
+        const Region& region = all.at(apart ? regions[k] : 0);
+        const auto place = static_cast<std::size_t>(
+            (static_cast<double>(numbers[k]) + random.uniform()) /
+            static_cast<double>(region.added) * static_cast<double>(region.slots.size()));
+        const std::uint32_t slot = region.slots[place];
         const Body& anchor = now_.bodies[slot];
         const Home& home = now_.homes[slot];
         const double radius = radii[k] / quantum_;
@@ -77,8 +93,10 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::roomiestPlaces(const std::vector<doubl
 }
 
 template std::vector<Sphere<2>> Relaxation<2>::roomiestPlaces(const std::vector<double>&,
+                                                              const std::vector<std::int32_t>&,
                                                               std::uint64_t);
 template std::vector<Sphere<3>> Relaxation<3>::roomiestPlaces(const std::vector<double>&,
+                                                              const std::vector<std::int32_t>&,
                                                               std::uint64_t);
 
 }  // namespace vdbpack

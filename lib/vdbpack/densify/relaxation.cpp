@@ -92,11 +92,11 @@ void Relaxation<Dim>::Slots::resize(std::size_t n) {
 
 template <int Dim>
 Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
-                            std::size_t fixed, const std::vector<std::uint8_t>& kinds,
+                            std::size_t fixed, const std::vector<std::int32_t>& regions,
                             std::uint64_t seed)
     : quantum_(quantumOf(spheres)),
       given_(spheres),
-      kinds_(kinds),
+      regions_(regions),
       fixed_(static_cast<std::uint32_t>(fixed)),
       seed_(seed),
       walls_(domain, quantum_) {
@@ -430,12 +430,13 @@ void Relaxation<Dim>::listRun(Run& run) {
         }
         i = end;
     }
-    // By kind, radius and slot: bits of positive floats are in the order of their values.
+    // By region, radius and slot: bits of positive floats are in the order of their values.
     std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
     keys.reserve(run.ranks.size());
     for (const std::uint32_t slot : run.ranks) {
-        const std::uint64_t kind = kinds_.empty() ? 0 : kinds_[now_.labels[slot]];
-        keys.emplace_back(kind << 32 | bitsAs<std::uint32_t>(now_.bodies[slot].radius), slot);
+        const std::uint64_t region =
+            regions_.empty() ? 0 : static_cast<std::uint32_t>(regions_[now_.labels[slot]]);
+        keys.emplace_back(region << 32 | bitsAs<std::uint32_t>(now_.bodies[slot].radius), slot);
     }
     std::sort(keys.begin(), keys.end());
     for (std::size_t k = 0; k < keys.size(); ++k) run.ranks[k] = keys[k].second;

@@ -36,11 +36,11 @@ class Relaxation {
 public:
     /// @param spheres  to be relaxed; radii and centers in mm.
     /// @param fixed    the first of them that stay where they are.
-    /// @param kinds    spheres change places with those of the same kind only; empty: all are.
+    /// @param regions  of the spheres: they change places within their own only; empty: one.
     /// @param domain   must outlive this.
     /// @throws ResourceError above 2^31 spheres.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
-               std::size_t fixed, const std::vector<std::uint8_t>& kinds, std::uint64_t seed);
+               std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed);
     ~Relaxation();
     Relaxation(const Relaxation&) = delete;
     Relaxation& operator=(const Relaxation&) = delete;
@@ -59,7 +59,10 @@ public:
 
     /// A place for each of further spheres, of some that are drawn all over that which has most
     /// room; they overlap others, and one another. Radii in mm.
-    std::vector<Sphere<Dim>> roomiestPlaces(const std::vector<double>& radii, std::uint64_t salt);
+    /// @param regions  of each, beside whose spheres it is put; empty: wherever.
+    std::vector<Sphere<Dim>> roomiestPlaces(const std::vector<double>& radii,
+                                            const std::vector<std::int32_t>& regions,
+                                            std::uint64_t salt);
 
     /// The spheres in the order in which they were given, at their places now; whole multiples of
     /// `quantum` but for the fixed ones.
@@ -94,9 +97,9 @@ private:
         std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
         std::vector<WallPlane> planes;    ///< walls that are near
         std::vector<std::uint32_t> planeEnds;  ///< of each slot's in `planes`
-        std::vector<std::uint32_t> ranks;      ///< slots that may change places, by kind and radius
-        float worst = 0;                       ///< largest (r_i + r_j) (1 + delta) / d - 1
-        float fastest = 0;                     ///< largest squared step, quanta²
+        std::vector<std::uint32_t> ranks;  ///< slots that may change places, by region and radius
+        float worst = 0;                   ///< largest (r_i + r_j) (1 + delta) / d - 1
+        float fastest = 0;                 ///< largest squared step, quanta²
         bool coincides = false;  ///< two of its spheres were on the same spot when lists were made
         float grown = 0;         ///< most that a radius has grown since the list was made
     };
@@ -183,12 +186,12 @@ private:
     bool isFixed(std::uint32_t label) const { return label < fixed_; }
     /// Whether the spheres in two slots may change places.
     bool isAlike(std::uint32_t a, std::uint32_t b) const {
-        return kinds_.empty() || kinds_[now_.labels[a]] == kinds_[now_.labels[b]];
+        return regions_.empty() || regions_[now_.labels[a]] == regions_[now_.labels[b]];
     }
 
     double quantum_;  ///< mm
     std::vector<Sphere<Dim>> given_;
-    std::vector<std::uint8_t> kinds_;
+    std::vector<std::int32_t> regions_;
     std::uint32_t fixed_;
     std::uint64_t seed_;
     std::uint64_t clock_ = 0;        ///< steps in all
