@@ -265,6 +265,24 @@ TEST_CASE("what is wrong with a .vdb file is told with its place", "[domain]") {
     }
 }
 
+TEST_CASE("a grid that is told to be half floats and not to be is refused", "[domain]") {
+    // OpenVDB would take values of one kind for the other, and lose a node's memory on the way.
+    const Files files;
+    const bool asHalf = GENERATE(false, true);
+    const auto grid = ball();
+    grid->setSaveFloatAsHalf(asHalf);
+    std::string content = contentOf(files.save({grid}, openvdb::io::COMPRESS_BLOSC));
+    const std::string name = openvdb::GridBase::META_SAVE_HALF_FLOAT;
+    const std::size_t at = content.find(name);
+    REQUIRE(at != std::string::npos);
+    // Then the type, "bool", and its size, each with a length before it.
+    char& value = content[at + name.size() + 4 + 4 + 4];
+    REQUIRE(value == (asHalf ? 1 : 0));
+    CHECK_NOTHROW(checkVdbFile(files.put(content)));
+    value = asHalf ? 0 : 1;
+    CHECK_THROWS_WITH(checkVdbFile(files.put(content)), Contains("half floats"));
+}
+
 TEST_CASE("a level set of a few huge active tiles is refused, not contoured", "[domain]") {
     const Files files;
     const auto grid = ball();

@@ -19,6 +19,7 @@
 #include <exception>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -236,7 +237,13 @@ private:
             bytes_.fail(fmt::format("a grid from byte {} to byte {}", begin, end));
 
         compression_ = bytes_.get<std::uint32_t>("the compression of a grid");
-        checkMetadata();
+        // OpenVDB goes by the metadata, if they say it.
+        std::optional<bool> savedAsHalf;
+        checkMetadata(&savedAsHalf);
+        if (savedAsHalf.value_or(half) != half)
+            bytes_.fail(
+                "a grid of which it is told twice, but not alike, whether its values are "
+                "half floats");
         checkMap(/*nested=*/false);
         const auto known = std::find_if(std::begin(kValueTypes), std::end(kValueTypes),
                                         [&type](const ValueType& t) { return type == t.tree; });
@@ -258,11 +265,11 @@ private:
 
     // ---- metadata ------------------------------------------------------------------------------
 
-    void checkMetadata() {
+    void checkMetadata(std::optional<bool>* savedAsHalf = nullptr) {
         const auto count = bytes_.get<std::uint32_t>("metadata");
         if (count > bytes_.left() / 12) bytes_.fail(fmt::format("{} metadata", count));
         for (std::uint32_t i = 0; i < count; ++i) {
-            bytes_.text("the name of metadata");
+            const std::string name = bytes_.text("the name of metadata");
             const std::string type = bytes_.text("the type of metadata");
             const auto size = bytes_.get<std::uint32_t>("the size of metadata");
             if (size > bytes_.left())
@@ -277,6 +284,11 @@ private:
                 openvdb::Metadata::createMetadata(type)->size() != size)
                 bytes_.fail(
                     fmt::format("metadata of type {} in {} bytes", type.substr(0, 40), size));
+            if (savedAsHalf && name == "is_saved_as_half_float") {
+                if (type != "bool") bytes_.fail("metadata of half floats that are no bool");
+                *savedAsHalf = bytes_.get<std::uint8_t>("metadata") != 0;
+                continue;
+            }
             bytes_.skip(size, "metadata");
         }
     }
