@@ -9,6 +9,7 @@
 #include <catch2/catch.hpp>
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>
+#include <openvdb/tools/LevelSetSphere.h>
 
 #include <cmath>
 #include <cstdint>
@@ -283,11 +284,17 @@ TEST_CASE("a grid that is told to be half floats and not to be is refused", "[do
     CHECK_THROWS_WITH(checkVdbFile(files.put(content)), Contains("half floats"));
 }
 
-TEST_CASE("a level set of a few huge active tiles is refused, not contoured", "[domain]") {
+TEST_CASE("a level set whose surface runs between large active tiles is refused, not contoured",
+          "[domain]") {
     const Files files;
     const auto grid = ball();
-    for (int i = 1; i < 40; ++i)
-        grid->tree().root().addTile(openvdb::Coord(4096 * i, 0, 0), -1.0f, /*state=*/true);
+    SECTION("of 4096 voxels a side") {
+        grid->tree().root().addTile(openvdb::Coord(4096, 0, 0), -1.0f, /*state=*/true);
+    }
+    SECTION("of 128 voxels, amid inactive ones") {
+        for (int i = 0; i < 8; ++i)
+            grid->tree().addTile(2, openvdb::Coord(256 * i, 512, 0), -1.0f, /*active=*/true);
+    }
     const std::string path = files.save({grid}, openvdb::io::COMPRESS_ZIP);
     CHECK_NOTHROW(checkVdbFile(path));
     try {
@@ -296,6 +303,26 @@ TEST_CASE("a level set of a few huge active tiles is refused, not contoured", "[
     } catch (const InputError& e) {
         CHECK_THAT(e.what(), Contains(path) && Contains("active tiles"));
     }
+}
+
+TEST_CASE("a level set whose inside is active has the contour of its narrow band", "[domain]") {
+    openvdb::initialize();
+    const Files files;
+    const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
+        200.0f, openvdb::Vec3f(0), 1.0f, 3.0f);
+    const TriangleMesh narrow =
+        levelSetMesh(files.save({grid}, openvdb::io::COMPRESS_ACTIVE_MASK), "", 1);
+    std::size_t large = 0;
+    for (auto value = grid->beginValueOff(); value; ++value) {
+        if (*value > 0) continue;
+        large += value.getBoundingBox().dim().x() == 128;
+        value.setActiveState(true);
+    }
+    REQUIRE(large > 0);
+    const TriangleMesh filled =
+        levelSetMesh(files.save({grid}, openvdb::io::COMPRESS_ACTIVE_MASK), "", 1);
+    CHECK(filled.triangles.size() == narrow.triangles.size());
+    CHECK(filled.vertices.size() == narrow.vertices.size());
 }
 
 TEST_CASE("an inactive value that is not finite is found before contouring", "[domain]") {

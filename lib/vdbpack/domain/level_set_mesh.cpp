@@ -54,16 +54,28 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
     return grid;
 }
 
-/// Whether contouring takes no more than a level set of its size is worth: along the faces of
-/// active tiles it makes a leaf for each 8 x 8 voxels, and a tile may have 4096 a side.
+/// Whether contouring takes no more than a level set of its size is worth. A side of an active tile
+/// that is no wall costs nothing; one whose neighbor has the other sign, or is finer, becomes a
+/// leaf for each 8 x 8 voxels, and a tile may have 4096 a side.
 bool isCheapToContour(const FloatGrid& grid) {
-    const double most = 1e5 + 16.0 * static_cast<double>(grid.tree().leafCount());
+    const double most = 4096 + 16.0 * static_cast<double>(grid.tree().leafCount());
+    const auto values = grid.getConstAccessor();
     double leaves = 0;
     auto tile = grid.cbeginValueOn();
     tile.setMaxDepth(FloatGrid::ValueOnCIter::LEAF_DEPTH - 1);
     for (; tile; ++tile) {
-        const double side = tile.getBoundingBox().dim().x() / 8.0;
-        leaves += 6 * side * side;
+        const openvdb::CoordBBox box = tile.getBoundingBox();
+        const int depth = values.getValueDepth(box.min());
+        const double side = box.dim().x() / 8.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const int step : {-1, 1}) {
+                openvdb::Coord beside = step < 0 ? box.min() : box.max();
+                beside[axis] += step;
+                const bool isWorked = values.getValueDepth(beside) > depth ||
+                                      (values.getValue(beside) < 0) != (*tile < 0);
+                if (isWorked) leaves += side * side;
+            }
+        }
         if (leaves > most) return false;
     }
     return true;
@@ -93,8 +105,8 @@ auto withLevelSet(const std::string& path, const std::string& gridName, double s
                 path, grid->getName(), grid->background()));
         if (!isCheapToContour(*grid))
             throw InputError(fmt::format(
-                "{}: most of level set '{}' is large active tiles, where it is a narrow band of "
-                "voxels; rebuild it as a level set",
+                "{}: the surface of level set '{}' runs between large active tiles, where it lies "
+                "in a narrow band of voxels; rebuild it as a level set",
                 path, grid->getName()));
         // Contouring looks at inactive neighbors too.
         for (auto value = grid->cbeginValueAll(); value; ++value)
