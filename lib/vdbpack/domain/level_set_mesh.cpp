@@ -12,6 +12,7 @@
 #include <cmath>
 #include <exception>
 #include <new>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,13 +26,13 @@ using openvdb::FloatGrid;
 FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName) {
     openvdb::io::File file(path);
     file.open(/*delayLoad=*/false);
-    std::string chosen;
+    std::optional<std::string> chosen;  // may be nameless
     std::string names;
     const auto headers = file.readAllGridMetadata();
     for (const auto& header : *headers) {
         const std::string name = header->getName();
         names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
-        if (!chosen.empty() || (!gridName.empty() && name != gridName)) continue;
+        if (chosen || (!gridName.empty() && name != gridName)) continue;
         const bool isFloat = header->isType<FloatGrid>();
         const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
         if (isFloat && isLevelSet) {
@@ -43,14 +44,14 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
                 openvdb::GridBase::gridClassToString(header->getGridClass())));
         }
     }
-    if (chosen.empty())
+    if (!chosen)
         throw InputError(fmt::format(
             "{}: no level set {}; the grids in it are: {}; name one "
             "with --grid",
             path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
             names.empty() ? "none" : names));
-    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(chosen));
-    if (!grid) throw InputError(fmt::format("{}: grid '{}' cannot be read", path, chosen));
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
+    if (!grid) throw InputError(fmt::format("{}: grid '{}' cannot be read", path, *chosen));
     return grid;
 }
 
