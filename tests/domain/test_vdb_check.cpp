@@ -282,6 +282,13 @@ TEST_CASE("a grid that is told to be half floats and not to be is refused", "[do
     CHECK_NOTHROW(checkVdbFile(files.put(content)));
     value = asHalf ? 0 : 1;
     CHECK_THROWS_WITH(checkVdbFile(files.put(content)), Contains("half floats"));
+    // Half floats by the header alone.
+    value = asHalf ? 1 : 0;
+    content[at] = 'I';
+    if (asHalf)
+        CHECK_THROWS_WITH(checkVdbFile(files.put(content)), Contains("half floats"));
+    else
+        CHECK_NOTHROW(checkVdbFile(files.put(content)));
 }
 
 TEST_CASE("a level set whose surface runs between large active tiles is refused, not contoured",

@@ -19,7 +19,6 @@
 #include <exception>
 #include <limits>
 #include <map>
-#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -237,10 +236,10 @@ private:
             bytes_.fail(fmt::format("a grid from byte {} to byte {}", begin, end));
 
         compression_ = bytes_.get<std::uint32_t>("the compression of a grid");
-        // OpenVDB goes by the metadata, if they say it.
-        std::optional<bool> savedAsHalf;
+        // OpenVDB goes by the metadata, and where they do not say it, values are not.
+        bool savedAsHalf = false;
         checkMetadata(&savedAsHalf);
-        if (savedAsHalf.value_or(half) != half)
+        if (savedAsHalf != half)
             bytes_.fail(
                 "a grid of which it is told twice, but not alike, whether its values are "
                 "half floats");
@@ -265,7 +264,7 @@ private:
 
     // ---- metadata ------------------------------------------------------------------------------
 
-    void checkMetadata(std::optional<bool>* savedAsHalf = nullptr) {
+    void checkMetadata(bool* savedAsHalf = nullptr) {
         const auto count = bytes_.get<std::uint32_t>("metadata");
         if (count > bytes_.left() / 12) bytes_.fail(fmt::format("{} metadata", count));
         for (std::uint32_t i = 0; i < count; ++i) {
