@@ -144,6 +144,11 @@ void addDensified(Summary& out, const Report& r, const char* spheres) {
              fmt::format("{} that one touches within 0.1, 1 and 5 % of the smaller radius: "
                          "{:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
                          spheres, after[0], after[1], after[2], before[0], before[1], before[2]));
+    constexpr double kNextTolerance = Report::Densified::kContactTolerances[1];
+    if (r.contactTolerance < kNextTolerance)
+        out.line("", fmt::format("contacts and bonds of densified {} want a wider tolerance: "
+                                 "--contact-tol {:.2g}",
+                                 spheres, kNextTolerance));
     out.line("", fmt::format("{:.2g} % lie as in a crystal (bond order)", 100 * *d.solidLike));
 }
 
