@@ -1,8 +1,10 @@
-// Threads: how many a computation may use.
+// Threads: how many a computation may use, and the plainest use of them.
 #pragma once
 
+#include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <cstddef>
@@ -19,6 +21,16 @@ auto withThreads(int threads, Work work) {
                                       static_cast<std::size_t>(count));
     tbb::task_arena arena(count);
     return arena.execute(work);
+}
+
+/// Calls `work(i)` for 0 <= i < n, thousands in a task: for work of a few nanoseconds each.
+template <class Work>
+void forAll(std::size_t n, const Work& work) {
+    constexpr std::size_t kGrain = 4096;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                          for (std::size_t i = part.begin(); i < part.end(); ++i) work(i);
+                      });
 }
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #if defined(__AVX2__)
@@ -20,6 +21,22 @@ struct alignas(16) Body {
     float radius = 0;
 };
 static_assert(sizeof(Body) == 16);
+
+/// A whole position, in quanta.
+using Home = std::array<std::int64_t, 3>;
+
+/// The low bits of a coordinate, as a `Body` has them.
+inline std::uint32_t lowBits(std::int64_t v) {
+    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(v));
+}
+
+/// Whether low bits tell how far apart two positions are.
+inline bool isNear(const Home& a, const Home& b) {
+    for (std::size_t d = 0; d < 3; ++d)
+        if (a[d] - b[d] > (std::int64_t(1) << 30) || b[d] - a[d] > (std::int64_t(1) << 30))
+            return false;
+    return true;
+}
 
 using Float8 [[gnu::vector_size(32)]] = float;
 using Int8 [[gnu::vector_size(32)]] = std::int32_t;

@@ -1,6 +1,7 @@
 #include "vdbpack/densify/relaxation.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 namespace vdbpack {
@@ -39,24 +39,11 @@ constexpr float kRoughSlide = 0.3f, kFineSlide = 0.05f;
 /// that have it change places with the least squeezed of so many smaller ones.
 constexpr float kNearlyApart = 0.01f, kStays = 0.8f;
 constexpr std::uint32_t kLooser = 100;
-/// Radii of one class of cells span this factor at most.
-constexpr double kClass = 2.2;
-
-constexpr std::size_t kGrain = 4096;
-
-template <class Work>
-void forAll(std::size_t n, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          for (std::size_t i = part.begin(); i < part.end(); ++i) work(i);
-                      });
-}
 
 /// The whole position of a body that was at `home` when its low bits were last taken.
-std::array<std::int64_t, 3> whereIs(const std::array<std::int64_t, 3>& home, const Body& body) {
+Home whereIs(const Home& home, const Body& body) {
     const auto moved = [](std::int64_t was, std::uint32_t is) {
-        return was + static_cast<std::int32_t>(
-                         is - static_cast<std::uint32_t>(static_cast<std::uint64_t>(was)));
+        return was + static_cast<std::int32_t>(is - lowBits(was));
     };
     return {moved(home[0], body.x), moved(home[1], body.y), moved(home[2], body.z)};
 }
@@ -124,8 +111,6 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
     next_.resize(n + 8);
     listedRadii_.resize(n);
     touching_.resize(n);
-    cells_.resize(n);
-    from_.resize(n);
     forAll(n, [&](std::size_t i) {
         Home& home = now_.homes[i];
         home = {};
@@ -159,133 +144,6 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
 }
 
 template <int Dim>
-void Relaxation<Dim>::layLevels() {
-    struct Extent {
-        Home lo, hi;
-        float most = 0;
-        std::size_t count = 0;
-        Extent() {
-            lo.fill(std::numeric_limits<std::int64_t>::max());
-            hi.fill(std::numeric_limits<std::int64_t>::min());
-        }
-    };
-    const std::size_t n = now_.labels.size();
-    const double ratio = static_cast<double>(most_) / static_cast<double>(smallest_);
-    const auto classes =
-        static_cast<std::size_t>(std::max(1.0, std::ceil(std::log(ratio) / std::log(kClass))));
-    const double factor = std::pow(ratio, 1 / static_cast<double>(classes)) * (1 + 1e-6);
-    levels_.assign(classes, {});
-    for (std::size_t k = 0; k < classes; ++k)
-        levels_[k].largest =
-            k + 1 == classes
-                ? most_
-                : static_cast<float>(static_cast<double>(smallest_) * std::pow(factor, k + 1));
-    tbb::enumerable_thread_specific<std::vector<Extent>> parts(classes);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, kGrain),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          auto& mine = parts.local();
-                          for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                              std::size_t k = 0;
-                              while (now_.bodies[i].radius > levels_[k].largest) ++k;
-                              Extent& e = mine[k];
-                              ++e.count;
-                              for (std::size_t d = 0; d < 3; ++d) {
-                                  e.lo[d] = std::min(e.lo[d], now_.homes[i][d]);
-                                  e.hi[d] = std::max(e.hi[d], now_.homes[i][d]);
-                              }
-                          }
-                      });
-    std::size_t cells = 0;
-    Extent whole;
-    for (std::size_t k = 0; k < classes; ++k) {
-        Extent all;
-        for (const auto& part : parts) {
-            all.count += part[k].count;
-            for (std::size_t d = 0; d < 3; ++d) {
-                all.lo[d] = std::min(all.lo[d], part[k].lo[d]);
-                all.hi[d] = std::max(all.hi[d], part[k].hi[d]);
-            }
-        }
-        Level& level = levels_[k];
-        level.firstCell = cells;
-        level.count = {0, 0, 0};
-        if (all.count == 0) continue;
-        for (std::size_t d = 0; d < 3; ++d) {
-            whole.lo[d] = std::min(whole.lo[d], all.lo[d]);
-            whole.hi[d] = std::max(whole.hi[d], all.hi[d]);
-        }
-        level.side = 2.0 * static_cast<double>(level.largest) * (1 + static_cast<double>(delta_)) +
-                     static_cast<double>(skin_);
-        // Where spheres are far between, cells that stay empty would be all there is.
-        for (;; level.side *= 1.25) {
-            double total = 1;
-            for (std::size_t d = 0; d < 3; ++d) {
-                level.low[d] = static_cast<std::int64_t>(
-                    std::floor(static_cast<double>(all.lo[d]) / level.side));
-                level.count[d] = static_cast<std::int64_t>(
-                                     std::floor(static_cast<double>(all.hi[d]) / level.side)) -
-                                 level.low[d] + 1;
-                total *= static_cast<double>(level.count[d]);
-            }
-            if (total <= 8 * static_cast<double>(all.count) + 1000) break;
-        }
-        cells += static_cast<std::size_t>(level.count[0] * level.count[1] * level.count[2]);
-    }
-    wraps_ = !isNear(whole.lo, whole.hi);
-    if (cells >= kNone)
-        throw ResourceError("densify: the spheres lie too far apart for their size");
-    starts_.resize(cells + 1);
-}
-
-template <int Dim>
-std::size_t Relaxation<Dim>::cellOf(const Level& level, const Home& home) const {
-    std::int64_t cell = 0;
-    for (std::size_t d = 3; d-- > 0;)
-        cell = cell * level.count[d] +
-               static_cast<std::int64_t>(std::floor(static_cast<double>(home[d]) / level.side)) -
-               level.low[d];
-    return level.firstCell + static_cast<std::size_t>(cell);
-}
-
-template <int Dim>
-void Relaxation<Dim>::sortIntoCells() {
-    const std::size_t n = now_.labels.size(), cells = starts_.size() - 1;
-    std::vector<std::atomic<std::uint32_t>> fill(cells);
-    forAll(n, [&](std::size_t i) {
-        std::size_t k = 0;
-        while (now_.bodies[i].radius > levels_[k].largest) ++k;
-        cells_[i] = static_cast<std::uint32_t>(cellOf(levels_[k], now_.homes[i]));
-        fill[cells_[i]].fetch_add(1, std::memory_order_relaxed);
-    });
-    std::uint32_t sum = 0;
-    for (std::size_t c = 0; c < cells; ++c) {
-        starts_[c] = sum;
-        sum += fill[c].load(std::memory_order_relaxed);
-        fill[c].store(starts_[c], std::memory_order_relaxed);
-    }
-    starts_[cells] = sum;
-    forAll(n, [&](std::size_t i) {
-        from_[fill[cells_[i]].fetch_add(1, std::memory_order_relaxed)] =
-            static_cast<std::uint32_t>(i);
-    });
-    // The order within a cell does not depend on which thread was first.
-    forAll(cells, [&](std::size_t c) {
-        if (starts_[c + 1] - starts_[c] > 1)
-            std::sort(from_.begin() + starts_[c], from_.begin() + starts_[c + 1]);
-    });
-    forAll(n, [&](std::size_t to) {
-        const std::uint32_t i = from_[to];
-        sorted_.bodies[to] = now_.bodies[i];
-        sorted_.motions[to] = now_.motions[i];
-        sorted_.homes[to] = now_.homes[i];
-        sorted_.labels[to] = now_.labels[i];
-        sorted_.places[to] = now_.places[i];
-        listedRadii_[to] = now_.bodies[i].radius;
-    });
-    std::swap(now_, sorted_);
-}
-
-template <int Dim>
 void Relaxation<Dim>::sort() {
     const std::size_t n = now_.labels.size();
     forAll(n, [&](std::size_t i) {
@@ -296,8 +154,18 @@ void Relaxation<Dim>::sort() {
         now_.places[i].roam -= std::sqrt(way);
         home = at;
     });
-    layLevels();
-    sortIntoCells();
+    wraps_ = cells_.sort(now_.homes, now_.bodies.data(), smallest_, most_,
+                         {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)});
+    forAll(n, [&](std::size_t to) {
+        const std::uint32_t i = cells_.order()[to];
+        sorted_.bodies[to] = now_.bodies[i];
+        sorted_.motions[to] = now_.motions[i];
+        sorted_.homes[to] = now_.homes[i];
+        sorted_.labels[to] = now_.labels[i];
+        sorted_.places[to] = now_.places[i];
+        listedRadii_[to] = now_.bodies[i].radius;
+    });
+    std::swap(now_, sorted_);
 }
 
 template <int Dim>
@@ -352,12 +220,12 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
         }
     }
     around.count = 0;
-    for (const Level& level : levels_) {
+    for (const auto& level : cells_.levels()) {
         if (level.count[0] == 0) continue;
         const double reach = (static_cast<double>(largest) + static_cast<double>(level.largest)) *
                                  static_cast<double>(1 + delta_) * (1 + 1e-6) +
                              static_cast<double>(skin_);
-        forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
+        cells_.forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
             around.add(now_.bodies.data(), from, to);
         });
     }
@@ -415,9 +283,9 @@ void Relaxation<Dim>::listRun(Run& run) {
     Candidates around;
     for (std::uint32_t i = run.first; i < run.last;) {
         // Those of one cell look at the same others.
-        const std::size_t cell = cells_[from_[i]];
+        const std::uint32_t cell = cells_.cellOf(i);
         std::uint32_t end = i + 1;
-        while (end < run.last && cells_[from_[end]] == cell) ++end;
+        while (end < run.last && cells_.cellOf(end) == cell) ++end;
         bool collected = false;
         for (std::uint32_t slot = i; slot < end; ++slot) {
             if (!isFixed(now_.labels[slot])) {
@@ -455,14 +323,6 @@ void Relaxation<Dim>::listPlanes(Run& run) {
         }
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
     }
-}
-
-template <int Dim>
-bool Relaxation<Dim>::isNear(const Home& a, const Home& b) const {
-    for (std::size_t d = 0; d < 3; ++d)
-        if (a[d] - b[d] > (std::int64_t(1) << 30) || b[d] - a[d] > (std::int64_t(1) << 30))
-            return false;
-    return true;
 }
 
 template <int Dim>

@@ -3,6 +3,8 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/densify/body_cells.h"
+#include "vdbpack/densify/candidates.h"
 #include "vdbpack/densify/octet.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/domain.h"
@@ -11,7 +13,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -104,56 +105,8 @@ private:
         float grown = 0;         ///< most that a radius has grown since the list was made
     };
 
-    /// Bodies side by side, component by component.
-    struct Candidates {
-        std::vector<std::uint32_t> x, y, z, slots;
-        std::vector<std::uint32_t> found;  ///< room for all of them, and eight more
-        std::vector<float> radii;
-        std::size_t count = 0;
-
-        /// Those of `all` from `first` up to `last`; whole eights are read.
-        void add(const Body* all, std::uint32_t first, std::uint32_t last) {
-            if (const std::size_t n = count + (last - first) + 8; n > slots.size())
-                for (auto* list : {&x, &y, &z, &slots, &found}) list->resize(2 * n + 8);
-            radii.resize(slots.size());
-            for (std::uint32_t j = first; j < last; j += 8) {
-                const Bodies8 b = load(all + j);
-                const std::size_t to = count + (j - first);
-                store(x.data() + to, b.x);
-                store(y.data() + to, b.y);
-                store(z.data() + to, b.z);
-                store(radii.data() + to, b.radius);
-                store(slots.data() + to, Word8{0, 1, 2, 3, 4, 5, 6, 7} + j);
-            }
-            count += last - first;
-        }
-        Word8 numbers(std::size_t at) const {
-            Word8 numbers;
-            std::memcpy(&numbers, slots.data() + at, sizeof numbers);
-            return numbers;
-        }
-        Bodies8 bodies(std::size_t at) const {
-            Bodies8 b;
-            std::memcpy(&b.x, x.data() + at, sizeof b.x);
-            std::memcpy(&b.y, y.data() + at, sizeof b.y);
-            std::memcpy(&b.z, z.data() + at, sizeof b.z);
-            std::memcpy(&b.radius, radii.data() + at, sizeof b.radius);
-            return b;
-        }
-    };
-
-    /// A grid of cells for each class of radii.
-    struct Level {
-        float largest = 0;  ///< radius, quanta
-        double side = 0;    ///< of a cell, quanta
-        std::array<std::int64_t, 3> low{}, count{};
-        std::size_t firstCell = 0;
-    };
-
-    void layLevels();
     void sort();
     void rebuild();
-    void sortIntoCells();
     void askWalls();
     void askWall(std::size_t slot);
     void listNeighbors();
@@ -163,7 +116,6 @@ private:
     void listSlot(Run& run, std::uint32_t slot, Candidates& around);
     void listPlanes(Run& run);
     bool mustRebuild();
-    bool isNear(const Home& a, const Home& b) const;
     void part(std::uint32_t slot, std::uint32_t other);
     template <bool kSqueeze>
     void stepRun(Run& run, float inertia, float cap, Body* next);
@@ -175,14 +127,9 @@ private:
     void loosen(float worst);
     bool keepsWall();
 
-    /// Calls `visit(first, last)` for the rows of slots of a level within `reach` of a box.
-    template <class Visit>
-    void forEachRow(const Level& level, const Home& low, const Home& high, double reach,
-                    const Visit& visit) const;
     /// Calls `visit(slot)` for (at least) all whose surface is closer than `reach`.
     template <class Visit>
     void forEachNear(const Home& home, double reach, const Visit& visit) const;
-    std::size_t cellOf(const Level& level, const Home& home) const;
     bool isFixed(std::uint32_t label) const { return label < fixed_; }
     /// Whether the spheres in two slots may change places.
     bool isAlike(std::uint32_t a, std::uint32_t b) const {
@@ -207,9 +154,7 @@ private:
     std::vector<float> listedRadii_;
     std::vector<float> touching_;  ///< contacts of each slot when squeezes were summed
     WallPlanes<Dim> walls_;
-    std::vector<Level> levels_;
-    std::vector<std::uint32_t> starts_;  ///< first slot of each cell
-    std::vector<std::uint32_t> cells_, from_;
+    BodyCells cells_;
     std::vector<Run> runs_;
     bool wraps_ = false;  ///< whether far spheres may have near low bits
     bool ready_ = false;
@@ -217,37 +162,13 @@ private:
 
 template <int Dim>
 template <class Visit>
-void Relaxation<Dim>::forEachRow(const Level& level, const Home& low, const Home& high,
-                                 double reach, const Visit& visit) const {
-    std::array<std::int64_t, 3> lo{}, hi{};
-    for (std::size_t d = 0; d < 3; ++d) {
-        const auto cell = [&](double at) {
-            return static_cast<std::int64_t>(std::floor(at / level.side)) - level.low[d];
-        };
-        lo[d] = std::max<std::int64_t>(0, cell(static_cast<double>(low[d]) - reach));
-        hi[d] =
-            std::min<std::int64_t>(level.count[d] - 1, cell(static_cast<double>(high[d]) + reach));
-        if (lo[d] > hi[d]) return;
-    }
-    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
-        for (std::int64_t y = lo[1]; y <= hi[1]; ++y) {
-            const auto row = level.firstCell +
-                             static_cast<std::size_t>((z * level.count[1] + y) * level.count[0]);
-            const std::uint32_t first = starts_[row + static_cast<std::size_t>(lo[0])];
-            const std::uint32_t last = starts_[row + static_cast<std::size_t>(hi[0]) + 1];
-            if (first < last) visit(first, last);
-        }
-}
-
-template <int Dim>
-template <class Visit>
 void Relaxation<Dim>::forEachNear(const Home& home, double reach, const Visit& visit) const {
-    for (const Level& level : levels_)
-        forEachRow(level, home, home, reach + static_cast<double>(level.largest),
-                   [&](std::uint32_t first, std::uint32_t last) {
-                       for (std::uint32_t j = first; j < last; ++j)
-                           if (isNear(home, now_.homes[j])) visit(j);
-                   });
+    for (const auto& level : cells_.levels())
+        cells_.forEachRow(level, home, home, reach + static_cast<double>(level.largest),
+                          [&](std::uint32_t first, std::uint32_t last) {
+                              for (std::uint32_t j = first; j < last; ++j)
+                                  if (isNear(home, now_.homes[j])) visit(j);
+                          });
 }
 
 extern template class Relaxation<2>;

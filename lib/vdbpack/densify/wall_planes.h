@@ -15,14 +15,6 @@
 
 namespace vdbpack {
 
-/// Coordinates in quanta.
-using Home = std::array<std::int64_t, 3>;
-
-/// The low bits of a coordinate, as a `Body` has them.
-inline std::uint32_t lowBits(std::int64_t v) {
-    return static_cast<std::uint32_t>(static_cast<std::uint64_t>(v));
-}
-
 /// A piece of wall: the domain lies where n (x - point) > 0.
 struct WallPlane {
     float nx = 0, ny = 0, nz = 0;

@@ -1,0 +1,139 @@
+#include "vdbpack/densify/body_cells.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+/// Radii of one level span this factor at most.
+constexpr double kClass = 2.2;
+/// Cells of a level for each of its bodies, at most; and so many in any case.
+constexpr double kCellsEach = 8, kFewCells = 1000;
+
+/// Where the bodies of a level lie.
+struct Extent {
+    Home lo, hi;
+    std::size_t count = 0;
+
+    Extent() {
+        lo.fill(std::numeric_limits<std::int64_t>::max());
+        hi.fill(std::numeric_limits<std::int64_t>::min());
+    }
+    void add(const Home& low, const Home& high) {
+        for (std::size_t d = 0; d < 3; ++d) {
+            lo[d] = std::min(lo[d], low[d]);
+            hi[d] = std::max(hi[d], high[d]);
+        }
+    }
+};
+
+}  // namespace
+
+bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, float least,
+                          float largest, Side side) {
+    const double ratio = static_cast<double>(largest) / static_cast<double>(least);
+    const auto classes =
+        static_cast<std::size_t>(std::max(1.0, std::ceil(std::log(ratio) / std::log(kClass))));
+    const double factor = std::pow(ratio, 1 / static_cast<double>(classes)) * (1 + 1e-6);
+    levels_.assign(classes, {});
+    for (std::size_t k = 0; k < classes; ++k)
+        levels_[k].largest =
+            k + 1 == classes
+                ? largest
+                : static_cast<float>(static_cast<double>(least) * std::pow(factor, k + 1));
+    tbb::enumerable_thread_specific<std::vector<Extent>> parts(classes);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, homes.size()),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                          auto& mine = parts.local();
+                          for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                              Extent& e = mine[levelOf(bodies[i].radius)];
+                              ++e.count;
+                              e.add(homes[i], homes[i]);
+                          }
+                      });
+    std::size_t cells = 0;
+    Extent whole;
+    for (std::size_t k = 0; k < classes; ++k) {
+        Extent all;
+        for (const auto& part : parts) {
+            all.count += part[k].count;
+            all.add(part[k].lo, part[k].hi);
+        }
+        Level& level = levels_[k];
+        level.firstCell = cells;
+        level.count = {0, 0, 0};
+        if (all.count == 0) continue;
+        whole.add(all.lo, all.hi);
+        level.side = side.radii * static_cast<double>(level.largest) + side.more;
+        // Where bodies are far between, cells that stay empty would be all there is.
+        for (;; level.side *= 1.25) {
+            double total = 1;
+            for (std::size_t d = 0; d < 3; ++d) {
+                const auto at = [&](std::int64_t x) {
+                    return static_cast<std::int64_t>(
+                        std::floor(static_cast<double>(x) / level.side));
+                };
+                level.low[d] = at(all.lo[d]);
+                level.count[d] = at(all.hi[d]) - level.low[d] + 1;
+                total *= static_cast<double>(level.count[d]);
+            }
+            if (total <= kCellsEach * static_cast<double>(all.count) + kFewCells) break;
+        }
+        cells += static_cast<std::size_t>(level.count[0] * level.count[1] * level.count[2]);
+    }
+    if (cells >= std::numeric_limits<std::uint32_t>::max())
+        throw ResourceError("densify: the spheres lie too far apart for their size");
+    starts_.resize(cells + 1);
+    return !isNear(whole.lo, whole.hi);
+}
+
+std::uint32_t BodyCells::cellAt(const Level& level, const Home& home) const {
+    std::int64_t cell = 0;
+    for (std::size_t d = 3; d-- > 0;)
+        cell = cell * level.count[d] +
+               static_cast<std::int64_t>(std::floor(static_cast<double>(home[d]) / level.side)) -
+               level.low[d];
+    return static_cast<std::uint32_t>(level.firstCell + static_cast<std::size_t>(cell));
+}
+
+bool BodyCells::sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
+                     Side side) {
+    const std::size_t n = homes.size();
+    const bool wraps = layLevels(homes, bodies, least, largest, side);
+    const std::size_t cells = starts_.size() - 1;
+    cells_.resize(n);
+    order_.resize(n);
+    std::vector<std::atomic<std::uint32_t>> fill(cells);
+    forAll(n, [&](std::size_t i) {
+        cells_[i] = cellAt(levels_[levelOf(bodies[i].radius)], homes[i]);
+        fill[cells_[i]].fetch_add(1, std::memory_order_relaxed);
+    });
+    std::uint32_t sum = 0;
+    for (std::size_t c = 0; c < cells; ++c) {
+        starts_[c] = sum;
+        sum += fill[c].load(std::memory_order_relaxed);
+        fill[c].store(starts_[c], std::memory_order_relaxed);
+    }
+    starts_[cells] = sum;
+    forAll(n, [&](std::size_t i) {
+        order_[fill[cells_[i]].fetch_add(1, std::memory_order_relaxed)] =
+            static_cast<std::uint32_t>(i);
+    });
+    // The order within a cell does not depend on which thread was first.
+    forAll(cells, [&](std::size_t c) {
+        if (starts_[c + 1] - starts_[c] > 1)
+            std::sort(order_.begin() + starts_[c], order_.begin() + starts_[c + 1]);
+    });
+    return wraps;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,91 @@
+// Private to densify: bodies sorted into cells, where those near a place lie side by side.
+#pragma once
+
+#include "vdbpack/densify/octet.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// A grid of cells for each class of radii, so that few small bodies share a cell and few cells
+/// are looked into for large ones. The same for any number of threads.
+class BodyCells {
+public:
+    /// Bodies of radii alike.
+    struct Level {
+        float largest = 0;  ///< radius, quanta
+        double side = 0;    ///< of a cell, quanta
+        std::array<std::int64_t, 3> low{}, count{};
+        std::size_t firstCell = 0;
+    };
+    /// Cells are `radii` times the largest radius of their level and `more` quanta wide, wider
+    /// where bodies are far between.
+    struct Side {
+        double radii = 2, more = 0;
+    };
+
+    /// Sorts `homes.size()` bodies by cell, and within a cell by their numbers.
+    /// @param bodies          their radii are read, quanta.
+    /// @param least, largest  of the radii.
+    /// @return whether low bits may take bodies that are far apart for near ones (`isNear`).
+    /// @throws ResourceError where cells would be more than 2^32.
+    bool sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
+              Side side);
+
+    /// Number of the body that comes first, second, ...
+    const std::vector<std::uint32_t>& order() const { return order_; }
+    const std::vector<Level>& levels() const { return levels_; }
+    /// Of the body at a place in the order.
+    std::uint32_t cellOf(std::size_t place) const { return cells_[order_[place]]; }
+
+    /// Calls `visit(first, last)` for the rows of places in the order that hold (at least) the
+    /// bodies of a level with centers within `reach` quanta of a box.
+    template <class Visit>
+    void forEachRow(const Level& level, const Home& low, const Home& high, double reach,
+                    const Visit& visit) const;
+
+private:
+    std::size_t levelOf(float radius) const {
+        std::size_t k = 0;
+        while (radius > levels_[k].largest) ++k;
+        return k;
+    }
+    std::uint32_t cellAt(const Level& level, const Home& home) const;
+    bool layLevels(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
+                   Side side);
+
+    std::vector<Level> levels_;
+    std::vector<std::uint32_t> starts_;  ///< first place of each cell
+    std::vector<std::uint32_t> cells_;   ///< of each body
+    std::vector<std::uint32_t> order_;
+};
+
+template <class Visit>
+void BodyCells::forEachRow(const Level& level, const Home& low, const Home& high, double reach,
+                           const Visit& visit) const {
+    std::array<std::int64_t, 3> lo{}, hi{};
+    for (std::size_t d = 0; d < 3; ++d) {
+        const auto cell = [&](double at) {
+            return static_cast<std::int64_t>(std::floor(at / level.side)) - level.low[d];
+        };
+        lo[d] = std::max<std::int64_t>(0, cell(static_cast<double>(low[d]) - reach));
+        hi[d] =
+            std::min<std::int64_t>(level.count[d] - 1, cell(static_cast<double>(high[d]) + reach));
+        if (lo[d] > hi[d]) return;
+    }
+    for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
+        for (std::int64_t y = lo[1]; y <= hi[1]; ++y) {
+            const auto row = level.firstCell +
+                             static_cast<std::size_t>((z * level.count[1] + y) * level.count[0]);
+            const std::uint32_t first = starts_[row + static_cast<std::size_t>(lo[0])];
+            const std::uint32_t last = starts_[row + static_cast<std::size_t>(hi[0]) + 1];
+            if (first < last) visit(first, last);
+        }
+}
+
+}  // namespace vdbpack
