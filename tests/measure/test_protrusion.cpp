@@ -159,6 +159,7 @@ TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[measure]") {
     spheres[700].center[2] = 1e6;
     const auto failed = checkProtrusion(spheres, mesh);
     REQUIRE(failed.spheres == 2);
+    REQUIRE(failed.centersOutside == 1);
     REQUIRE(failed.worst.size() == 2);
     REQUIRE(failed.worst[0].i == 700);
     REQUIRE(failed.worst[1].i == 0);
@@ -172,6 +173,7 @@ TEST_CASE("a pack in the wrong place is wholly outside", "[measure]") {
     for (auto& s : spheres) s.center *= 1000;
     const auto check = checkProtrusion(spheres, ballMesh(1, 4));
     REQUIRE(check.spheres == spheres.size());
+    REQUIRE(check.centersOutside == spheres.size());
     REQUIRE(check.worst.size() == kWorstNamed);
 }
 

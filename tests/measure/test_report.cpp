@@ -73,7 +73,7 @@ TEST_CASE("the report has the keys that scripts rely on", "[measure]") {
                               "eigenvalues": [0, 0, 0], "direction": [0, 0, 0]}},
       "overlap": {"max": 0, "pairs": 0},
       "gap": {"asked": 0, "min": 0},
-      "protrusion": {"max": 0, "spheres": 0},
+      "protrusion": {"max": 0, "spheres": 0, "centersOutside": 0},
       "densified": {"asked": 0.65, "before": 0, "after": 0, "inserted": 0, "steps": 0, "stages": 0,
                     "contacts": [{"tolerance": 0, "before": 0, "after": 0},
                                  {"tolerance": 0, "before": 0, "after": 0},
@@ -100,7 +100,8 @@ TEST_CASE("what was not measured is null", "[measure]") {
     for (const char* path :
          {"/spheres/ks", "/spheres/requested", "/spheres/radius/min", "/solidFraction/total",
           "/solidFraction/interior", "/contacts/mean", "/overlap/max", "/overlap/pairs",
-          "/protrusion/max", "/protrusion/spheres", "/voids/bvtv", "/domain/meshVolume"}) {
+          "/protrusion/max", "/protrusion/spheres", "/protrusion/centersOutside", "/voids/bvtv",
+          "/domain/meshVolume"}) {
         CAPTURE(path);
         REQUIRE(json.at(nlohmann::ordered_json::json_pointer(path)).is_null());
     }

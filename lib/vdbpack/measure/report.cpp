@@ -240,8 +240,10 @@ void addChecks(Summary& out, const Report& r, const char* spheres) {
                                          ? fmt::format("none but the {} {} that were given",
                                                        grouped(p.spheres), spheres)
                                          : fmt::format("none (largest {:.2g} of a radius)", p.max)
-                                   : fmt::format("{}{} {}, largest {:.3g} of the radius", failed,
-                                                 grouped(p.spheres), spheres, p.max));
+                                   : fmt::format("{}{} {}, largest {:.3g} of the radius, {} with "
+                                                 "centers outside",
+                                                 failed, grouped(p.spheres), spheres, p.max,
+                                                 grouped(p.centersOutside)));
     }
 }
 
@@ -299,8 +301,10 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
     json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
-    json["protrusion"] = {{"max", r.protrusion ? Json(r.protrusion->max) : Json()},
-                          {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()}};
+    json["protrusion"] = {
+        {"max", r.protrusion ? Json(r.protrusion->max) : Json()},
+        {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()},
+        {"centersOutside", r.protrusion ? Json(r.protrusion->centersOutside) : Json()}};
     json["densified"] = densifiedJson(r);
     json["voids"] = voidsJson(r);
     json["seconds"] = {{"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},

@@ -49,12 +49,14 @@ void note(ProtrusionCheck& check, std::size_t i, double protrusion) {
     check.max = std::max(check.max, protrusion);
     if (!(protrusion > kVerifyTolerance)) return;
     ++check.spheres;
+    if (protrusion > 1) ++check.centersOutside;
     keepWorst(check.worst, {i, protrusion});
 }
 
 ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
     a.max = std::max(a.max, b.max);
     a.spheres += b.spheres;
+    a.centersOutside += b.centersOutside;
     for (const auto& w : b.worst) keepWorst(a.worst, w);
     return a;
 }
@@ -498,6 +500,7 @@ nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack)
     if (result.protrusion) {
         protrusion["max"] = result.protrusion->max;
         protrusion["spheres"] = result.protrusion->spheres;
+        protrusion["centersOutside"] = result.protrusion->centersOutside;
         protrusion["closed"] = result.protrusion->closed;
         protrusion["worst"] = nlohmann::ordered_json::array();
         for (const auto& w : result.protrusion->worst) {
@@ -524,8 +527,10 @@ std::string describe(const VerifyResult& result, const Pack<Dim>& pack) {
                             placeOf(pack, w.j));
     if (result.protrusion) {
         const auto& p = *result.protrusion;
-        text += fmt::format("{:<12}{}: {} {}, largest {:.3g} of the radius\n", "protrusion",
-                            verdict(p.spheres == 0), p.spheres, Measure<Dim>::kSpheres, p.max);
+        text +=
+            fmt::format("{:<12}{}: {} {}, largest {:.3g} of the radius, {} with centers outside\n",
+                        "protrusion", verdict(p.spheres == 0), p.spheres, Measure<Dim>::kSpheres,
+                        p.max, p.centersOutside);
         if (!p.closed) text += "  the wall is not closed: what is inside was put to the vote\n";
         for (const auto& w : p.worst)
             text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, placeOf(pack, w.i),
