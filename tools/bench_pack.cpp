@@ -8,11 +8,11 @@
 #include "bench_voids.h"
 #include "bench_write.h"
 
+#include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/measure/cell_levels.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/verify.h"
 #include "vdbpack/mesh/mesh_io.h"

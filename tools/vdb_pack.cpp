@@ -8,6 +8,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/output_file.h"
 #include "vdbpack/forecast.h"
+#include "vdbpack/outputs.h"
 #include "vdbpack/run.h"
 #include "vdbpack/run_mesh.h"
 
@@ -110,6 +111,11 @@ Callbacks makeCallbacks(bool quiet) {
     return callbacks;
 }
 
+/// Bytes of names that are no UTF-8 show as the replacement character.
+void printJson(const nlohmann::ordered_json& json) {
+    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 /// A pack for each of several seeds.
 int study(const CliOptions& options, const Callbacks& callbacks) {
     const StudyResult result = runStudy(options.pack, options.seeds, options.table, callbacks);
@@ -117,7 +123,7 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
     if (options.json) {
         auto all = nlohmann::ordered_json::array();
         for (const auto& report : result.reports) all.push_back(toJson(report));
-        fmt::print("{}\n", all.dump(2));
+        printJson(all);
     } else if (!options.quiet) {
         fmt::print("{}", summary(result));
         if (!options.table.empty() && !result.reports.empty())
@@ -132,7 +138,7 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
 int printed(const RunResult& run, const CliOptions& options) {
     clearProgressLine();
     if (options.json)
-        fmt::print("{}\n", toJson(run).dump(2));
+        printJson(toJson(run));
     else if (!options.quiet)
         fmt::print("{}", summary(run.report));
     return kDone;
@@ -147,7 +153,37 @@ int judged(const RunResult& run, const CliOptions& options) {
     return kCheckFailed;
 }
 
+/// The file that options were read from is an input like others.
+void keepConfig(const CliOptions& options) {
+    if (options.config.empty()) return;
+    const auto check = [&](const auto& recipe, const std::string& report,
+                           const std::string& picture) {
+        auto outputs = recipe.outputs;
+        if (!options.table.empty()) outputs.push_back("contacts:" + options.table);
+        checkFiles(outputs, report, {options.config}, picture);
+    };
+    switch (options.command) {
+        case CliOptions::Command::pack:
+            return check(options.pack, options.pack.reportFile, options.pack.preview.file);
+        case CliOptions::Command::densify:
+            return check(options.densify, options.densify.reportFile, options.densify.preview.file);
+        case CliOptions::Command::voids:
+            return check(options.voids, options.voids.reportFile, options.voids.preview.file);
+        case CliOptions::Command::carve:
+            return check(options.carve, options.carve.reportFile, options.carve.preview.file);
+        case CliOptions::Command::measure:
+            return check(options.measure, options.measure.reportFile, {});
+        case CliOptions::Command::convert:
+            return check(options.convert, {}, options.convert.preview.file);
+        case CliOptions::Command::mesh:
+            return check(options.mesh, {}, {});
+        case CliOptions::Command::verify:
+            return;
+    }
+}
+
 int runCommand(const CliOptions& options) {
+    keepConfig(options);
     const Callbacks callbacks = makeCallbacks(options.quiet);
     switch (options.command) {
         case CliOptions::Command::pack: {
@@ -155,7 +191,7 @@ int runCommand(const CliOptions& options) {
                 const Forecast forecast = forecastPack(options.pack, callbacks);
                 if (interrupted) return kInterrupted;
                 if (options.json)
-                    fmt::print("{}\n", toJson(forecast).dump(2));
+                    printJson(toJson(forecast));
                 else
                     fmt::print("{}", summary(forecast));
                 std::fflush(stdout);
@@ -181,7 +217,7 @@ int runCommand(const CliOptions& options) {
             const RunResult run = runVerify(options.verify, callbacks);
             clearProgressLine();
             if (options.json)
-                fmt::print("{}\n", toJson(run).dump(2));
+                printJson(toJson(run));
             else
                 fmt::print("{}", summary(run.report));
             if (run.places && !options.json)
@@ -198,7 +234,7 @@ int runCommand(const CliOptions& options) {
             const MeasureResult result = runMeasure(options.measure, callbacks);
             clearProgressLine();
             if (options.json)
-                fmt::print("{}\n", toJson(result).dump(2));
+                printJson(toJson(result));
             else
                 fmt::print("{}", summary(result));
             return kDone;
@@ -207,7 +243,7 @@ int runCommand(const CliOptions& options) {
             const ConvertResult result = runConvert(options.convert, callbacks);
             clearProgressLine();
             if (options.json)
-                fmt::print("{}\n", toJson(result).dump(2));
+                printJson(toJson(result));
             else if (!options.quiet)
                 fmt::print("{}", summary(result));
             return kDone;
@@ -216,7 +252,7 @@ int runCommand(const CliOptions& options) {
             const MeshResult result = runMesh(options.mesh, callbacks);
             clearProgressLine();
             if (options.json)
-                fmt::print("{}\n", toJson(result).dump(2));
+                printJson(toJson(result));
             else
                 fmt::print("{}", summary(result));
             return kDone;

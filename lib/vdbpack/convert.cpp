@@ -177,7 +177,9 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     requireContactTolerance(recipe.contactTolerance);
     checkOutputKinds(recipe.outputs, RunKind::convert, {});
     requireDomain(recipe);
-    checkFiles(recipe.outputs, {}, {recipe.pack, recipe.domain.source}, recipe.preview.file);
+    auto inputs = domainInputs(recipe.domain);
+    inputs.push_back(recipe.pack);
+    checkFiles(recipe.outputs, {}, inputs, recipe.preview.file);
     ConvertResult result;
     std::vector<std::string> warnings;
     const Callbacks heard =

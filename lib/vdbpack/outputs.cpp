@@ -201,6 +201,8 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                 throw ParameterError(files[i] + ": is named twice as output" +
                                      (files[i] == files[j] ? "" : ", once as " + files[j]));
     }
+    // What could not be written is told before the work, not after it.
+    for (const std::string& file : files) const OutputFile unwritten(file);
 }
 
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,

@@ -79,7 +79,8 @@ double parseDensify(const std::string& text) {
 }
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe), recipe.matrix, recipe.orientation.field};
+    return {listFile(recipe), recipe.matrix, recipe.orientation.field, recipe.radius,
+            recipe.aspect};
 }
 
 void checkOutputs(const PackRecipe& recipe) {
@@ -135,12 +136,35 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
     return options;
 }
 
+namespace {
+
+/// The largest of some numbers.
+/// @throws InputError where `more` others above it would not fit into 64 bits.
+std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t more,
+                        const char* what) {
+    const std::int64_t last = *std::max_element(numbers.begin(), numbers.end());
+    if (last > std::numeric_limits<std::int64_t>::max() - static_cast<std::int64_t>(more))
+        throw InputError(fmt::format(
+            "the largest {}, {}, leaves no numbers for what is added; number its spheres anew",
+            what, last));
+    return last;
+}
+
+}  // namespace
+
 template <int Dim>
 Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     if (recipe.existing.empty()) return {};
     PackReadOptions read;
     read.unit = recipe.packUnit;
     Pack<3> pack = readPack(recipe.existing, read);
+    constexpr std::size_t kMostAdded = std::size_t{1} << 32;
+    try {
+        if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
+        if (!pack.order.empty()) lastBefore(pack.order, kMostAdded, "order");
+    } catch (const InputError& e) {
+        throw InputError(recipe.existing + ": " + e.what());
+    }
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const Sphere<3>& s = pack.spheres[i];
         const bool finite = std::all_of(s.center.c.begin(), s.center.c.end(),
@@ -175,11 +199,11 @@ Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
     base.depth.clear();
     base.contacts.clear();
     if (!base.id.empty()) {
-        std::int64_t next = *std::max_element(base.id.begin(), base.id.end());
+        std::int64_t next = lastBefore(base.id, more, "id");
         for (std::size_t i = 0; i < more; ++i) base.id.push_back(++next);
     }
     if (!base.order.empty()) {
-        std::int64_t next = *std::max_element(base.order.begin(), base.order.end());
+        std::int64_t next = lastBefore(base.order, more, "order");
         for (std::size_t i = 0; i < more; ++i) base.order.push_back(++next);
     }
     if (!base.region.empty()) base.region.resize(all, 0);

@@ -57,7 +57,13 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
     // What they do among themselves is not this run's doing.
     const auto& standing = prepared.existing.spheres;
-    prepared.givenOverlaps = checkOverlap(standing).pairs;
+    const OverlapCheck among = checkOverlap(standing);
+    if (!among.complete)
+        throw InputError(fmt::format(
+            "{}: more than {} pairs of its {} {} overlap one another: no pack is like that; leave "
+            "out those that lie in others",
+            recipe.existing, among.pairs, standing.size(), Measure<Dim>::kSpheres));
+    prepared.givenOverlaps = among.pairs;
     prepared.givenProtrusions = source.protrusion(standing).spheres;
     if (prepared.givenOverlaps > 0)
         callbacks.warn(

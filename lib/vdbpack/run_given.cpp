@@ -298,7 +298,10 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
         throw ParameterError("--shell lies along the wall of a domain; give one with --domain");
     checkOutputKinds(recipe.outputs, RunKind::measure, {});
     requireContactTolerance(recipe.contactTolerance);
-    checkFiles(recipe.outputs, recipe.reportFile, {recipe.pack, recipe.domain.source});
+    auto inputs = domainInputs(recipe.domain);
+    inputs.push_back(recipe.pack);
+    inputs.push_back(recipe.radius);  // table:FILE
+    checkFiles(recipe.outputs, recipe.reportFile, inputs);
     Report report;
     report.version = VDBPACK_VERSION;
     report.task = "measure";

@@ -218,6 +218,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.pack);
+    inputs.push_back(recipe.radius);  // table:FILE
     checkPreview(recipe.preview, recipe.reportFile);
     checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
     RunResult run;

@@ -173,6 +173,24 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
           folder.path());
 }
 
+TEST_CASE("packs to go on from that are none are refused, copies are not", "[cli][bad]") {
+    const TemporaryFolder folder;
+    const auto put = [&](const char* name, int count, const char* id) {
+        std::ofstream file(folder.file(name));
+        file << "id,x,y,z,radius\n";
+        for (int i = 0; i < count; ++i) file << (id ? id : std::to_string(i)) << ",0,0,0,1\n";
+    };
+    put("copies.csv", 1000, nullptr);
+    put("heap.csv", 20000, nullptr);
+    put("last.csv", 1, "9223372036854775807");
+    check({{"pack box:20,20,20 --radius constant:1 --existing @copies.csv", 0, "499500"},
+           {"pack box:20,20,20 --radius constant:1 --existing @heap.csv", 3,
+            "pairs of its 20000 spheres overlap one another"},
+           {"pack box:20,20,20 --radius constant:1 --existing @last.csv", 3,
+            "leaves no numbers for what is added"}},
+          folder.path());
+}
+
 TEST_CASE("files that are empty, missing, folders or locked are told apart", "[cli][bad]") {
     const TemporaryFolder folder;
     struct Kind {

@@ -8,6 +8,7 @@
 #include "vdbpack/measure/verify.h"
 
 #include <catch2/catch.hpp>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -202,15 +203,87 @@ TEST_CASE("a read-only folder is told before the work, and nothing changes", "[o
     CHECK(namesIn(given.out()).size() == 1);
 }
 
+TEST_CASE("what cannot be written is told before the work", "[output]") {
+    const Given given;
+    fs::create_directory(given.out() + "/folder.vtp");
+    REQUIRE(::mkfifo((given.out() + "/pipe.csv").c_str(), 0600) == 0);
+    const std::string tooLong = given.out() + "/" + std::string(260, 'x') + ".csv";
+    for (const auto& [output, message] : std::vector<std::pair<std::string, std::string>>{
+             {given.out() + "/folder.vtp", "is a folder"},
+             {given.out() + "/pipe.csv", "device or a pipe"},
+             {"yade:/dev/full", "device or a pipe"},
+             {"yade:/dev/stdout", "is a stream"},
+             {"yade:/proc/self/fd/1", "is a stream"},
+             {tooLong, "longer than 255 bytes"}}) {
+        CAPTURE(output);
+        const auto run = vdbPack("convert " + given.pack + " -o " + given.out() + "/a.csv -o " +
+                                 output + " -o " + given.out() + "/b.csv");
+        CHECK(run.code == 4);
+        CHECK_THAT(run.text, Contains(message));
+        CHECK(namesIn(given.out()).size() == 2);
+    }
+}
+
+TEST_CASE("a file that standard output goes to is no output", "[output]") {
+    const Given given;
+    const std::string file = given.out() + "/log.txt";
+    putContent(file, "former\n");
+    const auto run = shell("bash -c '" VDBPACK_TOOL " convert " + given.pack +
+                           " -o yade:/dev/stdout --json >> " + file + " 2> /dev/null'");
+    CHECK(run.code == 4);
+    CHECK(contentOf(file) == "former\n");
+}
+
 TEST_CASE("of several outputs the first that fails ends the run; those before it stay",
           "[output]") {
     const Given given;
-    fs::create_directory(given.out() + "/folder.vtp");
-    const auto run = vdbPack("convert " + given.pack + " -o " + given.out() + "/a.csv -o " +
-                             given.out() + "/folder.vtp -o " + given.out() + "/b.csv");
+    const std::string convert = VDBPACK_TOOL " convert " + given.pack + " -o " + given.out() +
+                                "/a.npz -o " + given.out() + "/b.csv -o " + given.out() + "/c.npz";
+    REQUIRE(shell(convert).code == 0);
+    const std::string whole = contentOf(given.out() + "/a.npz");
+    const auto limit = whole.size() / 1024 + 1;
+    REQUIRE(contentOf(given.out() + "/b.csv").size() > 1024 * limit);
+    for (const auto& name : namesIn(given.out())) fs::remove(given.out() + "/" + name);
+    const auto run = shell("bash -c 'ulimit -f " + std::to_string(limit) + "; " + convert + "'");
     CHECK(run.code == 4);
-    CHECK(contentOf(given.out() + "/a.csv") == contentOf(given.pack));
-    CHECK_FALSE(fs::exists(given.out() + "/b.csv"));
+    CHECK(contentOf(given.out() + "/a.npz") == whole);
+    CHECK(namesIn(given.out()) == std::vector<std::string>{"a.npz"});
+}
+
+TEST_CASE("files that options and radii are read from are inputs as well", "[output]") {
+    const Given given;
+    const std::string table = given.out() + "/t.csv", recipe = given.out() + "/r.json";
+    putContent(table, "1 0.5\n2 0.5\n");
+    putContent(recipe, "[pack]\nDOMAIN = 'ball:9'\nradius = 'constant:2'\n");
+    const std::string voids = " --voids boolean --void-count 2 --void-radius ";
+    for (const std::string& command :
+         {"measure " + given.pack + " --radius table:" + table + " -o contacts:" + table,
+          "carve " + given.pack + " --domain " + kBall + voids +
+              "constant:1 --radius table:" + table + " -o " + table,
+          "voids " + kBall + voids + "table:" + table + " -o list:" + table,
+          "pack ball:9 --radius constant:2" + voids + "table:" + table + " -o " + table,
+          "pack --config " + recipe + " -o yade:" + recipe,
+          "pack --config " + recipe + " --report " + recipe,
+          "pack --config " + recipe + " --seed 1,2 --table " + recipe}) {
+        CAPTURE(command);
+        const auto run = vdbPack(command);
+        CHECK(run.code == 2);
+        CHECK_THAT(run.text, Contains("input itself"));
+    }
+    CHECK(contentOf(table) == "1 0.5\n2 0.5\n");
+    CHECK(namesIn(given.out()).size() == 2);
+    CHECK(vdbPack("pack --config " + recipe + " --report " + given.out() + "/other.json").code ==
+          0);
+}
+
+TEST_CASE("names that are no UTF-8 are told in JSON all the same", "[output]") {
+    const Given given;
+    const std::string name = given.out() + "/n\xff.csv";
+    putContent(name, contentOf(given.pack));
+    const auto run = vdbPack("measure '" + name + "' --json");
+    CAPTURE(run.text);
+    CHECK(run.code == 0);
+    CHECK_THAT(run.text, Contains("n\xef\xbf\xbd.csv"));
 }
 
 TEST_CASE("an output that is an input or another output by any name is refused", "[output]") {

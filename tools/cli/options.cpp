@@ -335,6 +335,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     };
     try {
         app.parse(argc, argv);
+        if (app.get_config_ptr()->count() > 0)
+            options.config = app.get_config_ptr()->as<std::string>();
         options.seeds = parseSeeds(seeds);
         options.pack.seed = options.seeds.front();
         for (DomainRecipe* domain :

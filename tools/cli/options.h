@@ -24,6 +24,7 @@ struct CliOptions {
     vdbpack::MeasureRecipe measure;
     vdbpack::ConvertRecipe convert;
     vdbpack::MeshRecipe mesh;
+    std::string config;  ///< file that options were read from; empty: none
     bool json = false;
     bool quiet = false;
     bool dryRun = false;

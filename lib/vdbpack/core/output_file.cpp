@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -72,6 +73,13 @@ std::string temporaryName(const std::string& target) {
     return name + ".tmp";
 }
 
+/// Whether a name is that of something the program has open, whatever that is.
+bool isStream(const std::string& path) {
+    const auto begins = [&](const char* with) { return path.rfind(with, 0) == 0; };
+    return begins("/proc/") || begins("/dev/fd/") || path == "/dev/stdin" ||
+           path == "/dev/stdout" || path == "/dev/stderr";
+}
+
 std::string folderOf(const std::string& path) {
     const auto slash = path.find_last_of('/');
     return slash == std::string::npos ? "." : path.substr(0, slash + 1);
@@ -96,6 +104,12 @@ std::string followLinks(const std::string& path) {
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(followLinks(path_)) {
     folder_ = folderOf(target_);
+    if (isStream(path_))
+        throw IoError(path_ +
+                      ": is a stream, which cannot be replaced by a whole file; name a file");
+    if (target_.size() - (target_.find_last_of('/') + 1) > NAME_MAX)
+        throw IoError(fmt::format("{}: the name is longer than {} bytes; choose a shorter one",
+                                  path_, NAME_MAX));
     struct stat former {};
     const bool exists = ::stat(target_.c_str(), &former) == 0;
     if (exists && S_ISDIR(former.st_mode)) throw IoError(path_ + ": is a folder; name a file");

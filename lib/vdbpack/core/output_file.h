@@ -20,7 +20,7 @@ namespace vdbpack {
 class OutputFile {
 public:
     /// @throws IoError if the folder does not exist or cannot be written to, or if `path` is a
-    /// folder, a device, a pipe or write-protected.
+    /// folder, a device, a pipe, a stream or write-protected, or its name is too long.
     explicit OutputFile(std::string path);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;

@@ -1,6 +1,6 @@
 #include "vdbpack/measure/bond_order.h"
 
-#include "vdbpack/measure/cell_levels.h"
+#include "vdbpack/core/cell_levels.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>

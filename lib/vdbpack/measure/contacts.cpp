@@ -1,7 +1,7 @@
 #include "vdbpack/measure/contacts.h"
 
+#include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/cell_levels.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>

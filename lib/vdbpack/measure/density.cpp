@@ -1,7 +1,7 @@
 #include "vdbpack/measure/density.h"
 
+#include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/cell_levels.h"
 #include "vdbpack/measure/sampling.h"
 
 #include <fmt/format.h>

@@ -1,8 +1,8 @@
 #include "vdbpack/measure/verify.h"
 
+#include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/measure/cell_levels.h"
 #include "vdbpack/measure/wall_tree.h"
 
 #include <fmt/format.h>

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/pack/block_front.h"
 #include "vdbpack/pack/block_lattice.h"
+#include "vdbpack/pack/exposed.h"
 #include "vdbpack/pack/radius_pool.h"
 
 #include <fmt/format.h>
@@ -90,16 +91,16 @@ public:
                    settings_.quantum),
           blocks_(lattice_.size()) {
         const auto sampler = domain.sampler();
-        for (const Sphere<Dim>& s : existing) {
-            const Sphere<Dim> grown{s.center, s.radius + shellOf(options)};
+        for (const Sphere<Dim>& grown : obstacles(existing, options)) {
             // What rests on a sphere inside is inside. Places on those that are far larger than
             // what rests there are found from the others.
-            const bool open = s.radius <= 2 * settings_.maxRadius &&
-                              !sampler->isWallCloser(s.center, s.radius) &&
-                              sampler->contains(s.center);
+            const double radius = grown.radius - shellOf(options);
+            const bool open = radius <= 2 * settings_.maxRadius &&
+                              !sampler->isWallCloser(grown.center, radius) &&
+                              sampler->contains(grown.center);
             const double far = grown.radius + 2 * settings_.maxRadius;
             for (const std::uint32_t b :
-                 lattice_.blocksIn(Box<Dim>{s.center, s.center}.grown(far))) {
+                 lattice_.blocksIn(Box<Dim>{grown.center, grown.center}.grown(far))) {
                 BlockSpheres<Dim>& here = blocks_[b].existing;
                 if (open)
                     here.unexplored.push_back(static_cast<std::uint32_t>(here.spheres.size()));
@@ -159,6 +160,19 @@ private:
         return std::max(8 * settings.maxRadius, options.blockSide > 0
                                                     ? options.blockSide
                                                     : kBlockSide<Dim> * settings.commonRadius);
+    }
+
+    /// What stands, grown by the shell, without what lies under the rest of it.
+    std::vector<Sphere<Dim>> obstacles(std::vector<Sphere<Dim>> existing,
+                                       const PackOptions& options) const {
+        if (existing.empty()) return existing;
+        const double shell = shellOf(options);
+        for (Sphere<Dim>& s : existing) s.radius += shell;
+        double least = settings_.minRadius;
+        for (const Species& species : options.species)
+            least = std::min(least, species.sizes.min() + shell);
+        constexpr double kRounded = 1 - 1e-6;  // radii are, to floats
+        return exposedSpheres(std::move(existing), kRounded * least);
     }
 
     static FrontSettings<Dim> makeSettings(const Domain<Dim>& domain, const PackOptions& options) {

@@ -1,4 +1,4 @@
-#include "vdbpack/measure/cell_levels.h"
+#include "vdbpack/core/cell_levels.h"
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"

@@ -1,4 +1,4 @@
-// Private to measure: spheres in cells, level by level of size, and all their close pairs.
+// Spheres in cells, level by level of size, and all their close pairs.
 #pragma once
 
 #include "vdbpack/core/box.h"
