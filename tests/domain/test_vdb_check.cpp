@@ -317,7 +317,7 @@ TEST_CASE("a level set whose inside is active has the contour of its narrow band
     const Files files;
     // Without a name, as well.
     const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-        250.0f, openvdb::Vec3f(0), 1.0f, 3.0f);
+        120.0f, openvdb::Vec3f(64), 1.0f, 3.0f);
     const TriangleMesh narrow =
         levelSetMesh(files.save({grid}, openvdb::io::COMPRESS_ACTIVE_MASK), "", 1);
     std::size_t large = 0;
