@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <limits>
 
 namespace vdbpack {
 
@@ -327,6 +328,25 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
     return {target.file};
 }
 
+namespace {
+
+/// Ids of a .ply have 32 bits; where one does not fit, the file has none.
+template <int Dim>
+void warnOfIds(const Target& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.kind != OutputKind::pack || !endsWith(target.file, ".ply")) return;
+    const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
+        return id < std::numeric_limits<std::int32_t>::min() ||
+               id > std::numeric_limits<std::int32_t>::max();
+    });
+    if (wide != pack.id.end())
+        callbacks.warn(fmt::format(
+            "{}: ids are left out, as {} does not fit into the 32 bits that .ply has for one; "
+            ".csv, .vtp and .vdb keep them",
+            target.file, *wide));
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks) {
@@ -335,6 +355,7 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     all.volume = volumeAmong(outputs);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);
+        if (have.pack) warnOfIds(targetOf(output), *have.pack, callbacks);
         const auto written = writeOutput(output, all);
         files.insert(files.end(), written.begin(), written.end());
     }

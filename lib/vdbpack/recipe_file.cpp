@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <climits>
 #include <fstream>
 #include <utility>
 
@@ -91,6 +92,12 @@ void leaveRecipe(const std::string& toml, const std::vector<std::string>& output
         return;
     }
     report.recipe = std::move(text);
+    if (file.size() - (file.find_last_of('/') + 1) > NAME_MAX) {
+        callbacks.warn(file +
+                       ": no recipe is left, as its name would be too long; give a shorter "
+                       "name to the first output to have one");
+        return;
+    }
     if (isForeign(file)) {
         callbacks.warn(file +
                        ": is no recipe that vdb_pack wrote, so it stays as it is; to have one that "

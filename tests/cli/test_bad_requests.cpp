@@ -173,6 +173,16 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
           folder.path());
 }
 
+TEST_CASE("devices that never end are not read", "[cli][bad]") {
+    const TemporaryFolder folder;
+    check({{"pack ball:9 --radius table:/dev/zero", 4, "is a device"},
+           {"pack ball:9 --radius psd:/dev/zero", 4, "is a device"},
+           {"pack --config /dev/zero", 2, "is a device"},
+           {"verify /dev/zero.csv", 4, "cannot be read"},
+           {"pack /dev/zero", 3, ""}},
+          folder.path());
+}
+
 TEST_CASE("packs to go on from that are none are refused, copies are not", "[cli][bad]") {
     const TemporaryFolder folder;
     const auto put = [&](const char* name, int count, const char* id) {

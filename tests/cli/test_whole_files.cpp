@@ -234,7 +234,7 @@ TEST_CASE("a file that standard output goes to is no output", "[output]") {
     CHECK(contentOf(file) == "former\n");
 }
 
-TEST_CASE("of several outputs the first that fails ends the run; those before it stay",
+TEST_CASE("of several outputs the first that fails ends the run, and those before it stay",
           "[output]") {
     const Given given;
     const std::string convert = VDBPACK_TOOL " convert " + given.pack + " -o " + given.out() +
@@ -274,6 +274,20 @@ TEST_CASE("files that options and radii are read from are inputs as well", "[out
     CHECK(namesIn(given.out()).size() == 2);
     CHECK(vdbPack("pack --config " + recipe + " --report " + given.out() + "/other.json").code ==
           0);
+}
+
+TEST_CASE("what a file cannot take along is told", "[output]") {
+    const Given given;
+    putContent(given.out() + "/i.csv", "id,x,y,z,radius\n5000000000,0,0,0,1\n7,3,0,0,1\n");
+    const auto run = vdbPack("convert " + given.out() + "/i.csv -o " + given.out() + "/i.ply");
+    CHECK(run.code == 0);
+    CHECK_THAT(run.text, Contains("5000000000 does not fit into the 32 bits"));
+    // The name of the file may be as long as names can be, that of its recipe may not.
+    const std::string name = std::string(251, 'x') + ".csv";
+    const auto packed = vdbPack("pack ball:9 --radius constant:2 -o " + given.out() + "/" + name);
+    CHECK(packed.code == 0);
+    CHECK_THAT(packed.text, Contains("no recipe is left"));
+    CHECK(fs::exists(given.out() + "/" + name));
 }
 
 TEST_CASE("names that are no UTF-8 are told in JSON all the same", "[output]") {

@@ -40,6 +40,16 @@ TEST_CASE("health of a cube", "[mesh]") {
     CHECK_THAT(toText(health), Contains("watertight"));
 }
 
+TEST_CASE("a mesh folded flat is told to enclose nothing", "[mesh]") {
+    TriangleMesh mesh;
+    mesh.vertices = {{{0, 0, 0}}, {{3, 0, 0}}, {{0, 4, 0}}};
+    mesh.triangles = {{0, 1, 2}, {0, 2, 1}};
+    const auto health = checkMesh(mesh);
+    CHECK(health.isClosed());
+    CHECK(health.enclosesNothing());
+    CHECK_THAT(toText(health), Contains("nothing is enclosed"));
+}
+
 TEST_CASE("an empty mesh has a health report", "[mesh]") {
     const auto health = checkMesh({});
     CHECK(health.triangles == 0);

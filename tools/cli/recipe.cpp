@@ -7,8 +7,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
 #include <iterator>
 #include <sstream>
+#include <system_error>
 
 namespace {
 
@@ -141,6 +143,10 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     const auto running = app_.get_subcommands();
     if (running.empty()) return {};
     const std::string file = app_.get_config_ptr()->as<std::string>();
+    std::error_code ignored;
+    if (std::filesystem::is_character_file(file, ignored) ||
+        std::filesystem::is_block_file(file, ignored))
+        throw CLI::ConfigError(file + ": is a device; give a file or a pipe");
     try {
         const std::string text{std::istreambuf_iterator<char>(input), {}};
         requireShallow(text, file);

@@ -271,7 +271,9 @@ std::string toText(const MeshHealth& health) {
                    : fmt::format("{} inside {} ({})", health.shellsAtDepth[d], plural(d, "other"),
                                  d % 2 == 1 ? "bounding a cavity" : "solid in a cavity"));
     if (health.invertedShells > 0) row("inverted shells", fmt::format("{}", health.invertedShells));
-    if (health.isWatertight())
+    if (health.isClosed() && health.enclosesNothing())
+        row("verdict", "closed, but nothing is enclosed");
+    else if (health.isWatertight())
         row("verdict", "watertight");
     else if (health.isClosed())
         row("verdict", "closed, but edges with more than two triangles");

@@ -55,6 +55,11 @@ struct MeshHealth {
     bool isClosed() const { return boundaryEdges == 0; }
     /// Closed, and no edge has more than two triangles.
     bool isWatertight() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }
+    /// Whether the surface is folded flat, but for rounding.
+    bool enclosesNothing() const {
+        const double size = length(bounds.size());
+        return !(enclosedVolume > 1e-9 * area * size);
+    }
     /// Such as "14 boundary edges, first at vertex 2031 (1.5, -3, 20); largest hole: 10 edges,
     /// 12.3 mm around, at (1, -2, 20)"; empty for a closed mesh.
     std::string describeLeak() const;

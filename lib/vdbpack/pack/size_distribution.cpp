@@ -90,6 +90,9 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
     std::error_code ignored;
     if (std::filesystem::is_directory(path, ignored))
         throw IoError(path + ": is a folder; name a file");
+    if (std::filesystem::is_character_file(path, ignored) ||
+        std::filesystem::is_block_file(path, ignored))
+        throw IoError(path + ": is a device; give a file or a pipe");
     std::ifstream file(path);
     // A folder opens, but there is nothing to read in it.
     if (!file || std::filesystem::is_directory(path))
