@@ -51,6 +51,21 @@ double smallestWallGap(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim
 
 }  // namespace
 
+TEST_CASE("packing around a heap of spheres stops before its first sphere if asked to", "[pack]") {
+    std::vector<Sphere<3>> heap;
+    for (int i = 0; i < 1000; ++i)
+        heap.push_back({{{0.6 * (i % 10) - 3, 0.6 * (i / 10 % 10) - 3, 0.6 * (i / 100) - 3}}, 1});
+    PackOptions options(SizeDistribution::parse("constant:1", 3));
+    options.threads = 1;
+    int asked = 0;
+    Callbacks callbacks;
+    callbacks.cancelled = [&] { return ++asked > 5; };
+    const auto result = packSpheres(*box<3>(20), options, callbacks, heap);
+    CHECK(result.interrupted);
+    CHECK(result.pack.spheres.empty());
+    CHECK(asked < 20);
+}
+
 TEMPLATE_TEST_CASE_SIG("a gap is kept between spheres and to the wall", "[pack]", ((int Dim), Dim),
                        2, 3) {
     const double wanted = GENERATE(0.05, 0.4, 2.0);

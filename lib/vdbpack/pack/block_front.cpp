@@ -141,6 +141,12 @@ private:
     bool placePending(const Vec<Dim>& center, std::size_t k);
     void fillPlace(Vec<Dim> x);
 
+    /// Looks now and then whether the pack is to be stopped: a step takes microseconds, beside
+    /// heaps of spheres that stand milliseconds.
+    void askToStop(std::size_t step) {
+        if (step % 16 == 0 && *cancelled_ && (*cancelled_)()) stop_ = true;
+    }
+
     const Sphere<Dim>& sphere(std::uint32_t i) const { return state_.spheres[i]; }
     double reachOf(double radius) const { return radius + state_.settings.reach; }
 
@@ -212,8 +218,9 @@ void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
     takeOver(around);
     standing_ = state_.spheres.size();
     pool.refill();
-    for (const std::uint32_t u : around.unexplored) {
-        const std::uint32_t i = local_[u];
+    for (std::size_t k = 0; k < around.unexplored.size() && !stop_; ++k) {
+        askToStop(k);
+        const std::uint32_t i = local_[around.unexplored[k]];
         if (i == kNone) continue;
         around_.collect(state_.cells, sphere(i).center, reachOf(sphere(i).radius), i);
         Plane plane;
@@ -593,7 +600,7 @@ void BlockFront<Dim>::Work::runFront() {
         const std::uint32_t site = queue_.pop();
         if (site == BucketQueue::kNone) return;
         grow(site);
-        if (step % 64 == 0 && *cancelled_ && (*cancelled_)()) stop_ = true;
+        askToStop(step);
     }
 }
 
