@@ -173,6 +173,13 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
           folder.path());
 }
 
+TEST_CASE("spheres that are too large for a thin domain are refused at once", "[cli][bad]") {
+    check({{"pack box:1e12,1,1 --target-count 20", 3, "largest place has radius 0.5 mm"},
+           {"pack box:1e300,1,1 --target-count 20", 3, "largest place has radius 0.5 mm"},
+           {"pack cylinder:1e6,1e-6 --target-count 20", 3, "largest place has radius 5e-07 mm"}},
+          {});
+}
+
 TEST_CASE("devices that never end are not read", "[cli][bad]") {
     const TemporaryFolder folder;
     check({{"pack ball:9 --radius table:/dev/zero", 4, "is a device"},

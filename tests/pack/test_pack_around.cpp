@@ -51,6 +51,15 @@ double smallestWallGap(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim
 
 }  // namespace
 
+TEST_CASE("beside what stands nothing is placed where nothing can fit", "[pack]") {
+    PackOptions options(SizeDistribution::parse("constant:11", 3));
+    const auto domain = box<3>(20);
+    const auto result = packSpheres(*domain, options, {}, {{{{0, 0, 0}}, 1}});
+    CHECK(result.pack.spheres.empty());
+    CHECK(result.quantum > 0);
+    CHECK_THROWS_WITH(packSpheres(*domain, options), Catch::Contains("the largest place"));
+}
+
 TEST_CASE("packing around a heap of spheres stops before its first sphere if asked to", "[pack]") {
     std::vector<Sphere<3>> heap;
     for (int i = 0; i < 1000; ++i)

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <mutex>
 
 namespace vdbpack {
@@ -74,6 +75,24 @@ double ballWithShell(const SizeDistribution& sizes, double scale, double shell) 
     else
         return scale * scale * scale * sizes.meanBall(3) +
                4.0 / 3.0 * kPi * shell * (3 * square + shell * (3 * mean + shell));
+}
+
+/// Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them; mm.
+double quantumFor(const SizeDistribution& sizes) {
+    return std::exp2(std::floor(std::log2(sizes.mean())) - 22);
+}
+
+double leastRadius(const PackOptions& options) {
+    double least = options.sizes.min();
+    for (const Species& species : options.species) least = std::min(least, species.sizes.min());
+    return least;
+}
+
+template <int Dim>
+double thinnest(const Box<Dim>& box) {
+    double least = std::numeric_limits<double>::infinity();
+    for (int d = 0; d < Dim; ++d) least = std::min(least, box.size()[d]);
+    return least;
 }
 
 /// Packs radii grown by a shell of half the gap into a domain whose wall is moved inwards by as
@@ -168,11 +187,8 @@ private:
         if (existing.empty()) return existing;
         const double shell = shellOf(options);
         for (Sphere<Dim>& s : existing) s.radius += shell;
-        double least = settings_.minRadius;
-        for (const Species& species : options.species)
-            least = std::min(least, species.sizes.min() + shell);
         constexpr double kRounded = 1 - 1e-6;  // radii are, to floats
-        return exposedSpheres(std::move(existing), kRounded * least);
+        return exposedSpheres(std::move(existing), kRounded * (leastRadius(options) + shell));
     }
 
     static FrontSettings<Dim> makeSettings(const Domain<Dim>& domain, const PackOptions& options) {
@@ -202,8 +218,7 @@ private:
         s.reach = std::max(2.001 * s.probe, (fast ? kFastReach : kReach) * s.commonRadius);
         s.least = fast ? sizes.quantile(kFastShare<Dim>) + shell : 0;
         s.lead = fast || options.order == Order::fifo ? 0 : kLead * s.commonRadius;
-        // Point grids hold 25 bits of a voxel's edge, and a voxel of up to 8 mean radii suits them.
-        s.quantum = std::exp2(std::floor(std::log2(sizes.mean())) - 22);
+        s.quantum = quantumFor(sizes);
         s.fieldError = domain.facts().voxelSize;
         s.fieldDepth = domain.fieldDepth();
         return s;
@@ -379,8 +394,14 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
             "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: ask for larger "
             "radii or check the unit of the domain",
             options.sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres));
-    Wavefront<Dim> wavefront(domain, options, callbacks, existing);
-    PackResult<Dim> result = wavefront.run();
+    PackResult<Dim> result;
+    result.quantum = quantumFor(options.sizes);
+    // Blocks for radii that no part of a thin domain can hold would be many, and all empty.
+    const bool fits = leastRadius(options) <= 0.5 * thinnest(domain.bounds()) * (1 + 1e-9);
+    if (fits) {
+        Wavefront<Dim> wavefront(domain, options, callbacks, existing);
+        result = wavefront.run();
+    }
     if (result.pack.spheres.empty() && !result.interrupted && existing.empty()) {
         Sphere<Dim> place = largestPlace(domain);
         place.radius -= 0.5 * options.gap;
@@ -389,7 +410,7 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
         for (int d = 0; d < Dim; ++d)
             only.center[d] = std::nearbyint(place.center[d] / result.quantum) * result.quantum;
         WallPoint<Dim> wall;
-        if (place.radius > only.radius &&
+        if (fits && place.radius > only.radius &&
             !domain.sampler()->nearestWall(only.center, only.radius + 0.5 * options.gap, wall)) {
             result.pack.spheres.push_back(only);
             result.pack.order.push_back(0);
