@@ -74,6 +74,13 @@ TEMPLATE_TEST_CASE_SIG("what is left bars the same places", "[pack]", ((int Dim)
     }
     REQUIRE(barred > 0);
     REQUIRE(barred < 20000);
+    // Where only some few would differ: just within the edge of what each one bars.
+    for (int i = 0; i < 20000; ++i) {
+        const auto& s = spheres[static_cast<std::size_t>(i) % spheres.size()];
+        const Vec<Dim> x =
+            s.center + normalized(randomAt<Dim>(random, 1)) * ((s.radius + least) * (1 - 1e-7));
+        REQUIRE(isBarred(left, x, least));
+    }
 }
 
 TEMPLATE_TEST_CASE_SIG("spheres that only touch are all left", "[pack]", ((int Dim), Dim), 2, 3) {

@@ -59,11 +59,11 @@ struct PackResult {
 /// (but not on the threads) and the spheres that stand alone.
 ///
 /// @param existing  spheres that stand already, anywhere and of any radius, mm; they may overlap
-/// one
-///                  another and the wall. What is placed keeps off them.
+///                  one another and the wall. What is placed keeps off them.
 /// @throws ParameterError for a gap that is negative or not finite, or probabilities of species
 /// that are negative or add up to 1 or more. InputError if the smallest
-/// radius fits nowhere (with the largest place), or the domain is empty. ResourceError if the count
+/// radius fits nowhere (with the largest place), the domain is empty, or one of `existing` is no
+/// usable number or lies in more than 2000 others that are no copies. ResourceError if the count
 /// would be absurd. Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583;
 /// sites, pools and wavefront as described in the README.
 template <int Dim>
