@@ -283,6 +283,35 @@ TEST_CASE("a radius that fits nowhere is refused with the largest place", "[pack
     CHECK(length(place.center) < 0.01);
 }
 
+TEST_CASE("the largest place is found in corners and on ridges", "[pack]") {
+    // An even number of cells has no center in the middle.
+    for (const double side : {0.02, 20.0, 2e4}) {
+        const Sphere<3> place = largestPlace(*boxDomain<3>(cube<3>(side)));
+        CHECK(place.radius == Approx(side / 2).epsilon(1e-7));
+    }
+    CHECK(largestPlace(*boxDomain<2>(cube<2>(7))).radius == Approx(3.5).epsilon(1e-7));
+    // Between oblique walls: the corner of a cube and a plane across it; its incenter by hand.
+    HalfSpace<3> cut;
+    cut.normal = {{1, 1, 1}};
+    cut.offset = -7.5;
+    const auto corner = clippedDomain<3>(boxDomain<3>(cube<3>(10)), {cut});
+    const double expected = 7.5 / (3 + std::sqrt(3.0));
+    CHECK(largestPlace(*corner).radius == Approx(expected).epsilon(1e-6));
+}
+
+TEST_CASE("a sphere as large as its box is placed", "[pack]") {
+    for (const char* spec : {"constant:9.99", "constant:10"}) {
+        CAPTURE(spec);
+        const PackOptions options(SizeDistribution::parse(spec, 3));
+        const auto pack = packSpheres(*boxDomain<3>(cube<3>(20)), options).pack;
+        REQUIRE(pack.spheres.size() == 1);
+        CHECK(length(pack.spheres[0].center) < 0.02);
+    }
+    CHECK_THROWS_WITH(packSpheres(*boxDomain<3>(cube<3>(20)),
+                                  PackOptions(SizeDistribution::parse("constant:10.001", 3))),
+                      Catch::Contains("largest place has radius 10 mm"));
+}
+
 TEST_CASE("an absurd count is refused before the work", "[pack]") {
     const auto domain = boxDomain<3>(cube<3>(1000));
     PackOptions options(SizeDistribution::parse("uniform:0.001,0.002", 3));

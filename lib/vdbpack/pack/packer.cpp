@@ -410,14 +410,15 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
         for (int d = 0; d < Dim; ++d)
             only.center[d] = std::nearbyint(place.center[d] / result.quantum) * result.quantum;
         WallPoint<Dim> wall;
-        if (fits && place.radius > only.radius &&
+        if (fits && place.radius > 0 &&
             !domain.sampler()->nearestWall(only.center, only.radius + 0.5 * options.gap, wall)) {
             result.pack.spheres.push_back(only);
             result.pack.order.push_back(0);
             return result;
         }
         std::string at;
-        for (int d = 0; d < Dim; ++d) at += fmt::format("{}{:.6g}", d ? ", " : "", place.center[d]);
+        for (int d = 0; d < Dim; ++d)
+            at += fmt::format("{}{:.6g}", d ? ", " : "", only.center[d] + 0.0);
         const std::string kept =
             options.gap > 0 ? fmt::format(" with a gap of {:g} mm to the wall", options.gap) : "";
         if (!(place.radius > 0))
@@ -466,19 +467,20 @@ Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
                 const double depth = depthAt(x);
                 if (depth > best.radius) best = {x, depth};
             }
-    for (double step = longest / kSteps; step > 1e-6 * longest;) {
-        Sphere<Dim> better = best;
-        for (int d = 0; d < Dim; ++d)
-            for (const double sign : {-1.0, 1.0}) {
-                Vec<Dim> x = best.center;
-                x[d] += sign * step;
-                const double depth = depthAt(x);
-                if (depth > better.radius) better = {x, depth};
-            }
-        if (better.radius > best.radius)
-            best = better;
-        else
-            step *= 0.5;
+    // Uphill by steps away from the nearest wall (subgradients of the depth), which zigzag along
+    // a ridge between walls to where it ends; steps halve, each length starting from the best.
+    constexpr int kStepsOfALength = 32;
+    for (double step = longest / kSteps; step > 1e-8 * best.radius; step *= 0.5) {
+        if (!(best.radius > 0)) break;
+        Vec<Dim> x = best.center;
+        for (int k = 0; k < kStepsOfALength; ++k) {
+            WallPoint<Dim> wall;
+            if (!sampler->nearestWall(x, longest, wall) || !(wall.distance > 0)) break;
+            x += (step / wall.distance) * (x - wall.point);
+            const double depth = depthAt(x);
+            if (!(depth > 0)) break;
+            if (depth > best.radius) best = {x, depth};
+        }
     }
     return best;
 }
