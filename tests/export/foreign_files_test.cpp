@@ -223,7 +223,7 @@ TEST_CASE("CSV from ParaView, with semicolons, tabs or diameters", "[export]") {
 
 TEST_CASE("CSV is read with any separator, line end, quotes and comments", "[export]") {
     const std::string separator = GENERATE(as<std::string>{}, ",", ";", "\t", " ", ", ", "  ");
-    const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n");
+    const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n", "\r");
     const bool quoted = GENERATE(false, true);
     const bool mark = GENERATE(false, true);
     const std::string above = GENERATE(as<std::string>{}, "", "# a, b; c,", "sep=;");

@@ -282,6 +282,8 @@ TEST_CASE("OBJ corners are read in all their forms", "[mesh]") {
     CHECK(
         same("v\t0 0 0 1\r\nv +1 0 0\r\nv 0 1.0e0 0 0.5 0.5 0.5\r\nv 0 0 1\r\nf 1 3 2\r\n"
              "f 1 2 \\\r\n 4\r\nf 1 4 3\r\nf 2 3 4"));
+    // Line ends of old Mac software.
+    CHECK(same("v 0 0 0\rv 1 0 0\rv 0 1 0\rv 0 0 1\rf 1 3 2\rf 1 2 \\\r 4\rf 1 4 3\rf 2 3 4\r"));
     // Faces before their vertices.
     CHECK(same("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"));
 }

@@ -69,6 +69,17 @@ TEST_CASE("a table is discrete and can be weighted by volume", "[pack][sizes]") 
     CHECK(byVolume.cdf(1) == Approx(64.0 / 65));
 }
 
+TEST_CASE("lines of a table of radii may end in any way", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("sizes.csv");
+    const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n", "\r", "\n\n", "\r\r");
+    std::ofstream(file) << "radius,weight" + end + "2,1" + end + "1,8" + end;
+    CHECK(SizeDistribution::parse("table:" + file, 3).cdf(1) == Approx(8.0 / 9));
+    std::ofstream(file) << "radius,weight" + end + "2,1" + end + "1,x" + end;
+    CHECK_THROWS_WITH(SizeDistribution::parse("table:" + file, 3),
+                      Catch::Contains(end.size() == 1 || end == "\r\n" ? "line 3" : "line 5"));
+}
+
 TEST_CASE("a grading curve is met by mass", "[pack][sizes]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("curve.csv");

@@ -1,6 +1,7 @@
 #include "vdbpack/export/input_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/line_end.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -84,9 +85,12 @@ void InputFile::readAt(std::uint64_t offset, void* target, std::size_t bytes) co
 bool InputFile::nextLine(std::string_view& line) {
     std::size_t searched = position_;
     for (;;) {
-        const void* found = searched < chunk_.size() ? std::memchr(chunk_.data() + searched, '\n',
-                                                                   chunk_.size() - searched)
-                                                     : nullptr;
+        // The first chunk is longer than what tells how lines end.
+        if (lineEnd_ == 0 && !chunk_.empty()) lineEnd_ = lineEndOf(chunk_);
+        const void* found =
+            searched < chunk_.size()
+                ? std::memchr(chunk_.data() + searched, lineEnd_, chunk_.size() - searched)
+                : nullptr;
         const std::uint64_t chunkEnd = chunkOffset_ + chunk_.size();
         if (found != nullptr || chunkEnd >= size_) {
             if (found == nullptr && position_ >= chunk_.size()) return false;

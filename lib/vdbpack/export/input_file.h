@@ -24,7 +24,8 @@ public:
     /// @throws InputError if the file ends before, IoError if reading fails.
     void readAt(std::uint64_t offset, void* target, std::size_t bytes) const;
 
-    /// The next line without its end ("\n" or "\r\n"), valid until the next call.
+    /// The next line without its end (LF or CR LF; CR where the text has no LF), valid until the
+    /// next call.
     /// @return false at the end of the file.
     bool nextLine(std::string_view& line);
     /// Number of the last line, counted from 1.
@@ -45,6 +46,7 @@ private:
     std::uint64_t chunkOffset_ = 0;
     std::size_t position_ = 0;
     std::uint64_t lineNumber_ = 0;
+    char lineEnd_ = 0;  ///< 0: not known yet
 };
 
 }  // namespace vdbpack

@@ -1,5 +1,7 @@
 #include "vdbpack/mesh/file_source.h"
 
+#include "vdbpack/core/line_end.h"
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -82,12 +84,13 @@ const char* FileSource::take(std::size_t n) {
 }
 
 bool FileSource::takeLine(std::string_view& text) {
+    if (lineEnd_ == 0) lineEnd_ = lineEndOf(peek(kLineEndSample));
     std::size_t searched = 0;
     for (;;) {
         const char* const begin = buffer_.data() + at_;
         const std::size_t have = end_ - at_;
         const void* const newline =
-            have > searched ? std::memchr(begin + searched, '\n', have - searched) : nullptr;
+            have > searched ? std::memchr(begin + searched, lineEnd_, have - searched) : nullptr;
         if (newline != nullptr) {
             std::size_t length =
                 static_cast<std::size_t>(static_cast<const char*>(newline) - begin);

@@ -33,8 +33,8 @@ public:
     std::string_view peek(std::size_t n);
     /// Takes `n` bytes; nullptr where the file ends before. Valid until the next call.
     const char* take(std::size_t n);
-    /// Takes a line, its end (LF or CR LF) cut off. False at the end of the file. Valid until the
-    /// next call.
+    /// Takes a line, its end (LF or CR LF; CR where the text has no LF) cut off. False at the end
+    /// of the file. Valid until the next call.
     bool takeLine(std::string_view& text);
 
     /// An InputError for the line taken last: "path: line N: what".
@@ -56,6 +56,7 @@ private:
     std::size_t end_ = 0;
     bool atEnd_ = false;
     std::size_t line_ = 0;
+    char lineEnd_ = 0;  ///< 0: not known yet
 };
 
 /// Takes words (separated by blanks) and numbers off the front of a text.

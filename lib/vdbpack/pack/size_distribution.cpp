@@ -98,12 +98,11 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
     if (!file || std::filesystem::is_directory(path))
         throw IoError(path + ": cannot be read; check the name and its permissions");
     std::vector<std::pair<double, double>> rows;
-    std::string line;
-    for (std::size_t number = 1; std::getline(file, line); ++number) {
+    const auto addRow = [&](std::string line, std::size_t number) {
         for (char& ch : line)
-            if (ch == ',' || ch == ';' || ch == '\t' || ch == '\r') ch = ' ';
+            if (ch == ',' || ch == ';' || ch == '\t') ch = ' ';
         const auto first = line.find_first_not_of(' ');
-        if (first == std::string::npos || line[first] == '#') continue;
+        if (first == std::string::npos || line[first] == '#') return;
         double value[2];
         const char* at = line.data() + first;
         const char* const end = line.data() + line.size();
@@ -123,6 +122,16 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
         }
         if (rows.size() > 1000000)
             throw InputError(path + ": more than a million rows; give a coarser table");
+    };
+    // Lines end in LF, CR LF or CR.
+    std::size_t number = 0;
+    for (std::string text; std::getline(file, text);) {
+        if (!text.empty() && text.back() == '\r') text.pop_back();
+        for (std::size_t begin = 0; begin <= text.size();) {
+            const std::size_t end = std::min(text.find('\r', begin), text.size());
+            addRow(text.substr(begin, end - begin), ++number);
+            begin = end + 1;
+        }
     }
     if (rows.empty())
         throw InputError(fmt::format("{}: no rows; expected columns {}", path, columns));
