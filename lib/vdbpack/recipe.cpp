@@ -152,19 +152,23 @@ std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t mo
 
 }  // namespace
 
+void requireRoomToNumber(const Pack<3>& pack, const std::string& file) {
+    constexpr std::size_t kMostAdded = std::size_t{1} << 32;
+    try {
+        if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
+        if (!pack.order.empty()) lastBefore(pack.order, kMostAdded, "order");
+    } catch (const InputError& e) {
+        throw InputError(file + ": " + e.what());
+    }
+}
+
 template <int Dim>
 Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     if (recipe.existing.empty()) return {};
     PackReadOptions read;
     read.unit = recipe.packUnit;
     Pack<3> pack = readPack(recipe.existing, read);
-    constexpr std::size_t kMostAdded = std::size_t{1} << 32;
-    try {
-        if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
-        if (!pack.order.empty()) lastBefore(pack.order, kMostAdded, "order");
-    } catch (const InputError& e) {
-        throw InputError(recipe.existing + ": " + e.what());
-    }
+    requireRoomToNumber(pack, recipe.existing);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const Sphere<3>& s = pack.spheres[i];
         const bool finite = std::all_of(s.center.c.begin(), s.center.c.end(),

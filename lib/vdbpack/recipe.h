@@ -77,6 +77,10 @@ SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int d
 /// What the recipe asks of the packer, for spheres of these sizes.
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes);
 
+/// @throws InputError "file: ..." where ids or orders end so close to 2^63 that none are left for
+/// spheres that are added.
+void requireRoomToNumber(const Pack<3>& pack, const std::string& file);
+
 /// The spheres of `recipe.existing`; an empty pack if there are none.
 /// @throws as readPack; InputError if they don't lie in the plane of a 2D domain at `sliceHeight`.
 template <int Dim>

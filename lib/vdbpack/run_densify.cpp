@@ -117,6 +117,7 @@ RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks) {
     withThreads(recipe.threads, [&] {
         Clock clock;
         Pack<3> given = readGiven(recipe, heard);
+        requireRoomToNumber(given, recipe.pack);
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
         checkOutputKinds(recipe.outputs, RunKind::pack, {}, source.dim());

@@ -20,8 +20,27 @@
 #include <algorithm>
 #include <functional>
 #include <type_traits>
+#include <vector>
 
 namespace vdbpack {
+
+namespace {
+
+/// Warns of ids that several spheres have: contacts name spheres by them.
+void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbacks& callbacks) {
+    std::vector<std::int64_t> ids = pack.id;
+    if (!std::is_sorted(ids.begin(), ids.end())) std::sort(ids.begin(), ids.end());
+    const auto shared = std::adjacent_find(ids.begin(), ids.end());
+    if (shared == ids.end()) return;
+    const std::int64_t first = *shared;
+    const auto different = std::unique(ids.begin(), ids.end()) - ids.begin();
+    callbacks.warn(fmt::format(
+        "{}: {} spheres have {} different ids, {} among those that several share; contacts name "
+        "spheres by them, so number them anew or leave the ids out",
+        file, pack.id.size(), different, first));
+}
+
+}  // namespace
 
 Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
@@ -30,6 +49,7 @@ Pack<3> readGiven(const GivenPack& recipe, const Callbacks& callbacks) {
     read.gridName = recipe.packGrid;
     Pack<3> pack = readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    warnOfSharedIds(pack, recipe.pack, callbacks);
     Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
     for (const auto& s : pack.spheres)
         for (int d = 0; d < 3; ++d) {

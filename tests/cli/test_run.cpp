@@ -149,6 +149,17 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("--pack-unit"));
 }
 
+TEST_CASE("ids that several spheres share are warned of", "[run]") {
+    const TemporaryFolder folder;
+    MeasureRecipe measure;
+    measure.pack = folder.file("p.csv");
+    std::ofstream(measure.pack)
+        << "id,x,y,z,radius\n9,0,0,0,1\n7,5,0,0,1\n7,0,5,0,1\n9,0,0,5,1\n-1,5,5,5,1\n";
+    const auto warnings = runMeasure(measure).run.report.warnings;
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings[0], Catch::Contains("5 spheres have 3 different ids, 7 among those"));
+}
+
 TEST_CASE("verify fails and names the sphere that was tampered with", "[run]") {
     const TemporaryFolder folder;
     const auto packed = runPack(recipeFor("ball:10", "uniform:1,2"));
