@@ -4,9 +4,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/vdb_grid.h"
 
-#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/Merge.h>
 #include <openvdb/tools/Prune.h>
 #include <openvdb/tree/LeafManager.h>
+#include <openvdb/tree/NodeManager.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -211,7 +212,11 @@ Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool 
     if (surface.grid->transform() != voids.grid->transform())
         throw ParameterError("surface and voids lie on different lattices; stamp on the surface's");
     try {
-        const FloatGrid::Ptr grid = openvdb::tools::csgDifferenceCopy(*surface.grid, *voids.grid);
+        // `csgDifferenceCopy` never returns where memory ends while it joins what its threads made.
+        const FloatGrid::Ptr grid = surface.grid->deepCopy();
+        openvdb::tools::CsgDifferenceOp<Tree> difference(voids.grid->constTree(),
+                                                         openvdb::DeepCopy());
+        openvdb::tree::DynamicNodeManager<Tree>(grid->tree()).foreachTopDown(difference);
         grid->setName("solid");
         grid->setGridClass(openvdb::GRID_LEVEL_SET);
         Pieces pieces(grid->tree());
