@@ -7,6 +7,7 @@
 #include "vdbpack/recipe.h"
 #include "vdbpack/run_stages.h"
 #include "vdbpack/void_stage.h"
+#include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -142,6 +143,22 @@ double fileSize(const std::string& name) {
     return failed ? 0 : static_cast<double>(bytes);
 }
 
+/// Voids of a list, each as large as their mean volume (2D: area) and mean b tell.
+template <int Dim>
+void addListed(Extent& e, const VoidRecipe& r) {
+    const auto list = readVoidList<Dim>(listFile(r));
+    e.voids = static_cast<double>(list.size());
+    if (list.empty()) return;
+    double across = 0, volume = 0;
+    for (const auto& v : list) {
+        across += std::pow(v.b, Dim - 1);
+        volume += v.a * std::pow(v.b, Dim - 1);
+    }
+    e.voidRadius = std::pow(across / e.voids, 1.0 / (Dim - 1));
+    e.voidLength = volume / across;
+    e.voidVoxel = voidVoxelFor(r, leastHalfAxis(list));
+}
+
 }  // namespace
 
 void addVoids(Extent& e, const VoidRecipe& r, double largest) {
@@ -180,8 +197,11 @@ void addVoids(Extent& e, const VoidRecipe& r, double largest) {
                 r.targetBvtv ? density * e.domainVolume : r.probability.value_or(0.02) * e.count;
             break;
         case VoidMethod::list:
-            e.voids = fileSize(listFile(r)) / kListedVoid * 2;
-            e.voidVoxel = r.voxelSize;  // else told by the list
+            e.voidVoxel = r.voxelSize;
+            e.voids = 0;
+            // A pipe is read once, by what cuts them.
+            if (!std::filesystem::is_regular_file(listFile(r))) break;
+            e.dim == 3 ? addListed<3>(e, r) : addListed<2>(e, r);
             break;
         default:
             e.voids = density * around;

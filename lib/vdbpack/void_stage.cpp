@@ -143,20 +143,6 @@ double bvtvOf(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made)
     return *made.report.bvtv;
 }
 
-/// The default voxel size for half-axes of at least `least` mm.
-double voxelFor(const VoidRecipe& recipe, double least) {
-    if (recipe.voxelSize > 0) return recipe.voxelSize;
-    const double voxel = least / kVoxelsPerHalfAxis;
-    return recipe.targetTbth ? std::min(voxel, *recipe.targetTbth / kVoxelsPerThickness) : voxel;
-}
-
-template <int Dim>
-double leastHalfAxis(const std::vector<Ellipsoid<Dim>>& voids) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const auto& e : voids) least = std::min({least, e.a, e.b});
-    return least;
-}
-
 /// Few large voids leave steps between the amounts there are.
 template <int Dim>
 void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
@@ -306,6 +292,12 @@ std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
     return {surface, voids, solid.grid};
 }
 
+double voidVoxelFor(const VoidRecipe& recipe, double least) {
+    if (recipe.voxelSize > 0) return recipe.voxelSize;
+    const double voxel = least / kVoxelsPerHalfAxis;
+    return recipe.targetTbth ? std::min(voxel, *recipe.targetTbth / kVoxelsPerThickness) : voxel;
+}
+
 double plannedVoxel(const VoidRecipe& recipe, int dim) {
     const VoidMethod method = methodOf(recipe);
     if (method == VoidMethod::none || isThinning(method) || recipe.radius.empty() ||
@@ -313,8 +305,8 @@ double plannedVoxel(const VoidRecipe& recipe, int dim) {
         return recipe.voxelSize;
     const double aspect =
         recipe.aspect.empty() ? 1 : SizeDistribution::parse(recipe.aspect, dim).min();
-    return voxelFor(recipe,
-                    SizeDistribution::parse(recipe.radius, dim).min() * std::min(1.0, aspect));
+    return voidVoxelFor(recipe,
+                        SizeDistribution::parse(recipe.radius, dim).min() * std::min(1.0, aspect));
 }
 
 double depthForShell(const VoidRecipe& recipe) {
@@ -375,7 +367,7 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
         e.axis[0] = 1;
         StampOptions<Dim> options;
         options.voxelSize =
-            voxelFor(s.recipe, shape.radius.min() * std::min(1.0, shape.aspect.min()));
+            voidVoxelFor(s.recipe, shape.radius.min() * std::min(1.0, shape.aspect.min()));
         requireStampMemory(*s.recipe.count, e, s.domain, options);
     }
 }
@@ -395,7 +387,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         double largest = 0;
         for (const auto& e : made.list) largest = std::max({largest, e.a, e.b});
         requireFitting(s, largest);
-        bvtvOf(s, voxelFor(r, leastHalfAxis(made.list)), made);
+        bvtvOf(s, voidVoxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
         const auto familyOf = [&](const VoidSetting<Dim>& setting, double target,
@@ -419,7 +411,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
             const auto family = familyOf(setting, asked.targetBvtv.value_or(kDefaultBvtv),
                                          told ? nullptr : &chosen);
             told = true;
-            const double voxel = voxelFor(asked, family.leastHalfAxis);
+            const double voxel = voidVoxelFor(asked, family.leastHalfAxis);
             const auto bvtvAt = [&](double amount) {
                 result.list = family.list(amount);
                 return bvtvOf(setting, voxel, result);
@@ -457,7 +449,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
     made.report.method = r.method;
     made.report.shell = r.shell;
     const VoidShape<Dim> shape = shapeOf(s, &made.report.chosen);
-    const double voxel = voxelFor(r, shape.radius.min() * std::min(1.0, shape.aspect.min()));
+    const double voxel = voidVoxelFor(r, shape.radius.min() * std::min(1.0, shape.aspect.min()));
     PackResult<Dim> result;
     std::size_t holes = 0;
     double wanted = 0;

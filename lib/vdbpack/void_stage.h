@@ -41,6 +41,10 @@ struct MadeVoids {
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };
 
+/// The voxel size of the level sets of voids with half-axes of at least `least` mm: as asked for,
+/// else as fine as they need, mm.
+double voidVoxelFor(const VoidRecipe& recipe, double least);
+
 /// The voxel size of the voids' level sets as far as a recipe tells, mm; 0: not yet.
 double plannedVoxel(const VoidRecipe& recipe, int dim);
 

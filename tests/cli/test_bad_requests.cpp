@@ -50,10 +50,12 @@ void check(const std::vector<Request>& requests, const std::string& folder) {
     }
 }
 
-/// A ball of triangles, one triangle alone and a plate without thickness.
+/// A ball of triangles, one triangle alone, a needle and a plate without thickness.
 void writeMeshes(const TemporaryFolder& folder) {
     test::writeObj(test::ballMesh(10, 3), folder.file("ball.obj"));
     std::ofstream(folder.file("one.obj")) << "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
+    std::ofstream(folder.file("needle.obj"))
+        << "v 0 0 0\nv 1e6 0 0\nv 0 1e-3 0\nv 0 0 1e-3\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     std::ofstream flat(folder.file("flat.obj"));
     flat << "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nf 1 2 3\nf 1 3 4\nf 1 3 2\nf 1 4 3\n";
 }
@@ -145,6 +147,9 @@ TEST_CASE("lengths and shares that cannot be are refused", "[cli][bad]") {
 TEST_CASE("voids that cannot be are refused", "[cli][bad]") {
     const TemporaryFolder folder;
     writeMeshes(folder);
+    std::ofstream(folder.file("thin.csv")) << "x,y,z,a,b,ux,uy,uz\n0,0,0,5,0.0001,1,0,0\n";
+    std::ofstream(folder.file("control.csv"))
+        << "x,y,z,a,b,ux,uy,uz\n0,0,0,\x1b[2Jtwo" << '\0' << ",0.5,1,0,0\n";
     check(
         {{"pack ball:9 --target-bvtv 0.5", 2, "no voids are asked for"},
          {"pack ball:9 --voids boolean --target-bvtv 2", 2, "--target-bvtv 2: must lie in (0, 1)"},
@@ -153,6 +158,12 @@ TEST_CASE("voids that cannot be are refused", "[cli][bad]") {
          {"pack ball:9 --voids concentric --delete-fraction 2", 2, "must lie in (0, 1]"},
          {"voids ball:9 --voids grid --void-cell 0", 2, "--void-cell 0: write the side of a box"},
          {"voids ball:9 --voids grid --void-cell 1e-9", 5, "give a larger --void-voxel"},
+         {"voids ball:9 --voids list:@control.csv", 3, "?[2Jtwo"},
+         {"voids ball:9 --voids list:@thin.csv", 5, "voids in voxels of 2.5e-05 mm"},
+         {"pack ball:9 --radius constant:1 --voids list:@thin.csv", 5,
+          "voids in voxels of 2.5e-05 mm"},
+         {"pack ball:9 --radius constant:1 --voids list:@thin.csv --dry-run", 5,
+          "give a larger --void-voxel, larger voids"},
          {"voids ball:9 --voids boolean --void-radius constant:50 --void-count 2", 2,
           "are larger than the domain"},
          {"voids ball:9 --voids boolean --void-radius constant:1 --void-voxel 1e300", 2,
@@ -168,6 +179,7 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
     check({{"pack @one.obj", 3, "the mesh is not closed: 3 boundary edges"},
            {"pack @flat.obj", 3, "inside and outside cannot be told apart"},
            {"measure @one.obj", 3, "not closed"},
+           {"pack @needle.obj --target-count 200", 3, "the mesh is about 0.0002 mm thick"},
            {"voids @flat.obj --voids boolean --void-radius constant:1 --void-count 3", 3,
             "inside and outside"}},
           folder.path());
@@ -204,6 +216,8 @@ TEST_CASE("packs to go on from that are none are refused, copies are not", "[cli
            {"pack box:20,20,20 --radius constant:1 --existing @heap.csv", 3,
             "pairs of its 20000 spheres overlap one another"},
            {"pack box:20,20,20 --radius constant:1 --existing @last.csv", 3,
+            "leaves no numbers for what is added"},
+           {"densify @last.csv --domain box:20,20,20 --densify 0.1", 3,
             "leaves no numbers for what is added"}},
           folder.path());
 }

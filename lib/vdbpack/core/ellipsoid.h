@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <vector>
 
 namespace vdbpack {
 
@@ -73,6 +75,14 @@ private:
         return std::hypot(a * tx - x, b * ty - y);
     }
 };
+
+/// The shortest half-axis of all, mm; infinity if there are none.
+template <int Dim>
+double leastHalfAxis(const std::vector<Ellipsoid<Dim>>& ellipsoids) {
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& e : ellipsoids) least = std::min({least, e.a, e.b});
+    return least;
+}
 
 /// The long axis of a void as its angles say, rad: along z, turned by `thetaX` about x, then by
 /// `thetaZ` about z.

@@ -3,13 +3,23 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace vdbpack {
 
-/// Base of everything the library throws on purpose.
+/// Base of everything the library throws on purpose. Messages quote what files hold: control
+/// characters, which could end a message early or reach a terminal, become '?'.
 class Error : public std::runtime_error {
 public:
-    using std::runtime_error::runtime_error;
+    explicit Error(std::string message) : std::runtime_error(printable(std::move(message))) {}
+
+private:
+    static std::string printable(std::string text) {
+        for (char& c : text)
+            if ((static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') || c == 0x7f)
+                c = '?';
+        return text;
+    }
 };
 
 /// An argument of the caller is unusable (exit code 2).

@@ -21,6 +21,8 @@ namespace vdbpack {
 namespace {
 
 constexpr double kVolumeTolerance = 0.01;
+// Half the thickness of a wall, in voxels, below which its volume cannot come out so well.
+constexpr double kThinnestInVoxels = 0.05;
 constexpr double kMostDefaultVoxels = 4e7;
 // Active voxels beyond this (some 40 GB) are a slip of the units rather than a wish.
 constexpr double kMostVoxels = 5e9;
@@ -243,6 +245,17 @@ std::string flawsOf(const MeshHealth& health) {
         health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
 }
 
+/// Refuses a closed mesh that is far thinner than the voxels of its field, before that is made.
+void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
+    const double half = health.enclosedVolume / health.area;  // of a plate's thickness
+    if (!(half > 0) || half > kThinnestInVoxels * voxelSize) return;
+    throw InputError(fmt::format(
+        "{}: the mesh is about {:.2g} mm thick (twice its volume by its area), too thin "
+        "for a field of {:.4g} mm voxels; check the mesh and its unit, or give --voxel "
+        "{:.2g}",
+        name, 2 * half, voxelSize, half));
+}
+
 /// Whether a level set in voxels of `voxelSize` can be the field, where `wanted` is the size of
 /// those that would be made.
 bool isAbout(double voxelSize, double wanted) {
@@ -280,9 +293,10 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
         options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(mesh, options.detail);
     requireVoxels(name, mesh, health.area, voxelSize, options.depth);
 
+    const bool fits = levelSet != nullptr && health.isWatertight() && liesAlongAxes(*levelSet);
+    if (!fits && isClean(health)) requireThickness(name, health, voxelSize);
     callbacks.report("domain", 0, 0);
     callbacks.stopIfCancelled();
-    const bool fits = levelSet != nullptr && health.isWatertight() && liesAlongAxes(*levelSet);
     const auto takeLevelSet = [&] {
         parts.contour = true;
         voxelSize = voxelSizeOf(*levelSet);
