@@ -62,6 +62,19 @@ void onSignal(int) {
         "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n");
 }
 
+constexpr char kNoMemory[] =
+    "vdb_pack: not enough memory; ask for larger radii or clip the domain\n";
+
+/// The exit code for what no part of vdb_pack threw. Of threads that cannot be started, TBB tells
+/// by the text alone.
+int codeOf(const std::exception& e) {
+    bool resources = std::string_view(e.what()).find("pthread_create") != std::string_view::npos;
+    if (const auto* system = dynamic_cast<const std::system_error*>(&e))
+        resources = resources || system->code() == std::errc::not_enough_memory ||
+                    system->code() == std::errc::resource_unavailable_try_again;
+    return resources ? kNoResources : kIoFailed;
+}
+
 /// Where a destructor of a library runs out of memory: OpenVDB's and nlohmann-json's take some.
 [[noreturn]] void onTerminate() {
     removeTemporaryFiles();
@@ -69,13 +82,26 @@ void onSignal(int) {
     try {
         if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
     } catch (const std::bad_alloc&) {
-        sayFromHandler("vdb_pack: not enough memory; ask for larger radii or clip the domain\n");
+        sayFromHandler(kNoMemory);
         code = kNoResources;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "vdb_pack: %s\n", e.what());
+        code = codeOf(e);
     } catch (...) {
     }
     ::_exit(code);
+}
+
+/// OpenVDB's trees and contours come apart where memory ends within them: that is told as what it
+/// is, and anything else left to end the process as it would.
+void onCrash(int number) {
+    if (MemoryReserve::isSpent()) {
+        removeTemporaryFiles();
+        sayFromHandler(kNoMemory);
+        ::_exit(kNoResources);
+    }
+    std::signal(number, SIG_DFL);
+    std::raise(number);
 }
 
 /// Signals that ask to stop, and those that would end the process where writing fails: that is
@@ -85,6 +111,9 @@ void handleSignals() {
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGINT, onSignal);
     std::signal(SIGTERM, onSignal);
+#ifndef VDBPACK_SANITIZED  // which tell of a crash themselves
+    for (const int number : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(number, onCrash);
+#endif
     // A run that is to survive its terminal (nohup) does.
     if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
@@ -317,6 +346,7 @@ int main(int argc, char** argv) {
         const auto options = parseCommandLine(argc, argv, exitCode);
         if (options) {
             limitData(memoryLimitOf(*options));
+            const MemoryReserve reserve;
             exitCode = runCommand(*options);
         }
         if (interrupted) exitCode = kInterrupted;
@@ -340,12 +370,7 @@ int main(int argc, char** argv) {
             "no more memory is to be had; ask for larger radii or voxels, clip the domain, or "
             "raise --memory-limit",
             kNoResources);
-    } catch (const std::system_error& e) {
-        return fail(e.what(), e.code() == std::errc::not_enough_memory ||
-                                      e.code() == std::errc::resource_unavailable_try_again
-                                  ? kNoResources
-                                  : kIoFailed);
     } catch (const std::exception& e) {
-        return fail(e.what(), kIoFailed);
+        return fail(e.what(), codeOf(e));
     }
 }

@@ -4,22 +4,28 @@
 
 #include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/core/output_file.h"
 #include "vdbpack/run.h"
 
 #include <catch2/catch.hpp>
 #include <execinfo.h>
+#include <malloc.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <csignal>
+#include <cstddef>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <new>
 #include <random>
 #include <stdexcept>
@@ -30,26 +36,56 @@ using namespace vdbpack;
 
 namespace {
 
-/// Allocations until one fails; 0 or less: they are counted alone.
-std::atomic<long> countdown{0};
-std::atomic<bool> staysOut{false};  ///< all that come after it fail as well
+/// What there is no memory for, once there was enough for so many allocations.
+enum class Shortage { none, all, large };
 
-bool isRefused() {
-    const long left = countdown.fetch_sub(1, std::memory_order_relaxed);
-    return left == 1 || (left < 1 && staysOut.load(std::memory_order_relaxed));
+/// As large as fails alone.
+constexpr std::size_t kLarge = 16384;
+
+std::atomic<Shortage> shortage{Shortage::none};
+std::atomic<long> counted{0};    ///< allocations, of `large` the large ones
+std::atomic<long> failing{0};    ///< number of the first that fails
+std::atomic<long> givenBack{0};  ///< bytes that are there again since then
+
+/// Whether there is memory for allocation `number`.
+bool isThere(std::size_t bytes, long number) {
+    switch (shortage.load(std::memory_order_relaxed)) {
+        case Shortage::none:
+            return true;
+        case Shortage::large:
+            return number != failing;
+        case Shortage::all:
+            break;
+    }
+    if (number < failing) return true;
+    const auto taken = static_cast<long>(bytes);
+    if (givenBack.fetch_sub(taken) >= taken) return true;
+    givenBack.fetch_add(taken);
+    return false;
 }
 
-void* allocate(std::size_t bytes) {
-    if (isRefused()) throw std::bad_alloc();
-    void* const p = std::malloc(bytes == 0 ? 1 : bytes);
-    if (!p) throw std::bad_alloc();
-    return p;
-}
+/// As the standard has it: whoever holds memory back is asked for it.
 void* allocate(std::size_t bytes, std::size_t alignment) {
-    if (isRefused()) throw std::bad_alloc();
-    void* const p = std::aligned_alloc(alignment, (bytes + alignment - 1) / alignment * alignment);
-    if (!p) throw std::bad_alloc();
-    return p;
+    bytes = std::max<std::size_t>(bytes, 1);
+    const bool counts = shortage != Shortage::large || bytes >= kLarge;
+    const long number = counts ? ++counted : 0;
+    for (;;) {
+        if (isThere(bytes, number)) {
+            const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
+            if (void* const p = std::aligned_alloc(alignment, whole)) return p;
+        }
+        const std::new_handler handler = std::get_new_handler();
+        if (!handler) throw std::bad_alloc();
+        handler();
+    }
+}
+void* allocate(std::size_t bytes) {
+    return allocate(bytes, alignof(std::max_align_t));
+}
+void release(void* p) {
+    if (p && shortage.load(std::memory_order_relaxed) == Shortage::all && counted >= failing)
+        givenBack.fetch_add(static_cast<long>(::malloc_usable_size(p)));
+    std::free(p);
 }
 
 }  // namespace
@@ -67,64 +103,63 @@ void* operator new[](std::size_t bytes, std::align_val_t alignment) {
     return allocate(bytes, static_cast<std::size_t>(alignment));
 }
 void operator delete(void* p) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete[](void* p) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete(void* p, std::size_t) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete[](void* p, std::size_t) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete(void* p, std::align_val_t) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete[](void* p, std::align_val_t) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete(void* p, std::size_t, std::align_val_t) noexcept {
-    std::free(p);
+    release(p);
 }
 void operator delete[](void* p, std::size_t, std::align_val_t) noexcept {
-    std::free(p);
+    release(p);
 }
 
 namespace {
 
 constexpr int kWell = 0, kThrown = 10, kSpeechless = 11, kStranger = 12, kForeign = 13;
 
-/// The trees of OpenVDB and the values of nlohmann-json take memory in their destructors, which may
-/// not throw: nothing of ours can keep that from ending the process (the program does so with its
-/// exit code for memory). Whatever else ends it is a fault of ours.
-[[noreturn]] void onTerminate() {
-    countdown = 0;
-    staysOut = false;
+/// OpenVDB's trees take memory in their destructors, and its contours are left with dangling leaves
+/// where memory ends within: nothing of ours can keep that from ending the process (the program
+/// does so with its exit code for memory). Whatever else ends it is a fault of ours.
+void onCrash(int number) {
+    shortage = Shortage::none;
     std::array<void*, 64> frames{};
     const int count = ::backtrace(frames.data(), static_cast<int>(frames.size()));
     char** const names = ::backtrace_symbols(frames.data(), count);
-    for (int i = 0; names && i < count; ++i) {
+    for (int i = 0; MemoryReserve::isSpent() && names && i < count; ++i) {
         const std::string name = names[i];
-        // The destructor lies right below what ends the process, perhaps as a part of what makes
-        // values.
         const auto has = [&name](const char* part) { return name.find(part) != std::string::npos; };
-        const bool json = i < 10 && (has("nlohmann") || has("6toJson") || has("11writeReport"));
-        const bool tree =
-            name.find("openvdb") != std::string::npos && name.find("5clearEv") != std::string::npos;
-        if (json || tree) ::_exit(kForeign);
+        if (has("openvdb") && (has("5clearEv") || has("VolumeToMesh"))) {
+            removeTemporaryFiles();
+            ::_exit(kForeign);
+        }
     }
     ::backtrace_symbols_fd(frames.data(), count, STDERR_FILENO);
-    std::abort();
+    std::signal(number, SIG_DFL);
+    std::raise(number);
 }
 
-/// What became of some work in a process of its own, whose memory ends at allocation `failing`.
+/// What became of some work in a process of its own, where allocation `first` fails.
 struct Outcome {
     int code = 0;          ///< of the above, or 128 + the signal that ended it
-    long allocations = 0;  ///< in all
+    long allocations = 0;  ///< in all; of Shortage::large the large ones
 };
 
-Outcome runApart(const std::function<void()>& work, long failing, bool staying) {
+Outcome runApart(const std::function<void()>& work, Shortage kind = Shortage::none,
+                 long first = 0) {
     auto* const count = static_cast<long*>(
         ::mmap(nullptr, sizeof(long), PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0));
     REQUIRE(count != MAP_FAILED);
@@ -132,12 +167,13 @@ Outcome runApart(const std::function<void()>& work, long failing, bool staying) 
     REQUIRE(child >= 0);
     if (child == 0) {
         ::alarm(60);  // a hang is told by its signal
-        for (const int number : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGTERM})
-            std::signal(number, SIG_DFL);  // not Catch's
-        std::set_terminate(onTerminate);
+        for (const int number : {SIGABRT, SIGSEGV, SIGBUS}) std::signal(number, onCrash);
+        for (const int number : {SIGFPE, SIGTERM}) std::signal(number, SIG_DFL);  // not Catch's
         int code = kWell;
-        staysOut = staying && failing > 0;
-        countdown = failing;
+        const MemoryReserve reserve(std::size_t{1} << 20);
+        counted = 0;
+        failing = first;
+        shortage = kind;
         try {
             work();
         } catch (const std::exception& e) {
@@ -145,7 +181,7 @@ Outcome runApart(const std::function<void()>& work, long failing, bool staying) 
         } catch (...) {
             code = kStranger;
         }
-        *count = failing - countdown;
+        *count = counted;
         ::_exit(code);
     }
     int status = 0;
@@ -247,52 +283,61 @@ std::vector<Command> commandsIn(const TemporaryFolder& folder, const std::string
 }
 
 void makePack(const std::string& file) {
-    const auto made = runApart(
-        [&] {
-            PackRecipe recipe;
-            recipe.domain.source = "box:16,16,16";
-            recipe.radius = "uniform:1,2";
-            recipe.outputs = {file};
-            runPack(recipe);
-        },
-        0, false);
+    const auto made = runApart([&] {
+        PackRecipe recipe;
+        recipe.domain.source = "box:16,16,16";
+        recipe.radius = "uniform:1,2";
+        recipe.outputs = {file};
+        runPack(recipe);
+    });
     REQUIRE(made.code == kWell);
 }
+
+constexpr long kNever = std::numeric_limits<long>::max();
 
 void failAtMany(int moments) {
     const TemporaryFolder folder, source;
     const std::string given = source.file("given.csv");
     makePack(given);
     std::mt19937 random(7);
+    int foreign = 0;
     for (const Command& command : commandsIn(folder, given)) {
-        const Outcome whole = runApart([&] { command.run({}); }, 0, false);
-        CAPTURE(command.name);
-        REQUIRE(whole.code == kWell);
-        REQUIRE(whole.allocations > 100);
-        for (int moment = 0; moment < moments; ++moment) {
-            // Dense at the beginning, where the parts are set up.
-            const double share = std::uniform_real_distribution<double>(0, 1)(random);
-            const long failing = std::max(
-                1L,
-                static_cast<long>(share * share * share * static_cast<double>(whole.allocations)));
-            const bool staying = moment % 2 == 1;
-            const Outcome outcome = runApart([&] { command.run({}); }, failing, staying);
-            CAPTURE(failing, staying, outcome.code, whole.allocations);
-            CHECK((outcome.code == kWell || outcome.code == kThrown || outcome.code == kForeign));
-            CHECK(debrisIn(folder.path()) == 0);
+        for (const Shortage kind : {Shortage::all, Shortage::large}) {
+            const bool all = kind == Shortage::all;
+            // None fails, so that all are counted.
+            const Outcome whole = runApart([&] { command.run({}); }, kind, kNever);
+            CAPTURE(command.name, all);
+            REQUIRE(whole.code == kWell);
+            if (!all && whole.allocations == 0) continue;  // a command of small ones
+            REQUIRE(whole.allocations > (all ? 100 : 2));
+            for (int moment = 0; moment < moments; ++moment) {
+                // Dense at the beginning, where the parts are set up.
+                const double share = std::uniform_real_distribution<double>(0, 1)(random);
+                const long first =
+                    1 + static_cast<long>((all ? share * share * share : share) *
+                                          static_cast<double>(whole.allocations - 1));
+                const Outcome outcome = runApart([&] { command.run({}); }, kind, first);
+                CAPTURE(first, outcome.code, whole.allocations);
+                CHECK(
+                    (outcome.code == kWell || outcome.code == kThrown || outcome.code == kForeign));
+                foreign += outcome.code == kForeign;
+                CHECK(debrisIn(folder.path()) == 0);
+            }
         }
     }
+    // Some in a hundred of the runs in which OpenVDB contours, none of the others.
+    CHECK(foreign <= 1 + moments / 20);
 }
 
 }  // namespace
 
 TEST_CASE("a run that is out of memory ends with an exception, and leaves nothing half written",
           "[memory]") {
-    failAtMany(8);
+    failAtMany(4);
 }
 
 TEST_CASE("a run out of memory at any of many moments ends with an exception", "[.slow][memory]") {
-    failAtMany(400);
+    failAtMany(200);
 }
 
 TEST_CASE("what a callback throws comes out of every run", "[memory]") {
@@ -303,28 +348,26 @@ TEST_CASE("what a callback throws comes out of every run", "[memory]") {
     for (const Command& command : commandsIn(folder, given))
         for (const int patience : {0, 1, 3, 10, 30}) {
             CAPTURE(which, command.name, patience);
-            const Outcome outcome = runApart(
-                [&] {
-                    std::atomic<int> calls{0};
-                    Callbacks callbacks;
-                    const auto call = [&] {
-                        if (++calls > patience) throw std::runtime_error("of the caller");
+            const Outcome outcome = runApart([&] {
+                std::atomic<int> calls{0};
+                Callbacks callbacks;
+                const auto call = [&] {
+                    if (++calls > patience) throw std::runtime_error("of the caller");
+                };
+                if (which == "progress")
+                    callbacks.progress = [&](const Progress&) { call(); };
+                else
+                    callbacks.cancelled = [&] {
+                        call();
+                        return false;
                     };
-                    if (which == "progress")
-                        callbacks.progress = [&](const Progress&) { call(); };
-                    else
-                        callbacks.cancelled = [&] {
-                            call();
-                            return false;
-                        };
-                    try {
-                        command.run(callbacks);
-                        if (calls > patience) throw 0;  // swallowed
-                    } catch (const std::runtime_error& e) {
-                        if (std::string(e.what()) != "of the caller") throw 1;
-                    }
-                },
-                0, false);
+                try {
+                    command.run(callbacks);
+                    if (calls > patience) throw 0;  // swallowed
+                } catch (const std::runtime_error& e) {
+                    if (std::string(e.what()) != "of the caller") throw 1;
+                }
+            });
             CHECK(outcome.code == kWell);
             CHECK(debrisIn(folder.path()) == 0);
         }

@@ -16,6 +16,7 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <new>
 #include <utility>
 
 namespace vdbpack {
@@ -146,12 +147,59 @@ double availableSpace(const std::string& path, std::uint64_t* device) {
     return static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
 }
 
+namespace {
+
+std::atomic<void*> forAnotherTry{nullptr}, forTheWayOut{nullptr};
+std::atomic<bool> reserveSpent{false};
+
+void takeReserve() {
+    // Where another thread has just given it back, that is worth a try as well.
+    thread_local bool tried = false;
+    if (void* const held = forAnotherTry.exchange(nullptr)) {
+        ::operator delete(held);
+        reserveSpent = true;
+        tried = true;
+        return;
+    }
+    if (reserveSpent && !std::exchange(tried, true)) return;
+    ::operator delete(forTheWayOut.exchange(nullptr));
+    throw std::bad_alloc();
+}
+
+}  // namespace
+
+MemoryReserve::MemoryReserve(std::size_t bytes) {
+    if (std::get_new_handler() != nullptr) return;
+    reserveSpent = false;
+    forAnotherTry = ::operator new(bytes / 2);
+    forTheWayOut = ::operator new(bytes / 2);
+    std::set_new_handler(takeReserve);
+    installed_ = true;
+}
+
+MemoryReserve::~MemoryReserve() {
+    if (!installed_) return;
+    if (std::get_new_handler() == takeReserve) std::set_new_handler(nullptr);
+    ::operator delete(forAnotherTry.exchange(nullptr));
+    ::operator delete(forTheWayOut.exchange(nullptr));
+    reserveSpent = false;
+}
+
+bool MemoryReserve::isSpent() {
+    return reserveSpent;
+}
+
 Callbacks withinMemory(Callbacks callbacks, double limit) {
-    if (!std::isfinite(limit)) return callbacks;
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto next = std::make_shared<std::atomic<double>>(0.0);
-    callbacks.cancelled = [limit, start, next, asked = std::move(callbacks.cancelled)] {
+    callbacks.cancelled = [limit, start, next, asked = std::move(callbacks.cancelled),
+                           reserve = std::make_shared<MemoryReserve>()] {
+        if (MemoryReserve::isSpent())
+            throw ResourceError(
+                "no more memory is to be had: stopped, and nothing more is written; ask for larger "
+                "radii, voxels or voids, clip the domain, or raise --memory-limit");
+        if (!std::isfinite(limit)) return asked && asked();
         const double now = std::chrono::duration<double>(Clock::now() - start).count();
         if (now >= next->load(std::memory_order_relaxed)) {
             next->store(now + kInterval, std::memory_order_relaxed);

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/progress.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -27,8 +28,32 @@ double residentMemory();
 /// @param device  set to a number of the file system, if not null.
 double availableSpace(const std::string& path, std::uint64_t* device = nullptr);
 
+/// Memory held back for the way out. The first allocation that fails while it lives gives half of
+/// it back and is tried again: small ones succeed from then on, and what asks `withinMemory` is
+/// told to stop. If one fails all the same, the other half is there while the exception unwinds.
+/// OpenVDB, TBB and nlohmann-json need that: destructors take memory and may not throw, threads
+/// that join what they made wait for ever if one throws.
+///
+/// By `std::set_new_handler`, for all threads: where there is a handler already (another reserve,
+/// or the program's own) it does nothing.
+class MemoryReserve {
+public:
+    /// @param bytes  of address space, which take no memory.
+    explicit MemoryReserve(std::size_t bytes = std::size_t{64} << 20);
+    ~MemoryReserve();
+    MemoryReserve(const MemoryReserve&) = delete;
+    MemoryReserve& operator=(const MemoryReserve&) = delete;
+
+    /// Whether the one that lives was given back.
+    static bool isSpent();
+
+private:
+    bool installed_ = false;
+};
+
 /// The same callbacks, but `cancelled` throws ResourceError once the process holds more than
-/// `limit` bytes: whatever can be stopped can be stopped for that. Infinite: the callbacks alone.
+/// `limit` bytes, or had to take its `MemoryReserve`: whatever can be stopped can be stopped for
+/// that. Holds such a reserve as long as it lives. Infinite: the reserve alone.
 Callbacks withinMemory(Callbacks callbacks, double limit);
 
 }  // namespace vdbpack
