@@ -14,9 +14,11 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -65,16 +67,6 @@ void onSignal(int) {
 constexpr char kNoMemory[] =
     "vdb_pack: not enough memory; ask for larger radii or clip the domain\n";
 
-/// The exit code for what no part of vdb_pack threw. Of threads that cannot be started, TBB tells
-/// by the text alone.
-int codeOf(const std::exception& e) {
-    bool resources = std::string_view(e.what()).find("pthread_create") != std::string_view::npos;
-    if (const auto* system = dynamic_cast<const std::system_error*>(&e))
-        resources = resources || system->code() == std::errc::not_enough_memory ||
-                    system->code() == std::errc::resource_unavailable_try_again;
-    return resources ? kNoResources : kIoFailed;
-}
-
 /// Where a destructor of a library runs out of memory: OpenVDB's and nlohmann-json's take some.
 [[noreturn]] void onTerminate() {
     removeTemporaryFiles();
@@ -86,16 +78,20 @@ int codeOf(const std::exception& e) {
         code = kNoResources;
     } catch (const std::exception& e) {
         std::fprintf(stderr, "vdb_pack: %s\n", e.what());
-        code = codeOf(e);
+        if (isShortage(e)) code = kNoResources;
     } catch (...) {
     }
     ::_exit(code);
 }
 
-/// OpenVDB's trees and contours come apart where memory ends within them: that is told as what it
-/// is, and anything else left to end the process as it would.
+/// OpenVDB's trees and contours come apart where memory ends within them, and Blosc does not look
+/// at what it is given: that is told as what it is, and anything else left to end the process as it
+/// would.
 void onCrash(int number) {
-    if (MemoryReserve::isSpent()) {
+    constexpr std::size_t kLittle = std::size_t{16} << 20;
+    const bool none = ::mmap(nullptr, kLittle, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
+                             -1, 0) == MAP_FAILED;
+    if (none || MemoryReserve::isSpent()) {
         removeTemporaryFiles();
         sayFromHandler(kNoMemory);
         ::_exit(kNoResources);
@@ -112,7 +108,16 @@ void handleSignals() {
     std::signal(SIGINT, onSignal);
     std::signal(SIGTERM, onSignal);
 #ifndef VDBPACK_SANITIZED  // which tell of a crash themselves
-    for (const int number : {SIGSEGV, SIGBUS, SIGABRT}) std::signal(number, onCrash);
+    // On a stack of its own: that of the main thread may have no room to grow either.
+    static std::array<char, 65536> stack;
+    stack_t other{};
+    other.ss_sp = stack.data();
+    other.ss_size = stack.size();
+    ::sigaltstack(&other, nullptr);
+    struct sigaction action {};
+    action.sa_handler = onCrash;
+    action.sa_flags = SA_ONSTACK;
+    for (const int number : {SIGSEGV, SIGBUS, SIGABRT}) ::sigaction(number, &action, nullptr);
 #endif
     // A run that is to survive its terminal (nohup) does.
     if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
@@ -341,12 +346,16 @@ int main(int argc, char** argv) {
         }
         return code;
     };
+    const MemoryReserve reserve;
+    // What fails where there is no more memory may blame a file for it.
+    const auto unlessShort = [](int code) {
+        return MemoryReserve::isSpent() ? static_cast<int>(kNoResources) : code;
+    };
     try {
         int exitCode = kDone;
         const auto options = parseCommandLine(argc, argv, exitCode);
         if (options) {
             limitData(memoryLimitOf(*options));
-            const MemoryReserve reserve;
             exitCode = runCommand(*options);
         }
         if (interrupted) exitCode = kInterrupted;
@@ -360,9 +369,9 @@ int main(int argc, char** argv) {
     } catch (const ParameterError& e) {
         return fail(e.what(), kUsage);
     } catch (const InputError& e) {
-        return fail(e.what(), kBadInput);
+        return fail(e.what(), unlessShort(kBadInput));
     } catch (const IoError& e) {
-        return fail(e.what(), kIoFailed);
+        return fail(e.what(), unlessShort(kIoFailed));
     } catch (const ResourceError& e) {
         return fail(e.what(), kNoResources);
     } catch (const std::bad_alloc&) {
@@ -371,6 +380,6 @@ int main(int argc, char** argv) {
             "raise --memory-limit",
             kNoResources);
     } catch (const std::exception& e) {
-        return fail(e.what(), codeOf(e));
+        return fail(e.what(), isShortage(e) ? kNoResources : kIoFailed);
     }
 }

@@ -5,9 +5,12 @@
 
 #include <catch2/catch.hpp>
 
+#include <cerrno>
 #include <cmath>
 #include <limits>
 #include <new>
+#include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -107,4 +110,14 @@ TEST_CASE("memory held back is given to the first allocation that fails", "[memo
     }
     CHECK(std::get_new_handler() == own);
     std::set_new_handler(nullptr);
+}
+
+TEST_CASE("what says that memory or threads are short is known", "[memory]") {
+    CHECK(isShortage(std::bad_alloc()));
+    CHECK(isShortage(ResourceError("")));
+    CHECK(isShortage(std::system_error(EAGAIN, std::generic_category())));
+    CHECK(isShortage(std::runtime_error("pthread_create has failed: Resource temporarily ...")));
+    CHECK_FALSE(isShortage(std::runtime_error("TBB Warning")));
+    CHECK_FALSE(isShortage(std::system_error(ENOENT, std::generic_category())));
+    CHECK_FALSE(isShortage(InputError("no spheres")));
 }

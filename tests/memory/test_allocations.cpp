@@ -337,7 +337,7 @@ TEST_CASE("a run that is out of memory ends with an exception, and leaves nothin
 }
 
 TEST_CASE("a run out of memory at any of many moments ends with an exception", "[.slow][memory]") {
-    failAtMany(200);
+    failAtMany(60);
 }
 
 TEST_CASE("what a callback throws comes out of every run", "[memory]") {

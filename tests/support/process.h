@@ -48,6 +48,7 @@ public:
     double seconds() const {
         return std::chrono::duration<double>(Clock::now() - started_).count();
     }
+    pid_t id() const { return id_; }
     void signal(int number) { ::kill(id_, number); }
     /// @return the exit code; that of a shell, 128 + number, where a signal ended it.
     int wait() {

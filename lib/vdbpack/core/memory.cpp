@@ -17,6 +17,8 @@
 #include <limits>
 #include <memory>
 #include <new>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace vdbpack {
@@ -147,6 +149,16 @@ double availableSpace(const std::string& path, std::uint64_t* device) {
     return static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
 }
 
+bool isShortage(const std::exception& failure) {
+    if (const auto* system = dynamic_cast<const std::system_error*>(&failure))
+        return system->code() == std::errc::not_enough_memory ||
+               system->code() == std::errc::resource_unavailable_try_again;
+    // TBB tells by the text alone.
+    return dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ||
+           dynamic_cast<const ResourceError*>(&failure) != nullptr ||
+           std::string_view(failure.what()).find("pthread_create") != std::string_view::npos;
+}
+
 namespace {
 
 std::atomic<void*> forAnotherTry{nullptr}, forTheWayOut{nullptr};
@@ -171,8 +183,8 @@ void takeReserve() {
 MemoryReserve::MemoryReserve(std::size_t bytes) {
     if (std::get_new_handler() != nullptr) return;
     reserveSpent = false;
-    forAnotherTry = ::operator new(bytes / 2);
-    forTheWayOut = ::operator new(bytes / 2);
+    forAnotherTry = ::operator new(bytes / 2, std::nothrow);
+    forTheWayOut = ::operator new(bytes / 2, std::nothrow);
     std::set_new_handler(takeReserve);
     installed_ = true;
 }

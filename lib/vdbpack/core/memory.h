@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <string>
 
 namespace vdbpack {
@@ -27,6 +28,10 @@ double residentMemory();
 /// Bytes that a file in the folder of `path` may still take; infinite where nothing tells.
 /// @param device  set to a number of the file system, if not null.
 double availableSpace(const std::string& path, std::uint64_t* device = nullptr);
+
+/// Whether an exception says that memory or threads are not to be had: `std::bad_alloc`,
+/// ResourceError, `std::system_error` of that kind, and what TBB throws where no thread starts.
+bool isShortage(const std::exception& failure);
 
 /// Memory held back for the way out. The first allocation that fails while it lives gives half of
 /// it back and is tried again: small ones succeed from then on, and what asks `withinMemory` is

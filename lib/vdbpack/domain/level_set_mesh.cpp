@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/domain/vdb_grid.h"
@@ -124,9 +125,9 @@ auto withLevelSet(const std::string& path, const std::string& gridName, double s
         throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
     } catch (const Error&) {
         throw;
-    } catch (const std::bad_alloc&) {
-        throw ResourceError(fmt::format("{}: not enough memory to read it", path));
     } catch (const std::exception& e) {
+        if (isShortage(e))
+            throw ResourceError(fmt::format("{}: not enough memory to read it", path));
         throw IoError(
             fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
     }

@@ -1,6 +1,7 @@
 #include "vdbpack/domain/vdb_check.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/domain/vdb_init.h"
 #include "vdbpack/export/input_file.h"
 
@@ -457,7 +458,8 @@ private:
             else
                 openvdb::io::unzipFromStream(packed, unpacked_.data(),
                                              static_cast<std::size_t>(expected));
-        } catch (const std::exception&) {
+        } catch (const std::exception& e) {
+            if (isShortage(e)) throw;
             bytes_.fail("values that cannot be unpacked");
         }
     }

@@ -1,6 +1,7 @@
 // OpenVDB files: spheres as a point grid, the bone as a level set beside them.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/domain/vdb_grid.h"
 #include "vdbpack/export/numbers.h"
@@ -649,12 +650,11 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
         stream.open(out.temporaryPath(), std::ios::binary | std::ios::trunc);
         Archive().writeTo(stream, grids);
         stream.close();
-    } catch (const std::bad_alloc&) {
-        throw;
     } catch (const std::exception& e) {
         const int cause = errno;
         // Destroying a stream that throws on failure must not throw once more.
         stream.exceptions(std::ios::goodbit);
+        if (isShortage(e)) throw;
         throw IoError(fmt::format("{}: writing failed: {}; the former file, if any, is untouched",
                                   out.path(), cause != 0 ? std::strerror(cause) : e.what()));
     }
@@ -700,10 +700,9 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         if (grid) return packOf(*grid, path, unitOf(*grid, path, options.unit));
     } catch (const Error&) {
         throw;
-    } catch (const std::bad_alloc&) {
-        throw;
     } catch (const std::exception& e) {
         stream.exceptions(std::ios::goodbit);
+        if (isShortage(e)) throw;
         stream.clear();
         const auto at = static_cast<std::int64_t>(stream.tellg());
         throw InputError(fmt::format(

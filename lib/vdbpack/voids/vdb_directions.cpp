@@ -1,5 +1,6 @@
 // Fields of directions in .vdb files.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/domain/vdb_check.h"
 #include "vdbpack/voids/tensor_field.h"
 
@@ -292,9 +293,9 @@ std::shared_ptr<const DirectionField> readVdbDirections(const std::string& file,
         throw InputError(fmt::format("{}: {}; write the file again", file, e.what()));
     } catch (const Error&) {
         throw;
-    } catch (const std::bad_alloc&) {
-        throw ResourceError(fmt::format("{}: not enough memory to read it", file));
     } catch (const std::exception& e) {
+        if (isShortage(e))
+            throw ResourceError(fmt::format("{}: not enough memory to read it", file));
         throw IoError(
             fmt::format("{}: cannot be read: {}; give a complete .vdb file", file, e.what()));
     }
