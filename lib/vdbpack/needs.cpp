@@ -200,7 +200,8 @@ void addVoids(Extent& e, const VoidRecipe& r, double largest) {
             e.voidVoxel = r.voxelSize;
             e.voids = 0;
             // A pipe is read once, by what cuts them.
-            if (!std::filesystem::is_regular_file(listFile(r))) break;
+            if (std::error_code failed; !std::filesystem::is_regular_file(listFile(r), failed))
+                break;
             e.dim == 3 ? addListed<3>(e, r) : addListed<2>(e, r);
             break;
         default:
