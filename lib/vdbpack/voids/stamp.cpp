@@ -344,10 +344,11 @@ double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
 void requireMemory(double voids, double needed, double voxelSize) {
     const double there = availableMemory();
     if (!(needed > there)) return;
-    throw ResourceError(fmt::format(
-        "{:.0f} voids in voxels of {:.4g} mm would take up to {:.3g} GB, and {:.3g} GB are there; "
-        "give a larger --void-voxel, or --clip the domain",
-        voids, voxelSize, needed * 1e-9, there * 1e-9));
+    throw ResourceError(
+        fmt::format("{:.0f} voids in voxels of {:.4g} mm would take up to {:.3g} GB of memory, and "
+                    "{:.3g} GB are "
+                    "there; give a larger --void-voxel, or --clip the domain",
+                    voids, voxelSize, needed * 1e-9, there * 1e-9));
 }
 
 }  // namespace
