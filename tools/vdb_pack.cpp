@@ -87,7 +87,7 @@ constexpr char kNoMemory[] =
 /// OpenVDB's trees and contours come apart where memory ends within them, and Blosc does not look
 /// at what it is given: that is told as what it is, and anything else left to end the process as it
 /// would.
-void onCrash(int number) {
+[[maybe_unused]] void onCrash(int number) {
     constexpr std::size_t kLittle = std::size_t{16} << 20;
     const bool none = ::mmap(nullptr, kLittle, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
                              -1, 0) == MAP_FAILED;
