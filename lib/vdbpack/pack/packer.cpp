@@ -470,8 +470,8 @@ Sphere<Dim> largestPlace(const Domain<Dim>& domain) {
     // Uphill by steps away from the nearest wall (subgradients of the depth), which zigzag along
     // a ridge between walls to where it ends; steps halve, each length starting from the best.
     constexpr int kStepsOfALength = 32;
-    for (double step = longest / kSteps; step > 1e-8 * best.radius; step *= 0.5) {
-        if (!(best.radius > 0)) break;
+    for (double step = longest / kSteps; best.radius > 0 && step > 1e-8 * best.radius;
+         step *= 0.5) {
         Vec<Dim> x = best.center;
         for (int k = 0; k < kStepsOfALength; ++k) {
             WallPoint<Dim> wall;
