@@ -4,12 +4,12 @@ include(GNUInstallDirs)
 
 # These and all that they include.
 set(entry_headers
-    forecast.h library_versions.h report_file.h run.h
-    domain/analytic_domain.h domain/mesh_domain.h domain/voxel_image.h
-    export/contact_file.h export/pack_file.h
-    measure/attached.h measure/density.h measure/morphometry.h measure/pair_correlation.h
-    measure/report_page.h measure/structure.h measure/verify.h
-    mesh/mesh_check.h mesh/mesh_io.h
+    run/forecast.h run/library_versions.h run/report_file.h run/run.h
+    domain/analytic_domain.h domain/mesh_domain.h field/voxel_image.h
+    formats/contact_file.h formats/pack_file.h
+    measure/attached.h measure/density.h measure/morphometry/morphometry.h measure/pair_correlation.h
+    report/report_page.h measure/structure.h verify/verify.h
+    mesh/mesh_check.h mesh/formats/mesh_io.h
     pack/packer.h
     preview/preview.h
     voids/cull.h voids/stamp.h voids/void_field.h voids/void_list.h

@@ -2,8 +2,8 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/measure/morphometry.h"
-#include "vdbpack/run.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/run/run.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

@@ -14,9 +14,9 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/measure/verify.h"
-#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <openvdb/openvdb.h>

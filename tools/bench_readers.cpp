@@ -6,7 +6,7 @@
 // reader a process, as the peak memory is the process's. Readers that leave vertices unwelded are
 // welded by `vdbpack::welded`, and the time for it counts.
 
-#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

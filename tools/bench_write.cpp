@@ -4,7 +4,7 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/export/pack_file.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/pack/packer.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "assets/surfacing.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/output_file.h"
+#include "vdbpack/io/output_file.h"
 
 #include <fmt/format.h>
 

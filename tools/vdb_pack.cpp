@@ -3,14 +3,14 @@
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
 
-#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/core/output_file.h"
-#include "vdbpack/forecast.h"
-#include "vdbpack/outputs.h"
-#include "vdbpack/run.h"
-#include "vdbpack/run_mesh.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/run_mesh.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

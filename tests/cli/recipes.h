@@ -1,7 +1,7 @@
 // Recipes of runs for tests.
 #pragma once
 
-#include "vdbpack/recipe.h"
+#include "vdbpack/run/recipe.h"
 
 #include <string>
 

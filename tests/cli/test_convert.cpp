@@ -1,14 +1,14 @@
 // From one format to another, and what is made of level sets on the way.
-#include "export/scratch.h"
+#include "formats/scratch.h"
 
-#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/measure/verify.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/mesh_io.h"
-#include "vdbpack/outputs.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/outputs.h"
+#include "vdbpack/verify/verify.h"
 
 #include <nlohmann/json.hpp>
 

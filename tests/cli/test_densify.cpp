@@ -5,9 +5,9 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/forecast.h"
-#include "vdbpack/run.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

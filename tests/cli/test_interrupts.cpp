@@ -2,11 +2,11 @@
 #include "cli/recipes.h"
 #include "support/temporary_folder.h"
 
-#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/verify.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
 

@@ -8,9 +8,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/forecast.h"
-#include "vdbpack/needs.h"
-#include "vdbpack/run.h"
+#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/needs.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

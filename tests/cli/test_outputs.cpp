@@ -1,8 +1,8 @@
 // What runs write: targets by prefix, and which of them a run refuses.
-#include "export/scratch.h"
+#include "formats/scratch.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/outputs.h"
+#include "vdbpack/run/outputs.h"
 
 #include <catch2/catch.hpp>
 

@@ -4,8 +4,8 @@
 #include "support/mesh_file.h"
 #include "support/temporary_folder.h"
 
-#include "vdbpack/mesh/mesh_io.h"
-#include "vdbpack/run.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,10 +1,10 @@
 #include "cli/recipes.h"
 #include "support/temporary_folder.h"
 
-#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/run.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,9 +5,9 @@
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/rng.h"
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/mesh/mesh_io.h"
-#include "vdbpack/run.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

@@ -9,10 +9,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/domain/voxel_image.h"
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/measure/verify.h"
-#include "vdbpack/run.h"
+#include "vdbpack/field/voxel_image.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <catch2/catch.hpp>

@@ -1,11 +1,11 @@
 // Outputs of the program where disks are full, folders are read-only and processes are killed: each
 // is whole, or as it was before.
-#include "export/scratch.h"
+#include "formats/scratch.h"
 #include "support/process.h"
 #include "support/tool.h"
 
-#include "vdbpack/export/pack_file.h"
-#include "vdbpack/measure/verify.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
 #include <sys/stat.h>

@@ -8,10 +8,10 @@
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/export/pack_file.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/measure/verify.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,7 +1,7 @@
 // Meshes: .ply, .obj, .off and .stl, told apart as they begin.
 #include "fuzz_file.h"
 
-#include "vdbpack/mesh/mesh_io.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 
 using namespace vdbpack;
 

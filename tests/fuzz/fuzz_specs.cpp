@@ -1,7 +1,7 @@
 // Texts of the command line: an input is a line KIND TEXT and, for radii by table, the table below.
 #include "fuzz_file.h"
 
-#include "vdbpack/domain_text.h"
+#include "vdbpack/domain/domain_text.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/angle_distribution.h"
 

@@ -1,7 +1,7 @@
 // Packs from the text files of YADE and LAMMPS, told apart as they begin.
 #include "fuzz_file.h"
 
-#include "vdbpack/export/pack_file.h"
+#include "vdbpack/formats/pack_file.h"
 
 #include <string_view>
 

@@ -1,7 +1,7 @@
 // Packs from .vtp files.
 #include "fuzz_file.h"
 
-#include "vdbpack/export/pack_file.h"
+#include "vdbpack/formats/pack_file.h"
 
 using namespace vdbpack;
 

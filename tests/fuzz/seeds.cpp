@@ -1,7 +1,7 @@
 // Small files of ours to start the fuzzer from, where they are not text: seeds FOLDER writes
 // FOLDER/FAMILY/*.
 #include "vdbpack/core/rng.h"
-#include "vdbpack/export/pack_file.h"
+#include "vdbpack/formats/pack_file.h"
 
 #include <openvdb/io/Stream.h>
 #include <openvdb/openvdb.h>

@@ -2,11 +2,11 @@
 // exception, and no file is left half written.
 #include "support/temporary_folder.h"
 
-#include "vdbpack/convert.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/core/output_file.h"
-#include "vdbpack/run.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 #include <execinfo.h>

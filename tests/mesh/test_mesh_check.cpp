@@ -1,8 +1,8 @@
 #include "support/generators.h"
 
 #include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/mesh_io.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

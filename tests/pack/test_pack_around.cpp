@@ -3,7 +3,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/inset_domain.h"
-#include "vdbpack/pack/cell_list.h"
+#include "vdbpack/pack/front/cell_list.h"
 #include "vdbpack/pack/packer.h"
 
 #include <catch2/catch.hpp>

@@ -1,7 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/measure/verify.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
 

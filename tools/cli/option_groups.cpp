@@ -1,7 +1,7 @@
 #include "cli/option_groups.h"
 
 #include "vdbpack/core/memory.h"
-#include "vdbpack/recipe.h"
+#include "vdbpack/run/recipe.h"
 
 #include <charconv>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include "cli/usage_error.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/library_versions.h"
+#include "vdbpack/run/library_versions.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

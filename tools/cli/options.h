@@ -1,9 +1,9 @@
 // The command line of vdb_pack.
 #pragma once
 
-#include "vdbpack/convert.h"
-#include "vdbpack/run.h"
-#include "vdbpack/run_mesh.h"
+#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/run_mesh.h"
 
 #include <cstdint>
 #include <optional>

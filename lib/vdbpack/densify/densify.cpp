@@ -4,7 +4,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
-#include "vdbpack/measure/verify.h"
+#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>

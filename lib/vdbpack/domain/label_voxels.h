@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
-#include "vdbpack/domain/voxel_image.h"
+#include "vdbpack/field/voxel_image.h"
 
 namespace vdbpack {
 

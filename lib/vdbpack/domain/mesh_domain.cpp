@@ -4,7 +4,7 @@
 #include "vdbpack/domain/facet_bins.h"
 #include "vdbpack/domain/mesh_slice.h"
 #include "vdbpack/domain/shape.h"
-#include "vdbpack/domain/vdb_field.h"
+#include "vdbpack/field/vdb_field.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"

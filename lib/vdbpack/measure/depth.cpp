@@ -1,6 +1,6 @@
 #include "vdbpack/measure/depth.h"
 
-#include "vdbpack/measure/wall_tree.h"
+#include "vdbpack/verify/wall_tree.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>

@@ -3,9 +3,9 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/inset_domain.h"
-#include "vdbpack/pack/block_front.h"
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/exposed.h"
+#include "vdbpack/pack/front/block_front.h"
 #include "vdbpack/pack/radius_pool.h"
 
 #include <fmt/format.h>

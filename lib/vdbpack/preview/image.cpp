@@ -1,7 +1,7 @@
 #include "vdbpack/preview/image.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/output_file.h"
+#include "vdbpack/io/output_file.h"
 
 #include <fmt/format.h>
 #include <png.h>

@@ -2,7 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/export/numbers.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 

@@ -1,7 +1,7 @@
 #include "vdbpack/voids/direction_field.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/voids/number_table.h"
+#include "vdbpack/io/number_table.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>

@@ -3,8 +3,8 @@
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/domain/vdb_grid.h"
-#include "vdbpack/domain/vdb_init.h"
+#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/vdb_init.h"
 #include "vdbpack/voids/tile.h"
 
 #include <fmt/format.h>

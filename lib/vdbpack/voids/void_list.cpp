@@ -1,9 +1,9 @@
 #include "vdbpack/voids/void_list.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/output_file.h"
-#include "vdbpack/export/numbers.h"
-#include "vdbpack/voids/number_table.h"
+#include "vdbpack/io/number_table.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/output_file.h"
 
 #include <fmt/format.h>
 

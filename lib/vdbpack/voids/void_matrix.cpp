@@ -1,8 +1,8 @@
 #include "vdbpack/voids/void_matrix.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/export/input_file.h"
-#include "vdbpack/export/numbers.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,120 @@
+#include "vdbpack/domain/domain_text.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
+std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
+    std::vector<double> values;
+    const char* at = list.data();
+    const char* const end = at + list.size();
+    for (;;) {
+        double value = 0;
+        const auto [next, failed] = std::from_chars(at, end, value);
+        if (failed != std::errc() || !std::isfinite(value) || (next != end && *next != ','))
+            throw ParameterError(
+                fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+        values.push_back(value);
+        if (next == end) return values;
+        at = next + 1;
+    }
+}
+
+[[noreturn]] void malformed(const std::string& what, const char* form) {
+    throw ParameterError(fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+}
+
+template <int Dim>
+Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const char* form) {
+    Box<Dim> box;
+    if (v.size() != Dim && v.size() != 2 * Dim) malformed(what, form);
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        box.lo[d] = v.size() == Dim ? -v[at] / 2 : v[at];
+        box.hi[d] = v.size() == Dim ? v[at] / 2 : v[at + Dim];
+    }
+    return box;
+}
+
+}  // namespace
+
+std::vector<HalfSpace<3>> parseClip(const std::string& text) {
+    const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (what has n.x <= d stays)";
+    const auto colon = text.find(':');
+    const std::string kind = text.substr(0, colon);
+    if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(text, form);
+    const auto v = numbersIn(text, text.substr(colon + 1), form);
+    std::vector<HalfSpace<3>> planes;
+    if (kind == "plane") {
+        if (v.size() != 4) malformed(text, form);
+        HalfSpace<3> plane;
+        plane.normal = {{v[0], v[1], v[2]}};
+        plane.offset = v[3];
+        return {plane};
+    }
+    const Box<3> box = boxFrom<3>(text, v, form);
+    for (int d = 0; d < 3; ++d) {
+        HalfSpace<3> low, high;
+        low.normal[d] = -1;
+        low.offset = -box.lo[d];
+        high.normal[d] = 1;
+        high.offset = box.hi[d];
+        planes.push_back(low);
+        planes.push_back(high);
+    }
+    return planes;
+}
+
+double parseSlice(const std::string& text) {
+    if (text.rfind("z=", 0) != 0) malformed(text, "z=V");
+    const auto v = numbersIn(text, text.substr(2), "z=V");
+    if (v.size() != 1) malformed(text, "z=V");
+    return v[0];
+}
+
+std::optional<NamedShape> parseShape(const std::string& text) {
+    const auto colon = text.find(':');
+    if (colon == std::string::npos) return std::nullopt;
+    const std::string kind = text.substr(0, colon), rest = text.substr(colon + 1);
+    NamedShape shape;
+    if (kind == "box") {
+        const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
+        const auto box = boxFrom<3>(text, numbersIn(text, rest, form), form);
+        shape.space = boxDomain<3>(box);
+        shape.shape3 = Shape<3>::ofBox(box);
+    } else if (kind == "rect") {
+        const char* form = "rect:W,H or rect:x0,y0,x1,y1";
+        const auto box = boxFrom<2>(text, numbersIn(text, rest, form), form);
+        shape.plane = boxDomain<2>(box);
+        shape.shape2 = Shape<2>::ofBox(box);
+    } else if (kind == "cylinder") {
+        const auto v = numbersIn(text, rest, "cylinder:R,H");
+        if (v.size() != 2) malformed(text, "cylinder:R,H");
+        shape.space = cylinderDomain(v[0], v[1]);
+        shape.shape3 = Shape<3>::ofCylinder(v[0], v[1]);
+    } else if (kind == "ball" || kind == "disc") {
+        const char* form = kind == "ball" ? "ball:R" : "disc:R";
+        const auto v = numbersIn(text, rest, form);
+        if (v.size() != 1) malformed(text, form);
+        if (kind == "ball") {
+            shape.space = ballDomain<3>(v[0]);
+            shape.shape3 = Shape<3>::ofBall(v[0]);
+        } else {
+            shape.plane = ballDomain<2>(v[0]);
+            shape.shape2 = Shape<2>::ofBall(v[0]);
+        }
+    } else {
+        return std::nullopt;
+    }
+    return shape;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,236 @@
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/vdb_check.h"
+#include "vdbpack/field/vdb_grid.h"
+
+#include <fmt/format.h>
+#include <openvdb/openvdb.h>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/ValueTransformer.h>
+#include <openvdb/tools/VolumeToMesh.h>
+
+#include <cmath>
+#include <exception>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+using openvdb::FloatGrid;
+
+/// The grid named, or the first level set; only its header is read to choose.
+FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName) {
+    openvdb::io::File file(path);
+    file.open(/*delayLoad=*/false);
+    std::optional<std::string> chosen;  // may be nameless
+    std::string names;
+    const auto headers = file.readAllGridMetadata();
+    for (const auto& header : *headers) {
+        const std::string name = header->getName();
+        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
+        if (chosen || (!gridName.empty() && name != gridName)) continue;
+        const bool isFloat = header->isType<FloatGrid>();
+        const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
+        if (isFloat && isLevelSet) {
+            chosen = name;
+        } else if (!gridName.empty()) {
+            throw InputError(fmt::format(
+                "{}: grid '{}' is no level set of floats (type {}, class {}); name one with --grid",
+                path, name, header->type(),
+                openvdb::GridBase::gridClassToString(header->getGridClass())));
+        }
+    }
+    if (!chosen)
+        throw InputError(fmt::format(
+            "{}: no level set {}; the grids in it are: {}; name one "
+            "with --grid",
+            path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
+            names.empty() ? "none" : names));
+    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
+    if (!grid) throw InputError(fmt::format("{}: grid '{}' cannot be read", path, *chosen));
+    return grid;
+}
+
+/// Whether contouring takes no more than a level set of its size is worth. A side of an active tile
+/// that is no wall costs nothing; one whose neighbor has the other sign, or is finer, becomes a
+/// leaf for each 8 x 8 voxels, and a tile may have 4096 a side.
+bool isCheapToContour(const FloatGrid& grid) {
+    const double most = 4096 + 16.0 * static_cast<double>(grid.tree().leafCount());
+    const auto values = grid.getConstAccessor();
+    double leaves = 0;
+    auto tile = grid.cbeginValueOn();
+    tile.setMaxDepth(FloatGrid::ValueOnCIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) {
+        const openvdb::CoordBBox box = tile.getBoundingBox();
+        const int depth = values.getValueDepth(box.min());
+        const double side = box.dim().x() / 8.0;
+        for (int axis = 0; axis < 3; ++axis) {
+            for (const int step : {-1, 1}) {
+                openvdb::Coord beside = step < 0 ? box.min() : box.max();
+                beside[axis] += step;
+                const bool isWorked = values.getValueDepth(beside) > depth ||
+                                      (values.getValue(beside) < 0) != (*tile < 0);
+                if (isWorked) leaves += side * side;
+            }
+        }
+        if (leaves > most) return false;
+    }
+    return true;
+}
+
+/// Calls `use(grid)` with a level set that was read and looked over, `scale` checked.
+template <class Use>
+auto withLevelSet(const std::string& path, const std::string& gridName, double scale,
+                  const Use& use) {
+    if (!(scale > 0) || !std::isfinite(scale))
+        throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
+    checkVdbFile(path);
+    try {
+        const FloatGrid::Ptr grid = readLevelSet(path, gridName);
+        const openvdb::math::Transform& transform = grid->transform();
+        if (!transform.isLinear() || !transform.hasUniformScale())
+            throw InputError(fmt::format(
+                "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform",
+                path, grid->getName()));
+        if (grid->activeVoxelCount() == 0)
+            throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid",
+                                         path, grid->getName()));
+        if (!(grid->background() > 0))
+            throw InputError(fmt::format(
+                "{}: level set '{}' has a background of {}, where it is the half-width of the "
+                "band and so positive; write it again",
+                path, grid->getName(), grid->background()));
+        if (!isCheapToContour(*grid))
+            throw InputError(fmt::format(
+                "{}: the surface of level set '{}' runs between large active tiles, where it lies "
+                "in a narrow band of voxels; rebuild it as a level set",
+                path, grid->getName()));
+        // Contouring looks at inactive neighbors too.
+        for (auto value = grid->cbeginValueAll(); value; ++value)
+            if (!std::isfinite(*value))
+                throw InputError(
+                    fmt::format("{}: level set '{}' holds a value that is not finite at voxel ({}, "
+                                "{}, {}); write it again",
+                                path, grid->getName(), value.getCoord().x(), value.getCoord().y(),
+                                value.getCoord().z()));
+        return use(grid);
+    } catch (const openvdb::IoError& e) {
+        throw IoError(fmt::format("{}: {}; give a complete .vdb file", path, e.what()));
+    } catch (const openvdb::Exception& e) {
+        throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& e) {
+        if (isShortage(e))
+            throw ResourceError(fmt::format("{}: not enough memory to read it", path));
+        throw IoError(
+            fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
+    }
+}
+
+}  // namespace
+
+TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
+    const FloatGrid::Ptr grid = given.grid->copy();
+    const openvdb::math::Transform transform = grid->transform();
+    // Contoured in voxels and moved in double: a translation far from zero would cost digits.
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
+    openvdb::tools::VolumeToMesh mesher(0.0);
+    mesher(*grid);
+
+    TriangleMesh mesh;
+    mesh.vertices.reserve(mesher.pointListSize());
+    for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
+        const openvdb::Vec3s& p = mesher.pointList()[i];
+        const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p));
+        mesh.vertices.push_back({{x[0], x[1], x[2]}});
+        if (!isFinite(mesh.vertices.back()))
+            throw InputError(
+                fmt::format("{}: the contour of level set '{}' is not finite at voxel ({}, {}, "
+                            "{}); write it again",
+                            name, grid->getName(), p[0], p[1], p[2]));
+    }
+    // OpenVDB winds its polygons clockwise seen from outside. A mirroring transform turns that
+    // round.
+    const bool mirrored = transform.baseMap()->determinant() < 0;
+    const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+        if (mirrored)
+            mesh.triangles.push_back({a, b, c});
+        else
+            mesh.triangles.push_back({a, c, b});
+    };
+    for (std::size_t i = 0; i < mesher.polygonPoolListSize(); ++i) {
+        const auto& pool = mesher.polygonPoolList()[i];
+        for (std::size_t k = 0; k < pool.numQuads(); ++k) {
+            const openvdb::Vec4I& q = pool.quad(k);
+            add(q[0], q[1], q[2]);
+            add(q[0], q[2], q[3]);
+        }
+        for (std::size_t k = 0; k < pool.numTriangles(); ++k) {
+            const openvdb::Vec3I& t = pool.triangle(k);
+            add(t[0], t[1], t[2]);
+        }
+    }
+    if (mesh.triangles.empty())
+        throw InputError(
+            fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
+                        name, grid->getName()));
+    return mesh;
+}
+
+TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
+    return levelSetMesh(*levelSetGrid(path, gridName, scale), path);
+}
+
+bool holdsLevelSet(const std::string& path) {
+    try {
+        withLevelSet(path, "", 1, [](const FloatGrid::Ptr&) { return true; });
+        return true;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
+std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
+                                            double scale) {
+    return withLevelSet(path, gridName, scale, [&](const FloatGrid::Ptr& grid) {
+        grid->transform().postScale(scale);
+        if (scale != 1) {
+            // Every value, in the band or not, is a distance.
+            const auto inMm = [&](const auto& value) {
+                value.setValue(*value * static_cast<float>(scale));
+            };
+            openvdb::tools::foreach (grid->beginValueAll(), inMm);
+            openvdb::tools::changeBackground(grid->tree(),
+                                             grid->background() * static_cast<float>(scale));
+        }
+        return std::shared_ptr<const VdbGrid>(std::make_shared<VdbGrid>(grid));
+    });
+}
+
+Box<3> bandBounds(const VdbGrid& grid) {
+    const auto voxels = grid.grid->evalActiveVoxelBoundingBox();
+    const auto world = grid.grid->transform().indexToWorld(
+        openvdb::BBoxd(voxels.min().asVec3d(), voxels.max().asVec3d()));
+    Box<3> box;
+    for (int d = 0; d < 3; ++d) {
+        box.lo[d] = world.min()[d];
+        box.hi[d] = world.max()[d];
+    }
+    return box;
+}
+
+std::string levelSetName(const VdbGrid& grid) {
+    return grid.grid->getName();
+}
+
+double voxelSizeOf(const VdbGrid& grid) {
+    return grid.grid->voxelSize()[0];
+}
+
+}  // namespace vdbpack

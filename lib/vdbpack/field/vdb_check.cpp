@@ -1,0 +1,648 @@
+#include "vdbpack/field/vdb_check.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/io/input_file.h"
+
+#include <fmt/format.h>
+#include <openvdb/Metadata.h>
+#include <openvdb/io/Compression.h>
+#include <openvdb/points/AttributeArray.h>
+
+#include <algorithm>
+#include <array>
+#include <bitset>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <map>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+// The format has no specification but OpenVDB's own reader, which this follows: io/Archive,
+// io/Compression, tree/*Node.h, points/AttributeSet, points/StreamCompression and
+// points/PointDataGrid.h of OpenVDB 10.
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::uint32_t kOldest = 222, kNewest = 224;
+constexpr std::uint32_t kMultiPass = 224;  ///< point grids are read pass by pass from here on
+constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  ///< flags of compression
+constexpr std::size_t kBloscHeader = 16;
+constexpr std::uint64_t kBloscPadding = 128;  ///< shorter arrays of points are filled up to this
+constexpr std::int32_t kFarthest = 1 << 30;   ///< voxel; indices stay inside 32 bits
+constexpr std::uint64_t kMostPerByte = 1032;  ///< bytes that one packed byte stands for
+constexpr std::uint64_t kMostPointsPerByte = 16;
+
+/// The bytes of a file in order, none behind its end.
+class Bytes {
+public:
+    explicit Bytes(const std::string& path) : file_(path) {}
+
+    const std::string& path() const { return file_.path(); }
+    std::uint64_t size() const { return file_.size(); }
+    std::uint64_t at() const { return begin_ + next_; }
+    std::uint64_t left() const { return size() - at(); }
+
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(
+            fmt::format("{}: byte {} of {}: {}; the file is damaged or cut short: "
+                        "write it again",
+                        path(), at(), size(), what));
+    }
+    /// The next `count` bytes (a few KB at most), valid until the next call.
+    const char* take(std::size_t count, const char* what) {
+        if (count > left()) fail(fmt::format("{} should follow, but the file ends", what));
+        if (count > buffer_.size() - next_) {
+            begin_ += next_;
+            next_ = 0;
+            buffer_.resize(static_cast<std::size_t>(
+                std::min<std::uint64_t>(std::max(count, kBuffer), size() - begin_)));
+            file_.readAt(begin_, buffer_.data(), buffer_.size());
+        }
+        const char* const bytes = buffer_.data() + next_;
+        next_ += count;
+        return bytes;
+    }
+    void skip(std::uint64_t count, const char* what) {
+        if (count > left())
+            fail(fmt::format("{} of {} bytes should follow, more than the file has", what, count));
+        seek(at() + count);
+    }
+    void seek(std::uint64_t offset) {
+        if (offset >= begin_ && offset <= begin_ + buffer_.size()) {
+            next_ = static_cast<std::size_t>(offset - begin_);
+            return;
+        }
+        begin_ = offset;
+        next_ = 0;
+        buffer_.clear();
+    }
+    template <typename T>
+    T get(const char* what) {
+        T value;
+        std::memcpy(&value, take(sizeof value, what), sizeof value);
+        return value;
+    }
+    /// A text behind its length; what is shown of names is short.
+    std::string text(const char* what) {
+        const auto length = get<std::uint32_t>(what);
+        if (length > left()) fail(fmt::format("{} of {} letters", what, length));
+        std::string value;
+        const auto kept = std::min<std::uint32_t>(length, kLongestName);
+        value.assign(take(kept, what), kept);
+        if (length > kept) fail(fmt::format("{} of {} letters", what, length));
+        return value;
+    }
+
+private:
+    static constexpr std::size_t kBuffer = 1 << 18;
+    static constexpr std::uint32_t kLongestName = 1 << 12;
+
+    InputFile file_;
+    std::uint64_t begin_ = 0;  ///< of the buffer in the file
+    std::vector<char> buffer_;
+    std::size_t next_ = 0;  ///< in the buffer
+};
+
+/// What a tree keeps in each voxel.
+struct ValueType {
+    const char* tree;
+    std::size_t bytes;
+    std::size_t halfBytes;  ///< where floats are saved as 16 bits; else 0
+    bool points = false;
+};
+constexpr ValueType kValueTypes[] = {
+    {"Tree_float_5_4_3", 4, 2},  {"Tree_double_5_4_3", 8, 2},
+    {"Tree_vec3s_5_4_3", 12, 6}, {"Tree_vec3d_5_4_3", 24, 6},
+    {"Tree_int32_5_4_3", 4, 0},  {"Tree_int64_5_4_3", 8, 0},
+    {"Tree_vec3i_5_4_3", 12, 0}, {"Tree_ptdataidx32_5_4_3", 4, 0, true}};
+
+template <std::size_t Bits>
+std::bitset<Bits> takeMask(Bytes& bytes) {
+    const char* const from = bytes.take(Bits / 8, "a mask of a node");
+    std::bitset<Bits> mask;
+    static_assert(sizeof mask == Bits / 8 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+    std::memcpy(static_cast<void*>(&mask), from, Bits / 8);
+    return mask;
+}
+using LeafMask = std::bitset<512>;
+
+/// Attribute arrays that follow each other in pages.
+class Pages {
+public:
+    /// An array of `count` bytes is announced: in the page before, or in one whose sizes stand
+    /// here.
+    void announce(Bytes& bytes, std::uint64_t count) {
+        if (index_ == held_) {
+            Page page;
+            page.stored = bytes.get<std::int32_t>("the size of a page");
+            page.held = page.stored > 0 ? bytes.get<std::int32_t>("the size of a page")
+                                        : -static_cast<std::int64_t>(page.stored);
+            if (page.held <= 0) bytes.fail(fmt::format("a page of {} bytes", page.held));
+            pages_.push_back(page);
+            held_ = static_cast<std::uint64_t>(page.held);
+            index_ = 0;
+        }
+        if (count > held_ - index_)
+            bytes.fail(fmt::format("an array of {} bytes in a page that has {} left", count,
+                                   held_ - index_));
+        index_ += count;
+        arrays_.push_back({pages_.size() - 1, index_ == count});
+    }
+    /// All arrays are announced.
+    void close(const Bytes& bytes) const {
+        if (index_ != held_) bytes.fail("a page is larger than its arrays");
+    }
+    struct Page {
+        std::int64_t stored = 0;  ///< bytes in the file, negative if they are plain
+        std::int64_t held = 0;    ///< bytes once unpacked
+    };
+    /// The page that begins with the array announced as number `array`, or none.
+    const Page* pageAt(std::size_t array) const {
+        return arrays_[array].begins ? &pages_[arrays_[array].page] : nullptr;
+    }
+
+private:
+    struct Announced {
+        std::size_t page;
+        bool begins;
+    };
+    std::vector<Page> pages_;
+    std::vector<Announced> arrays_;
+    std::uint64_t held_ = 0, index_ = 0;
+};
+
+/// An array of one leaf, as its metadata describes it.
+struct AttributeArray {
+    std::uint64_t bytes = 0;
+    bool uniform = false;
+    bool paged = false;
+    std::size_t announced = 0;  ///< place among those of its attribute
+};
+
+class Walk {
+public:
+    explicit Walk(const std::string& path) : bytes_(path) {}
+
+    void run() {
+        char magic[8] = {};
+        if (bytes_.size() >= sizeof magic)
+            std::memcpy(magic, bytes_.take(sizeof magic, "the header"), sizeof magic);
+        if (std::memcmp(magic, " BDV\0\0\0\0", sizeof magic) != 0)
+            throw InputError(bytes_.path() +
+                             ": is not an OpenVDB file; check the name of the format");
+        version_ = bytes_.get<std::uint32_t>("the version");
+        if (version_ < kOldest || version_ > kNewest)
+            throw InputError(
+                fmt::format("{}: is an OpenVDB file of format version {}, where {} to {} are read; "
+                            "save it by a program with OpenVDB 5 to 12",
+                            bytes_.path(), version_, kOldest, kNewest));
+        bytes_.skip(8, "the version");
+        const bool hasOffsets = bytes_.get<std::uint8_t>("the header") != 0;
+        bytes_.skip(36, "the identifier");
+        checkMetadata();
+        const auto count = bytes_.get<std::int32_t>("the number of grids");
+        // Three names and three offsets for each.
+        if (count < 0 || static_cast<std::uint64_t>(count) > bytes_.left() / 36)
+            bytes_.fail(fmt::format("{} grids", count));
+        for (std::int32_t i = 0; i < count; ++i) checkGrid(hasOffsets);
+    }
+
+private:
+    void checkGrid(bool hasOffsets) {
+        bytes_.text("the name of a grid");
+        std::string type = bytes_.text("the type of a grid");
+        constexpr std::string_view kHalf = "_HalfFloat";
+        const bool half = type.size() > kHalf.size() &&
+                          type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
+        if (half) type.resize(type.size() - kHalf.size());
+        const bool isInstance = !bytes_.text("the parent of a grid").empty();
+        const auto begin = bytes_.get<std::int64_t>("the place of a grid");
+        bytes_.skip(8, "the place of a grid");  // its values: those of an instance have none
+        const auto end = bytes_.get<std::int64_t>("the place of a grid");
+        const auto here = static_cast<std::int64_t>(bytes_.at());
+        if (hasOffsets &&
+            (begin != here || end < begin || static_cast<std::uint64_t>(end) > bytes_.size()))
+            bytes_.fail(fmt::format("a grid from byte {} to byte {}", begin, end));
+
+        compression_ = bytes_.get<std::uint32_t>("the compression of a grid");
+        // OpenVDB goes by the metadata, and where they do not say it, values are not.
+        bool savedAsHalf = false;
+        checkMetadata(&savedAsHalf);
+        if (savedAsHalf != half)
+            bytes_.fail(
+                "a grid of which it is told twice, but not alike, whether its values are "
+                "half floats");
+        checkMap(/*nested=*/false);
+        const auto known = std::find_if(std::begin(kValueTypes), std::end(kValueTypes),
+                                        [&type](const ValueType& t) { return type == t.tree; });
+        if (!isInstance && known != std::end(kValueTypes)) {
+            value_ = *known;
+            half_ = half && value_.halfBytes > 0;
+            checkTree();
+        } else if (!isInstance && !hasOffsets) {
+            throw InputError(
+                fmt::format("{}: was written as a stream and holds a grid of type {}, which cannot "
+                            "be passed over there; leave that grid out",
+                            bytes_.path(), type.substr(0, 80)));
+        }
+        if (!hasOffsets) return;
+        if (bytes_.at() > static_cast<std::uint64_t>(end))
+            bytes_.fail(fmt::format("a grid should end at byte {} but goes on", end));
+        bytes_.seek(static_cast<std::uint64_t>(end));
+    }
+
+    // ---- metadata ------------------------------------------------------------------------------
+
+    void checkMetadata(bool* savedAsHalf = nullptr) {
+        const auto count = bytes_.get<std::uint32_t>("metadata");
+        if (count > bytes_.left() / 12) bytes_.fail(fmt::format("{} metadata", count));
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::string name = bytes_.text("the name of metadata");
+            const std::string type = bytes_.text("the type of metadata");
+            const auto size = bytes_.get<std::uint32_t>("the size of metadata");
+            if (size > bytes_.left())
+                bytes_.fail(
+                    fmt::format("metadata of type {} and {} bytes", type.substr(0, 40), size));
+            if (type == "__delayedload") {
+                checkDelayedLoad(size);
+                continue;
+            }
+            // Values of a fixed size are read as such, whatever size is announced.
+            if (type != "string" && openvdb::Metadata::isRegisteredType(type) &&
+                openvdb::Metadata::createMetadata(type)->size() != size)
+                bytes_.fail(
+                    fmt::format("metadata of type {} in {} bytes", type.substr(0, 40), size));
+            if (savedAsHalf && name == "is_saved_as_half_float") {
+                if (type != "bool") bytes_.fail("metadata of half floats that are no bool");
+                *savedAsHalf = bytes_.get<std::uint8_t>("metadata") != 0;
+                continue;
+            }
+            bytes_.skip(size, "metadata");
+        }
+    }
+
+    /// Sizes for reading parts of a tree later, which nobody here wants but OpenVDB unpacks.
+    void checkDelayedLoad(std::uint32_t size) {
+        if (size == 0) return;
+        const std::uint64_t begin = bytes_.at();
+        const auto count = bytes_.get<std::uint32_t>("the number of leaves");
+        constexpr std::size_t kMaskBytes = 1, kSizeBytes = 8;
+        checkDelayedBlock(count, kMaskBytes, bytes_.get<std::uint32_t>("a size"));
+        const auto second = bytes_.get<std::uint32_t>("a size");
+        if (second != std::numeric_limits<std::uint32_t>::max())
+            checkDelayedBlock(count, kSizeBytes, second);
+        const std::uint64_t taken = bytes_.at() - begin;
+        if (taken < size) bytes_.skip(size - taken, "metadata");
+    }
+    void checkDelayedBlock(std::uint64_t count, std::size_t each, std::uint32_t stored) {
+        if (stored == 0)
+            bytes_.skip(count * each, "metadata");
+        else
+            checkBlosc(stored, count * each, /*padded=*/true);
+    }
+
+    // ---- transforms ----------------------------------------------------------------------------
+
+    void checkMap(bool nested) {
+        static const std::map<std::string_view, int> kNumbers = {
+            {"UniformScaleMap", 15},   {"ScaleMap", 15},          {"UniformScaleTranslateMap", 18},
+            {"ScaleTranslateMap", 18}, {"TranslationMap", 3},     {"AffineMap", 16},
+            {"UnitaryMap", 16},        {"NonlinearFrustumMap", 8}};
+        const std::string type = bytes_.text("the type of a transform");
+        const auto known = kNumbers.find(type);
+        // A frustum holds another map: one of its kind would nest without end.
+        const bool frustum = type == "NonlinearFrustumMap";
+        if (known == kNumbers.end() || (nested && frustum))
+            bytes_.fail(fmt::format("a transform of type '{}'", type.substr(0, 40)));
+        for (int i = 0; i < known->second; ++i)
+            if (!std::isfinite(bytes_.get<double>("a transform")))
+                bytes_.fail("a transform that is not finite");
+        if (frustum) checkMap(/*nested=*/true);
+    }
+
+    // ---- trees ---------------------------------------------------------------------------------
+
+    void checkTree() {
+        if (bytes_.get<std::int32_t>("a tree") != 1) bytes_.fail("a tree with several buffers");
+        bytes_.skip(value_.bytes, "the background of a tree");
+        const auto tiles = bytes_.get<std::uint32_t>("the tiles of a tree");
+        const auto children = bytes_.get<std::uint32_t>("the nodes of a tree");
+        if (tiles > bytes_.left() / (13 + value_.bytes))
+            bytes_.fail(fmt::format("{} tiles of a tree", tiles));
+        // Nodes have two masks of 4 KB.
+        if (children > bytes_.left() / 8192)
+            bytes_.fail(fmt::format("{} nodes of a tree", children));
+        std::set<std::array<std::int32_t, 3>> origins;
+        for (std::uint32_t i = 0; i < tiles; ++i) {
+            checkOrigin(origins);
+            bytes_.skip(value_.bytes, "a tile");
+            if (bytes_.get<std::uint8_t>("a tile") > 1) bytes_.fail("a tile neither on nor off");
+        }
+        leaves_.clear();
+        std::array<std::int32_t, 3> before{};
+        for (std::uint32_t i = 0; i < children; ++i) {
+            // Values come in the order of the nodes' places.
+            const auto origin = checkOrigin(origins);
+            if (i > 0 && !(before < origin)) bytes_.fail("nodes of a tree out of order");
+            before = origin;
+            checkInternal<5>();
+        }
+        if (value_.points)
+            checkPoints();
+        else
+            for (const LeafMask& mask : leaves_) checkLeafValues(mask);
+    }
+
+    std::array<std::int32_t, 3> checkOrigin(std::set<std::array<std::int32_t, 3>>& origins) {
+        constexpr std::int32_t kSide = 1 << 12;
+        std::array<std::int32_t, 3> origin{};
+        for (auto& x : origin) {
+            x = bytes_.get<std::int32_t>("the place of a node");
+            if (x % kSide != 0 || x > kFarthest || x < -kFarthest)
+                bytes_.fail(fmt::format("a node at voxel {}", x));
+        }
+        if (!origins.insert(origin).second)
+            bytes_.fail(fmt::format("a second node at voxel ({}, {}, {})", origin[0], origin[1],
+                                    origin[2]));
+        return origin;
+    }
+
+    template <int Log2>
+    void checkInternal() {
+        constexpr std::size_t kValues = std::size_t{1} << (3 * Log2);
+        const auto children = takeMask<kValues>(bytes_);
+        const auto active = takeMask<kValues>(bytes_);
+        if ((children & active).any()) bytes_.fail("a node and a value in one place");
+        checkValues(kValues, active, /*unpack=*/true);
+        for (std::size_t i = 0; i < kValues; ++i) {
+            if (!children[i]) continue;
+            if constexpr (Log2 == 5)
+                checkInternal<4>();
+            else
+                leaves_.push_back(takeMask<512>(bytes_));
+        }
+    }
+
+    void checkLeafMask(const LeafMask& mask) {
+        if (takeMask<512>(bytes_) != mask) bytes_.fail("two masks of a leaf that differ");
+    }
+    void checkLeafValues(const LeafMask& mask) {
+        checkLeafMask(mask);
+        checkValues(512, mask, /*unpack=*/false);
+    }
+
+    /// Values of a node: inactive ones are left out where two stand for all of them.
+    /// @param unpack  tries to unpack them: OpenVDB loses the memory of internal nodes if that
+    ///                fails.
+    template <std::size_t Bits>
+    void checkValues(std::size_t count, const std::bitset<Bits>& active, bool unpack) {
+        enum { oneInactive = 2, maskOnly = 3, maskOneInactive = 4, maskTwoInactive = 5, all = 6 };
+        const auto kind = bytes_.get<std::int8_t>("the values of a node");
+        if (kind < 0 || kind > all) bytes_.fail(fmt::format("values of kind {}", kind));
+        if (kind == oneInactive || kind == maskOneInactive)
+            bytes_.skip(value_.bytes, "an inactive value");
+        if (kind == maskTwoInactive) bytes_.skip(2 * value_.bytes, "inactive values");
+        if (kind == maskOnly || kind == maskOneInactive || kind == maskTwoInactive)
+            bytes_.skip(Bits / 8, "a mask of inactive values");
+        if ((compression_ & kActiveMask) != 0 && kind != all) count = active.count();
+        if (half_ && count == 0) return;
+        checkPacked(count * (half_ ? value_.halfBytes : value_.bytes), unpack);
+    }
+
+    /// `expected` bytes, packed or not.
+    void checkPacked(std::uint64_t expected, bool unpack) {
+        if ((compression_ & (kBlosc | kZip)) == 0) {
+            bytes_.skip(expected, "values");
+            return;
+        }
+        const std::uint64_t begin = bytes_.at();
+        const auto stored = bytes_.get<std::int64_t>("the size of values");
+        if (stored <= 0) {
+            // Written this way no size overflows.
+            if (stored != -static_cast<std::int64_t>(expected))
+                bytes_.fail(
+                    fmt::format("{} bytes of values where {} are needed", stored, expected));
+            bytes_.skip(expected, "values");
+            return;
+        }
+        if (static_cast<std::uint64_t>(stored) > bytes_.left())
+            bytes_.fail(fmt::format("{} bytes of packed values", stored));
+        if ((compression_ & kBlosc) != 0)
+            checkBlosc(static_cast<std::uint64_t>(stored), expected, /*padded=*/false);
+        else if (static_cast<std::uint64_t>(stored) > 2 * expected + 64)
+            bytes_.fail(fmt::format("{} bytes packed into {}", expected, stored));
+        else
+            bytes_.skip(static_cast<std::uint64_t>(stored), "values");
+        if (!unpack) return;
+        const std::uint64_t end = bytes_.at();
+        bytes_.seek(begin);
+        const auto length = static_cast<std::size_t>(end - begin);
+        std::istringstream packed(std::string(bytes_.take(length, "values"), length));
+        unpacked_.resize(static_cast<std::size_t>(expected) + 1);
+        try {
+            if ((compression_ & kBlosc) != 0)
+                openvdb::io::bloscFromStream(packed, unpacked_.data(),
+                                             static_cast<std::size_t>(expected));
+            else
+                openvdb::io::unzipFromStream(packed, unpacked_.data(),
+                                             static_cast<std::size_t>(expected));
+        } catch (const std::exception& e) {
+            if (isShortage(e)) throw;
+            bytes_.fail("values that cannot be unpacked");
+        }
+    }
+
+    /// A block of Blosc in `stored` bytes; its header must agree, as it is what Blosc goes by.
+    /// @param padded  whether short blocks may be filled up to 128 bytes.
+    void checkBlosc(std::uint64_t stored, std::uint64_t expected, bool padded) {
+        if (stored < kBloscHeader || stored > bytes_.left())
+            bytes_.fail(fmt::format("{} bytes packed by Blosc", stored));
+        std::array<std::uint32_t, 4> header{};
+        std::memcpy(header.data(), bytes_.take(kBloscHeader, "packed values"), kBloscHeader);
+        const std::uint64_t unpackedBytes = header[1], packedBytes = header[3];
+        const bool fits = unpackedBytes == expected ||
+                          (padded && unpackedBytes == kBloscPadding && expected <= kBloscPadding);
+        if (packedBytes != stored || !fits || unpackedBytes > kMostPerByte * stored)
+            bytes_.fail(fmt::format("{} of {} bytes packed by Blosc into {} of {}", unpackedBytes,
+                                    expected, packedBytes, stored));
+        bytes_.skip(stored - kBloscHeader, "packed values");
+    }
+
+    // ---- points --------------------------------------------------------------------------------
+
+    void checkPoints() {
+        if (version_ < kMultiPass)
+            throw InputError(
+                fmt::format("{}: holds points in format version {}; save it by a program with "
+                            "OpenVDB 5 or later",
+                            bytes_.path(), version_));
+        const auto passes = bytes_.get<std::uint16_t>("the points");
+        if (leaves_.empty()) return;  // and passes may be none
+        if (passes < 4 || passes % 2 != 0) bytes_.fail(fmt::format("points in {} passes", passes));
+        const std::size_t attributes = (passes - 4u) / 2;
+
+        bytes_.skip(2 * leaves_.size(), "the sizes of voxels");
+        std::vector<std::size_t> elementBytes;
+        std::vector<std::vector<AttributeArray>> arrays;  // by leaf
+        bool shared = false;                              // all leaves have the same attributes
+        for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
+            if (!shared) shared = checkDescriptor(attributes, elementBytes);
+            arrays.emplace_back();
+            std::uint64_t points = 0;
+            for (std::size_t a = 0; a < attributes; ++a)
+                arrays.back().push_back(checkArray(elementBytes[a], points));
+        }
+        if (points_ > kMostPointsPerByte * bytes_.size())
+            bytes_.fail(fmt::format("{} points in a file of {} bytes", points_, bytes_.size()));
+
+        std::vector<Pages> pages(attributes);
+        for (std::size_t a = 0; a < attributes; ++a) {
+            std::size_t announced = 0;
+            for (auto& leaf : arrays) {
+                if (!leaf[a].paged) continue;
+                leaf[a].announced = announced++;
+                pages[a].announce(bytes_, leaf[a].bytes);
+            }
+            pages[a].close(bytes_);
+        }
+        for (const LeafMask& mask : leaves_) {
+            checkLeafMask(mask);
+            constexpr std::uint64_t kVoxels = 512 * 4;
+            const auto stored = bytes_.get<std::uint16_t>("the voxels of a leaf");
+            if (stored == std::numeric_limits<std::uint16_t>::max())
+                bytes_.skip(kVoxels, "the voxels of a leaf");
+            else
+                checkBlosc(stored, kVoxels, /*padded=*/false);
+        }
+        for (std::size_t a = 0; a < attributes; ++a)
+            for (const auto& leaf : arrays) checkArrayValues(leaf[a], pages[a]);
+    }
+
+    /// The names and types of the attributes. @return whether they hold for all further leaves
+    bool checkDescriptor(std::size_t attributes, std::vector<std::size_t>& elementBytes) {
+        const auto flags = bytes_.get<std::uint8_t>("the attributes of points");
+        if (flags > 3) bytes_.fail(fmt::format("attributes with flags {}", flags));
+        const auto count = bytes_.get<std::uint64_t>("the attributes of points");
+        if (count != attributes)
+            bytes_.fail(
+                fmt::format("{} attributes of points where {} are announced", count, attributes));
+        elementBytes.clear();
+        for (std::size_t a = 0; a < attributes; ++a) {
+            const std::string value = bytes_.text("the type of an attribute");
+            const std::string codec = bytes_.text("the type of an attribute");
+            elementBytes.push_back(elementBytesOf({value, codec}));
+        }
+        std::set<std::string> names;
+        std::set<std::uint64_t> places;
+        for (std::size_t a = 0; a < attributes; ++a) {
+            const bool isNew = names.insert(bytes_.text("the name of an attribute")).second;
+            const auto place = bytes_.get<std::uint64_t>("the place of an attribute");
+            if (!isNew || place >= attributes || !places.insert(place).second)
+                bytes_.fail(
+                    fmt::format("an attribute twice, or in place {} of {}", place, attributes));
+        }
+        const auto groups = bytes_.get<std::uint64_t>("the groups of points");
+        if (groups > bytes_.left() / 12) bytes_.fail(fmt::format("{} groups of points", groups));
+        for (std::uint64_t g = 0; g < groups; ++g) {
+            bytes_.text("the name of a group");
+            bytes_.skip(8, "the place of a group");
+        }
+        checkMetadata();
+        if ((flags & 2) != 0) {
+            const auto more = bytes_.get<std::uint64_t>("the attributes of points");
+            bytes_.skip(more, "the attributes of points");
+        }
+        return (flags & 1) != 0;
+    }
+
+    std::size_t elementBytesOf(const openvdb::NamePair& type) {
+        const auto known = elementBytesOfType_.find(type);
+        if (known != elementBytesOfType_.end()) return known->second;
+        using openvdb::points::AttributeArray;
+        if (!AttributeArray::isRegistered(type))
+            bytes_.fail(fmt::format("an attribute of type '{}' as '{}'", type.first.substr(0, 40),
+                                    type.second.substr(0, 40)));
+        const std::size_t size = AttributeArray::create(type, 1, 1)->storageTypeSize();
+        return elementBytesOfType_[type] = size;
+    }
+
+    /// @param points  of the leaf: set by its first array, and the same for the others.
+    AttributeArray checkArray(std::size_t elementBytes, std::uint64_t& points) {
+        constexpr std::uint64_t kPrefix = 6;
+        constexpr unsigned kConstantStride = 8, kUnknown = 0x20;
+        constexpr unsigned kStrided = 1, kUniform = 2, kPaged = 8, kUnknownLayout = 0x10;
+        AttributeArray array;
+        const auto announced = bytes_.get<std::uint64_t>("an array");
+        const unsigned flags = bytes_.get<std::uint8_t>("an array");
+        const unsigned layout = bytes_.get<std::uint8_t>("an array");
+        const std::uint64_t size = bytes_.get<std::uint32_t>("an array");
+        const std::uint64_t stride =
+            (layout & kStrided) != 0 ? bytes_.get<std::uint32_t>("an array") : 1;
+        if (announced < kPrefix || flags >= kUnknown || (flags & kConstantStride) == 0 ||
+            layout >= kUnknownLayout || size == 0 || stride == 0)
+            bytes_.fail(fmt::format("an array of {} points, {} values each, flags {:#x} and {:#x}",
+                                    size, stride, flags, layout));
+        if (points == 0) points_ += size;
+        if (points != 0 && points != size)
+            bytes_.fail(fmt::format("arrays of {} and {} points in one leaf", points, size));
+        points = size;
+        array.bytes = announced - kPrefix;
+        array.uniform = (layout & kUniform) != 0;
+        array.paged = (layout & kPaged) != 0;
+        const std::uint64_t plain = array.uniform ? elementBytes : elementBytes * size * stride;
+        // No product overflows: size has 32 bits, and no element more than 128 bytes.
+        if (stride > (std::uint64_t{1} << 16) || array.bytes != plain ||
+            array.bytes > std::numeric_limits<std::int32_t>::max())
+            bytes_.fail(fmt::format("an array of {} bytes where {} points need {}", array.bytes,
+                                    size, plain));
+        return array;
+    }
+
+    void checkArrayValues(const AttributeArray& array, const Pages& pages) {
+        if (!array.paged) {
+            // Arrays in leaves are packed by the page, or not at all.
+            if (!array.uniform && bytes_.get<std::uint8_t>("an array") == 1)
+                bytes_.fail("an array packed on its own");
+            bytes_.skip(array.bytes, "an array");
+            return;
+        }
+        const auto* page = pages.pageAt(array.announced);
+        if (page == nullptr) return;
+        if (page->stored < 0)
+            bytes_.skip(static_cast<std::uint64_t>(page->held), "a page of points");
+        else
+            checkBlosc(static_cast<std::uint64_t>(page->stored),
+                       static_cast<std::uint64_t>(page->held), /*padded=*/true);
+    }
+
+    Bytes bytes_;
+    std::uint32_t version_ = 0;
+    std::uint32_t compression_ = 0;
+    ValueType value_{};
+    bool half_ = false;
+    std::vector<LeafMask> leaves_;  ///< of the tree, in its order
+    std::vector<char> unpacked_;
+    std::uint64_t points_ = 0;
+    std::map<openvdb::NamePair, std::size_t> elementBytesOfType_;
+};
+
+}  // namespace
+
+void checkVdbFile(const std::string& path) {
+    initializeOpenVdb();
+    Walk(path).run();
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,297 @@
+#include "vdbpack/field/vdb_field.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/field/widened.h"
+
+#include <fmt/format.h>
+#include <openvdb/tools/ChangeBackground.h>
+#include <openvdb/tools/Composite.h>
+#include <openvdb/tools/MeshToVolume.h>
+#include <openvdb/tools/Prune.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+#include <new>
+
+namespace vdbpack {
+
+namespace {
+
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using Leaf = FloatGrid::TreeType::LeafNodeType;
+
+constexpr float kOutsideVoxels = 3;
+
+/// Some triangles of a mesh in voxels about the origin of the lattice, in double throughout.
+class Triangles {
+public:
+    Triangles(const TriangleMesh& mesh, std::vector<std::uint32_t> chosen, const Vec<3>& origin,
+              double voxelSize)
+        : mesh_(mesh), chosen_(std::move(chosen)), origin_(origin), inverse_(1 / voxelSize) {}
+
+    std::size_t polygonCount() const {
+        return chosen_.empty() ? mesh_.triangles.size() : chosen_.size();
+    }
+    std::size_t pointCount() const { return mesh_.vertices.size(); }
+    std::size_t vertexCount(std::size_t) const { return 3; }
+    void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& p) const {
+        const std::size_t triangle = chosen_.empty() ? polygon : chosen_[polygon];
+        const Vec<3> x = mesh_.vertices[mesh_.triangles[triangle][corner]] - origin_;
+        p = openvdb::Vec3d(x[0] * inverse_, x[1] * inverse_, x[2] * inverse_);
+    }
+
+private:
+    const TriangleMesh& mesh_;
+    std::vector<std::uint32_t> chosen_;  // all, if empty
+    Vec<3> origin_;
+    double inverse_;
+};
+
+/// What OpenVDB asks, from any thread, whether to go on.
+struct Interrupter {
+    explicit Interrupter(const Callbacks& callbacks) : request(callbacks.cancelled) {}
+    void start(const char* = nullptr) {}
+    void end() {}
+    bool wasInterrupted(int = -1) { return request.made(); }
+
+    StopRequest request;
+};
+
+}  // namespace
+
+struct VdbField::Impl {
+    FloatGrid::Ptr grid;  // mm about `origin`
+    Vec<3> origin;
+    double voxelSize = 0;
+    double depth = 0;
+    mutable std::once_flag surfaceOnce;
+    mutable std::shared_ptr<const VdbGrid> surface;
+
+    /// Sum of `share(value)` over all voxels, in voxels; the same for any number of threads.
+    template <class Share>
+    double sumOverVoxels(const Share& share) const {
+        const openvdb::tree::LeafManager<const FloatGrid::TreeType> leafs(grid->tree());
+        std::vector<double> sums(leafs.leafCount());
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 64),
+                          [&](const tbb::blocked_range<std::size_t>& range) {
+                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                                  const Leaf& leaf = leafs.leaf(i);
+                                  double sum = 0;
+                                  for (openvdb::Index k = 0; k < Leaf::SIZE; ++k)
+                                      sum += share(leaf.getValue(k));
+                                  sums[i] = sum;
+                              }
+                          });
+        double total = 0;
+        for (const double sum : sums) total += sum;
+        auto tile = grid->tree().cbeginValueAll();
+        tile.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
+        for (; tile; ++tile)
+            if (*tile < 0) total += static_cast<double>(tile.getVoxelCount()) * share(*tile);
+        return total;
+    }
+};
+
+VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& depthOfTriangle,
+                   double voxelSize, double depth, const Callbacks& callbacks)
+    : impl_(std::make_unique<Impl>()) {
+    initializeOpenVdb();
+    Interrupter interrupter(callbacks);
+    const double insideVoxels =
+        std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / voxelSize) + 1);
+    impl_->voxelSize = voxelSize;
+    impl_->depth = (insideVoxels - 1) * voxelSize;
+    impl_->origin = fieldOrigin(mesh.bounds(), voxelSize);
+
+    const int deepest = depthOfTriangle.empty()
+                            ? 0
+                            : *std::max_element(depthOfTriangle.begin(), depthOfTriangle.end());
+    const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
+    const auto fieldAtDepth = [&](int level) {
+        std::vector<std::uint32_t> chosen;
+        if (deepest > 0)
+            for (std::size_t i = 0; i < depthOfTriangle.size(); ++i)
+                if (depthOfTriangle[i] == level) chosen.push_back(static_cast<std::uint32_t>(i));
+        const Triangles triangles(mesh, std::move(chosen), impl_->origin, voxelSize);
+        const auto inside = static_cast<float>(insideVoxels);
+        // What lies outside of a cavity's shell is inside of the bone.
+        const bool cavity = level % 2 == 1;
+        auto grid = openvdb::tools::meshToVolume<FloatGrid>(
+            interrupter, triangles, *transform, cavity ? inside : kOutsideVoxels,
+            cavity ? kOutsideVoxels : inside, openvdb::tools::DISABLE_RENORMALIZATION);
+        interrupter.request.stop();  // an unfinished grid is no field
+        return grid;
+    };
+    try {
+        // Each level takes off what the next one encloses, from the inside out.
+        impl_->grid = fieldAtDepth(deepest);
+        for (int level = deepest - 1; level >= 0; --level) {
+            const auto outer = fieldAtDepth(level);
+            openvdb::tools::csgDifference(*outer, *impl_->grid);
+            impl_->grid = outer;
+        }
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(
+            fmt::format("not enough memory for a field of voxels of {:.4g} mm; give a larger "
+                        "--voxel",
+                        voxelSize));
+    }
+}
+
+VdbField::VdbField(const VdbGrid& levelSet, double depth) : impl_(std::make_unique<Impl>()) {
+    initializeOpenVdb();
+    const auto& transform = levelSet.grid->transform();
+    const double h = transform.voxelSize()[0];
+    const auto origin = transform.indexToWorld(openvdb::Vec3d(0, 0, 0));
+    impl_->voxelSize = h;
+    impl_->origin = {{origin[0], origin[1], origin[2]}};
+    const double insideVoxels =
+        std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / h) + 1);
+    const double band = static_cast<double>(levelSet.grid->background()) / h;
+    try {
+        // Without the translation, which would cost digits far from zero.
+        const FloatGrid::Ptr grid = levelSet.grid->copy();
+        grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+        impl_->grid = band >= insideVoxels
+                          ? grid
+                          : widened(*grid, static_cast<int>(std::ceil(insideVoxels - band)));
+    } catch (const std::bad_alloc&) {
+        throw ResourceError(fmt::format(
+            "not enough memory for a level set of voxels of {:.4g} mm; give a larger --voxel", h));
+    }
+    impl_->depth = (std::max(band, insideVoxels) - 1) * h;
+}
+
+bool liesAlongAxes(const VdbGrid& levelSet) {
+    const openvdb::Mat4d m = levelSet.grid->transform().baseMap()->getAffineMap()->getMat4();
+    const double h = levelSet.grid->voxelSize()[0];
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+            if (std::abs(m[i][j] - (i == j ? h : 0)) > 1e-9 * h) return false;
+    return true;
+}
+
+VdbField::~VdbField() = default;
+
+double VdbField::voxelSize() const {
+    return impl_->voxelSize;
+}
+
+double VdbField::depth() const {
+    return impl_->depth;
+}
+
+std::uint64_t VdbField::activeVoxels() const {
+    return impl_->grid->activeVoxelCount();
+}
+
+double VdbField::volumeDeeperThan(double depth) const {
+    const double h = impl_->voxelSize;
+    const auto shift = static_cast<float>(0.5 - depth / h);
+    const auto inverse = static_cast<float>(1 / h);
+    return h * h * h * impl_->sumOverVoxels([=](float value) {
+        return std::clamp(shift - value * inverse, 0.0f, 1.0f);
+    });
+}
+
+std::shared_ptr<const VdbGrid> VdbField::surface() const {
+    std::call_once(impl_->surfaceOnce, [&] {
+        const double h = impl_->voxelSize;
+        const auto background = static_cast<float>(kOutsideVoxels * h);
+        const FloatGrid::Ptr grid = impl_->grid->deepCopy();
+        openvdb::tree::LeafManager<FloatGrid::TreeType> leafs(grid->tree());
+        leafs.foreach ([&](Leaf& leaf, std::size_t) {
+            for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
+                const float value = leaf.getValue(i);
+                if (std::abs(value) < background)
+                    leaf.setValueOn(i, value);
+                else
+                    leaf.setValueOff(i, std::copysign(background, value));
+            }
+        });
+        openvdb::tools::changeLevelSetBackground(grid->tree(), background);
+        openvdb::tools::pruneLevelSet(grid->tree());
+        const auto transform = openvdb::math::Transform::createLinearTransform(h);
+        const Vec<3>& o = impl_->origin;
+        transform->postTranslate(openvdb::Vec3d(o[0], o[1], o[2]));
+        grid->setTransform(transform);
+        grid->setName("surface");
+        grid->setGridClass(openvdb::GRID_LEVEL_SET);
+        impl_->surface = std::make_shared<VdbGrid>(grid);
+    });
+    return impl_->surface;
+}
+
+struct VdbField::Sampler::Impl {
+    explicit Impl(const VdbField::Impl& field)
+        : accessor(field.grid->getConstAccessor()),
+          origin(field.origin),
+          inverse(1 / field.voxelSize),
+          outside(field.grid->background()) {}
+
+    FloatGrid::ConstAccessor accessor;
+    Vec<3> origin;
+    double inverse;
+    double outside;
+};
+
+VdbField::Sampler::Sampler(const VdbField& field) : impl_(std::make_unique<Impl>(*field.impl_)) {}
+
+VdbField::Sampler::~Sampler() = default;
+
+int VdbField::Sampler::sideAround(const Vec<3>& x) {
+    Coord corner;
+    for (int i = 0; i < 3; ++i) {
+        const double floor = std::floor((x[i] - impl_->origin[i]) * impl_->inverse);
+        if (!(std::abs(floor) < 1e9)) return 1;
+        corner[i] = static_cast<int>(floor);
+    }
+    int inside = 0;
+    for (int i = 0; i < 8; ++i)
+        inside += impl_->accessor.getValue(corner.offsetBy(i & 1, i >> 1 & 1, i >> 2)) < 0;
+    return inside == 8 ? -1 : inside == 0 ? 1 : 0;
+}
+
+double VdbField::Sampler::operator()(const Vec<3>& x) {
+    double w[3];
+    int at[3];
+    for (int i = 0; i < 3; ++i) {
+        const double place = (x[i] - impl_->origin[i]) * impl_->inverse;
+        const double floor = std::floor(place);
+        // Far from all voxels, where an index would overflow, all is outside.
+        if (!(std::abs(floor) < 1e9)) return impl_->outside;
+        w[i] = place - floor;
+        at[i] = static_cast<int>(floor);
+    }
+    double v[8];
+    constexpr int kMask = static_cast<int>(Leaf::DIM) - 1;
+    const Coord corner(at[0], at[1], at[2]);
+    const bool oneLeaf =
+        (at[0] & kMask) != kMask && (at[1] & kMask) != kMask && (at[2] & kMask) != kMask;
+    if (oneLeaf) {
+        const Leaf* leaf = impl_->accessor.probeConstLeaf(corner);
+        if (!leaf) return impl_->accessor.getValue(corner);
+        const openvdb::Index first = Leaf::coordToOffset(corner);
+        for (openvdb::Index i = 0; i < 8; ++i)
+            v[i] = leaf->getValue(first + (i & 1) * Leaf::DIM * Leaf::DIM +
+                                  (i >> 1 & 1) * Leaf::DIM + (i >> 2));
+    } else {
+        for (int i = 0; i < 8; ++i)
+            v[i] = impl_->accessor.getValue(corner.offsetBy(i & 1, i >> 1 & 1, i >> 2));
+    }
+    const double x00 = v[0] + w[0] * (v[1] - v[0]);
+    const double x10 = v[2] + w[0] * (v[3] - v[2]);
+    const double x01 = v[4] + w[0] * (v[5] - v[4]);
+    const double x11 = v[6] + w[0] * (v[7] - v[6]);
+    const double y0 = x00 + w[1] * (x10 - x00);
+    const double y1 = x01 + w[1] * (x11 - x01);
+    return y0 + w[2] * (y1 - y0);
+}
+
+}  // namespace vdbpack

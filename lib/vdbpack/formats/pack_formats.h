@@ -1,0 +1,73 @@
+// Private: the writers and readers of the pack formats, and rows of text made in parallel.
+#pragma once
+
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/formats/pack_view.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/measure/contacts.h"
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+/// Refuses what no format can hold: attributes of the wrong length, spheres that are not finite or
+/// have no positive radius. @throws ParameterError
+template <int Dim>
+void checkPack(const Pack<Dim>& pack);
+
+extern template void checkPack<2>(const Pack<2>&);
+extern template void checkPack<3>(const Pack<3>&);
+
+/// Each writes into `out`, which the caller commits. @throws IoError
+void writeCsv(const PackView& pack, OutputFile& out);
+void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+/// @param bonds  null: atoms alone.
+void writeLammps(const PackView& pack, const PackWriteOptions& options,
+                 const std::vector<Contact>* bonds, OutputFile& out);
+
+/// Each reads the file at `path`. @throws IoError, InputError
+Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
+Pack<3> readYade(const std::string& path, const PackReadOptions& options);
+Pack<3> readPly(const std::string& path, const PackReadOptions& options);
+Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
+Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
+Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
+Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
+Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
+
+/// Writes rows 0 to `rows` - 1 in order; `append(text, row)` adds one row with its line end to
+/// `text` and is called from several threads.
+void writeRows(OutputFile& out, std::size_t rows,
+               const std::function<void(std::string&, std::size_t)>& append);
+
+/// `text` as one line of a comment: control characters become blanks.
+std::string oneLine(std::string text);
+
+/// The same as text or attribute of an XML file.
+std::string escapedXml(const std::string& text);
+
+/// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
+/// @return false if it names a unit that is not known.
+bool parseUnitComment(std::string_view comment, Unit& unit);
+
+/// What the title of our LAMMPS data files says of the numbers below, so that they can be undone.
+inline constexpr const char* kLammpsIdShift = "atom = id + 1";
+inline constexpr const char* kLammpsTypeIsRegion = "type = region + 1";
+inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
+
+/// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
+/// whose lengths (angstrom, reduced) are none of ours.
+void takeLammpsUnits(std::string_view style, Unit& unit);
+
+}  // namespace vdbpack

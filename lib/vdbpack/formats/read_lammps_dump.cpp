@@ -1,0 +1,256 @@
+// Text dumps of LAMMPS and LIGGGHTS (dump custom). Source: LAMMPS manual, dump and
+// Howto_triclinic.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/vec.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/text_table.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::string_view kItem = "ITEM:";
+constexpr const char* kRemedy = "write it with dump custom ... id type x y z radius";
+
+/// Where a frame's atoms stand in the file, and what its header says.
+struct Frame {
+    std::uint64_t atoms = 0;
+    std::vector<std::string> names;
+    std::array<std::vector<double>, 3> bounds;  ///< numbers of the lines of BOX BOUNDS
+    std::uint64_t offset = 0;                   ///< of the first atom
+    std::uint64_t line = 0;                     ///< before it
+};
+
+/// Edges of the simulation box: a scaled position s stands for origin + sum of s[i] * edge[i].
+struct SimulationBox {
+    Vec<3> origin;
+    std::array<Vec<3>, 3> edge;
+};
+
+/// Names of the columns of a position, best first: those in the box before those that moved on
+/// through periodic boundaries.
+struct PositionColumns {
+    std::array<const char*, 3> names;
+    bool scaled;
+};
+constexpr PositionColumns kPositions[] = {{{"x", "y", "z"}, false},
+                                          {{"xs", "ys", "zs"}, true},
+                                          {{"xu", "yu", "zu"}, false},
+                                          {{"xsu", "ysu", "zsu"}, true}};
+
+class DumpFile {
+public:
+    DumpFile(const std::string& path, const PackReadOptions& options)
+        : file_(path), unit_(options.unit) {}
+
+    Pack<3> read() {
+        const Frame frame = lastFrame();
+        TextTable table;
+        table.names = frame.names;
+        table.unit = unit_;
+        table.expectedRows = frame.atoms;
+
+        const PositionColumns& position = positionOf(frame);
+        std::array<std::size_t, 3> column{};
+        for (std::size_t i = 0; i < 3; ++i) {
+            const auto at = std::find(table.names.begin(), table.names.end(), position.names[i]);
+            column[i] = static_cast<std::size_t>(at - table.names.begin());
+            table.names[column[i]] = kPositions[0].names[i];
+        }
+        SimulationBox box;
+        if (position.scaled) {
+            box = boxOf(frame);
+            table.adjustRow = [&box, column](PackBuilder& builder, const Cells& cells) {
+                Vec<3> p = box.origin;
+                for (std::size_t i = 0; i < 3; ++i) {
+                    double share = 0;
+                    parseNumber(cells[column[i]], share);
+                    p += share * box.edge[i];
+                }
+                for (std::size_t i = 0; i < 3; ++i) builder.set(column[i], p.c[i]);
+            };
+        }
+        table.nextRow = [&](std::uint64_t row, Cells& cells) {
+            std::string_view line;
+            if (row == frame.atoms || !file_.nextLine(line)) return false;
+            splitAtBlanks(line, cells);
+            if (cells.size() != table.names.size())
+                fail(
+                    fmt::format("has {} words where ITEM: ATOMS names {} columns; complete the "
+                                "line",
+                                cells.size(), table.names.size()));
+            return true;
+        };
+        file_.seek(frame.offset, frame.line);
+        return readTable(file_, table);
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& what) const {
+        throw InputError(fmt::format("{}: line {}: {}", file_.path(), file_.lineNumber(), what));
+    }
+    [[noreturn]] void failBegun(std::uint64_t frameLine, const std::string& what) const {
+        throw InputError(fmt::format(
+            "{}: ends within the frame that begins in line {}: {}; remove that frame to take the "
+            "one before",
+            file_.path(), frameLine, what));
+    }
+
+    /// Walks over all frames. @return the last one.
+    Frame lastFrame() {
+        Frame frame, last;
+        bool any = false;      // a whole frame was found
+        bool begun = false;    // a frame's header has begun
+        bool counted = false;  // and says how many atoms it has
+        bool skips = false;    // lines of an item that does not matter
+        std::uint64_t frameLine = 0;
+        std::string_view line;
+        Cells words;
+        while (file_.nextLine(line)) {
+            line = trimmed(line);
+            if (line.substr(0, kItem.size()) != kItem) {
+                if (line.empty() || skips) continue;
+                if (!any && !begun)
+                    throw InputError(file_.path() +
+                                     ": is not a LAMMPS text dump: it does not begin with ITEM:; "
+                                     "name the format before the file if it is another (csv:FILE)");
+                fail("more lines follow than the item announces; correct NUMBER OF ATOMS");
+            }
+            const auto item = trimmed(line.substr(kItem.size()));
+            const auto begins = [item](std::string_view name) {
+                return item.substr(0, name.size()) == name;
+            };
+            skips = false;
+            if (!begun || begins("TIMESTEP")) {
+                frame = {};
+                counted = false;
+                // Units and time may stand before the time step.
+                if (!begun) frameLine = file_.lineNumber();
+                begun = true;
+            }
+            if (begins("NUMBER OF ATOMS")) {
+                std::int64_t atoms = 0;
+                if (!file_.nextLine(line)) failBegun(frameLine, "the number of atoms is missing");
+                if (!parseNumber(line, atoms) || atoms < 0)
+                    fail(fmt::format("'{}' is no number of atoms; correct it",
+                                     trimmed(line).substr(0, 40)));
+                frame.atoms = static_cast<std::uint64_t>(atoms);
+                counted = true;
+            } else if (begins("BOX BOUNDS")) {
+                for (auto& bounds : frame.bounds) {
+                    if (!file_.nextLine(line))
+                        failBegun(frameLine, "bounds of the box are missing");
+                    splitAtBlanks(line, words);
+                    bounds.assign(std::min<std::size_t>(words.size(), 5), 0);
+                    for (std::size_t i = 0; i < bounds.size(); ++i)
+                        if (!parseNumber(words[i], bounds[i]))
+                            fail(fmt::format("'{}' is no bound of the box; correct it",
+                                             words[i].substr(0, 40)));
+                }
+            } else if (begins("UNITS")) {
+                if (!file_.nextLine(line)) failBegun(frameLine, "the units are missing");
+                takeLammpsUnits(trimmed(line), unit_);
+            } else if (begins("ATOMS")) {
+                if (!counted) fail("ITEM: NUMBER OF ATOMS is missing before ITEM: ATOMS; add it");
+                splitAtBlanks(item.substr(std::string_view("ATOMS").size()), words);
+                frame.names.assign(words.begin(), words.end());
+                frame.offset = file_.nextOffset();
+                frame.line = file_.lineNumber();
+                for (std::uint64_t i = 0; i < frame.atoms; ++i) {
+                    if (!file_.nextLine(line))
+                        failBegun(frameLine,
+                                  fmt::format("{} of its {} atoms are there", i, frame.atoms));
+                    if (line.substr(0, kItem.size()) == kItem)
+                        fail(
+                            fmt::format("an item begins after {} of {} atoms; correct NUMBER OF "
+                                        "ATOMS",
+                                        i, frame.atoms));
+                }
+                last = frame;
+                any = true;
+                begun = false;
+            } else {
+                skips = true;
+            }
+        }
+        if (!any)
+            throw InputError(file_.path() +
+                             ": holds no whole frame of atoms (ITEM: ATOMS); check that it is a "
+                             "complete text dump of atoms");
+        if (begun) failBegun(frameLine, "it has no atoms");
+        return last;
+    }
+
+    const PositionColumns& positionOf(const Frame& frame) const {
+        const auto has = [&frame](const char* name) {
+            return std::find(frame.names.begin(), frame.names.end(), name) != frame.names.end();
+        };
+        for (const auto& position : kPositions) {
+            if (std::all_of(position.names.begin(), position.names.end(), has)) {
+                if (has("radius") || has("diameter") || has("r") || has("pscale")) return position;
+                throw InputError(
+                    fmt::format("{}: line {}: no column radius or diameter among '{}'; {}",
+                                file_.path(), frame.line, namesOf(frame), kRemedy));
+            }
+        }
+        throw InputError(fmt::format(
+            "{}: line {}: no columns x y z (or xs ys zs, xu yu zu, xsu ysu zsu) among '{}'; {}",
+            file_.path(), frame.line, namesOf(frame), kRemedy));
+    }
+
+    static std::string namesOf(const Frame& frame) {
+        return fmt::format("{}", fmt::join(frame.names, " ")).substr(0, 200);
+    }
+
+    SimulationBox boxOf(const Frame& frame) const {
+        const auto& b = frame.bounds;
+        const std::size_t numbers = b[0].size();
+        if (numbers < 2 || numbers > 4 || b[1].size() != numbers || b[2].size() != numbers)
+            throw InputError(fmt::format(
+                "{}: line {}: scaled positions (xs ys zs) need the three lines of ITEM: BOX "
+                "BOUNDS, each of 2, 3 or 4 numbers; complete it, or {}",
+                file_.path(), frame.line, kRemedy));
+        SimulationBox box;
+        if (numbers == 4) {  // abc origin: the edges themselves
+            for (int i = 0; i < 3; ++i) {
+                const auto k = static_cast<std::size_t>(i);
+                box.edge[k] = {{b[k][0], b[k][1], b[k][2]}};
+                box.origin[i] = b[k][3];
+            }
+            return box;
+        }
+        const bool tilted = numbers == 3;
+        const double xy = tilted ? b[0][2] : 0, xz = tilted ? b[1][2] : 0;
+        const double yz = tilted ? b[2][2] : 0;
+        // The bounds are those of the tilted box as a whole.
+        const double xlo = b[0][0] - std::min({0.0, xy, xz, xy + xz});
+        const double xhi = b[0][1] - std::max({0.0, xy, xz, xy + xz});
+        const double ylo = b[1][0] - std::min(0.0, yz);
+        const double yhi = b[1][1] - std::max(0.0, yz);
+        box.origin = {{xlo, ylo, b[2][0]}};
+        box.edge = {{{{xhi - xlo, 0, 0}}, {{xy, yhi - ylo, 0}}, {{xz, yz, b[2][1] - b[2][0]}}}};
+        return box;
+    }
+
+    InputFile file_;
+    Unit unit_;
+};
+
+}  // namespace
+
+Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options) {
+    return DumpFile(path, options).read();
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,184 @@
+// Data files for LAMMPS (read_data) and LIGGGHTS. Source: LAMMPS manual, read_data; what loads was
+// tried with LAMMPS 29 Sep 2021 and LIGGGHTS 3.8.
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/io/numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Atom ids and types of LAMMPS as most are built.
+constexpr std::int64_t kLargestAtom = std::numeric_limits<std::int32_t>::max();
+constexpr std::size_t kTitleLength = 240;  // both programs read lines of up to 255 characters
+
+const Column* numbersNamed(const PackView& pack, const char* name) {
+    for (const Column& column : pack.columns())
+        if (column.name == name && !column.numbers.empty()) return &column;
+    return nullptr;
+}
+
+/// Names of the atoms, positive and each once.
+class AtomIds {
+public:
+    explicit AtomIds(const PackView& pack) : pack_(pack) {
+        std::int64_t least = kLargestAtom, most = 0;
+        std::vector<std::int64_t> ids(pack.size());
+        for (std::size_t i = 0; i < pack.size(); ++i) {
+            ids[i] = pack.id(i);
+            least = std::min(least, ids[i]);
+            most = std::max(most, ids[i]);
+        }
+        std::sort(ids.begin(), ids.end());
+        const bool twice = std::adjacent_find(ids.begin(), ids.end()) != ids.end();
+        shift_ = least == 0 ? 1 : 0;
+        counted_ = twice || least < 0 || most + shift_ > kLargestAtom;
+    }
+    std::int64_t operator()(std::size_t i) const {
+        return counted_ ? static_cast<std::int64_t>(i) + 1 : pack_.id(i) + shift_;
+    }
+    const char* meaning() const {
+        return counted_ ? "atoms are counted" : shift_ == 1 ? kLammpsIdShift : "atom = id";
+    }
+
+private:
+    const PackView& pack_;
+    std::int64_t shift_ = 0;
+    bool counted_ = false;
+};
+
+/// Types from 1 on: region + 1, or as the pack's column `type` has them.
+class AtomTypes {
+public:
+    explicit AtomTypes(const PackView& pack) : pack_(pack), column_(numbersNamed(pack, "type")) {
+        if (!pack.region().empty()) {
+            regions_ = std::all_of(pack.region().begin(), pack.region().end(),
+                                   [](std::int32_t r) { return r >= 0 && r < kLargestAtom; });
+            if (!regions_)
+                throw ParameterError(
+                    "regions are written as atom types, and one of them is negative; count them "
+                    "from 0");
+            column_ = nullptr;
+        }
+        if (column_ && !std::all_of(column_->numbers.begin(), column_->numbers.end(), [](double v) {
+                return v >= 1 && v <= static_cast<double>(kLargestAtom) && std::trunc(v) == v;
+            }))
+            column_ = nullptr;
+        for (std::size_t i = 0; i < pack.size(); ++i) count_ = std::max(count_, (*this)(i));
+    }
+    std::int64_t operator()(std::size_t i) const {
+        if (regions_) return std::int64_t{pack_.region()[i]} + 1;
+        return column_ ? static_cast<std::int64_t>(column_->numbers[i]) : 1;
+    }
+    std::int64_t count() const { return count_; }
+    const char* meaning() const { return regions_ ? kLammpsTypeIsRegion : nullptr; }
+
+private:
+    const PackView& pack_;
+    const Column* column_;
+    bool regions_ = false;
+    std::int64_t count_ = 1;
+};
+
+/// kg/m³ in the unit that goes with a unit of length, and its name.
+struct DensityUnit {
+    double factor;
+    const char* name;
+};
+DensityUnit densityUnit(Unit unit) {
+    switch (unit) {
+        case Unit::meter:
+            return {1, "kg/m3"};  // units si
+        case Unit::centimeter:
+            return {1e-3, "g/cm3"};  // units cgs
+        case Unit::millimeter:
+            return {1e-12, "t/mm3"};  // with s: forces in N, pressures in MPa
+        case Unit::micrometer:
+            return {1e-3, "pg/um3"};  // units micro
+    }
+    return {1, "kg/m3"};
+}
+
+/// The best double for `density` in that unit: divided by a whole number, as lengths are.
+double densityIn(double density, Unit unit) {
+    return density / std::round(1 / densityUnit(unit).factor);
+}
+
+}  // namespace
+
+void writeLammps(const PackView& pack, const PackWriteOptions& options,
+                 const std::vector<Contact>* bonds, OutputFile& out) {
+    const AtomIds ids(pack);
+    const AtomTypes types(pack);
+    // What a file said of its atoms stays, unless another density is asked for.
+    const Column* densities = options.particleDensity > 0 ? nullptr : numbersNamed(pack, "density");
+    if (densities && !std::all_of(densities->numbers.begin(), densities->numbers.end(),
+                                  [](double v) { return v > 0 && std::isfinite(v); }))
+        densities = nullptr;
+    const double density = densityIn(
+        options.particleDensity > 0 ? options.particleDensity : kDefaultDensity, options.unit);
+
+    std::string title = oneLine(options.generator).substr(0, 60);
+    if (!title.empty()) title += "; ";
+    title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
+                         ids.meaning());
+    if (types.meaning()) title += fmt::format("; {}", types.meaning());
+    title += fmt::format(
+        "; density {}",
+        densities ? "as it was given" : fmt::format("in {}", densityUnit(options.unit).name));
+    title = title.substr(0, kTitleLength - 30) +
+            fmt::format("; {}{}", kUnitComment, unitName(options.unit));
+
+    const Box<3> box = pack.bounds();
+
+    std::string header = title + "\n\n";
+    header += fmt::format("{} atoms\n{} atom types\n", pack.size(), types.count());
+    if (bonds) header += fmt::format("{} bonds\n1 bond types\n", bonds->size());
+    header += '\n';
+    for (int d = 0; d < 3; ++d) {
+        const char axis = "xyz"[d];
+        appendNumber(header, box.lo[d]);
+        appendNumber(header += ' ', box.hi[d]);
+        header += fmt::format(" {}lo {}hi\n", axis, axis);
+    }
+    out.write(header);
+    if (pack.size() == 0) return;
+
+    // Without a hint behind it: LIGGGHTS takes `Atoms # sphere` for no section.
+    out.write(std::string(bonds ? "\nAtoms # hybrid\n\n" : "\nAtoms\n\n"));
+    writeRows(out, pack.size(), [&](std::string& text, std::size_t i) {
+        const auto number = [&text](double v) { appendNumber(text += ' ', v); };
+        appendNumber(text, ids(i));
+        appendNumber(text += ' ', types(i));
+        const auto p = pack.position(i);
+        if (bonds)
+            for (const double c : p) number(c);
+        number(2 * pack.radius(i));
+        number(densities ? densities->numbers[i] : density);
+        if (bonds)
+            text += " 0";  // of no molecule
+        else
+            for (const double c : p) number(c);
+        text += '\n';
+    });
+    if (!bonds || bonds->empty()) return;
+    out.write(std::string("\nBonds\n\n"));
+    writeRows(out, bonds->size(), [&](std::string& text, std::size_t b) {
+        appendNumber(text, static_cast<std::int64_t>(b) + 1);
+        appendNumber(text += " 1 ", ids((*bonds)[b].i));
+        appendNumber(text += ' ', ids((*bonds)[b].j));
+        text += '\n';
+    });
+}
+
+}  // namespace vdbpack

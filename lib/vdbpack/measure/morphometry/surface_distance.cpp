@@ -1,0 +1,317 @@
+#include "vdbpack/measure/morphometry/surface_distance.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr float kFar = std::numeric_limits<float>::infinity();
+
+struct Lattice {
+    explicit Lattice(const VoxelImage& image)
+        : size{static_cast<std::size_t>(image.size[0]), static_cast<std::size_t>(image.size[1]),
+               static_cast<std::size_t>(image.size[2])},
+          stride{1, size[0], size[0] * size[1]} {}
+    std::array<std::size_t, 3> size, stride;
+};
+
+/// Finds the points and their properties, slice by slice.
+class Crossings {
+public:
+    explicit Crossings(const VoxelImage& image) : image_(image), lattice_(image) {}
+
+    /// Calls `visit(voxel, x, y, z)` for each edge from a voxel of slice `z` along `axis` at which
+    /// the solid begins or ends.
+    template <class Visit>
+    void forEachInSlice(std::size_t axis, std::size_t z, const Visit& visit) const {
+        const auto& n = lattice_.size;
+        if (axis == 2 && z + 1 >= n[2]) return;
+        const std::size_t nx = n[0] - (axis == 0 ? 1 : 0);
+        const std::size_t ny = n[1] - (axis == 1 ? 1 : 0);
+        const float* d = image_.distance.data();
+        const std::size_t step = lattice_.stride[axis];
+        for (std::size_t y = 0; y < ny; ++y) {
+            const std::size_t row = z * lattice_.stride[2] + y * lattice_.stride[1];
+            for (std::size_t x = 0; x < nx; ++x)
+                if ((d[row + x] < 0) != (d[row + x + step] < 0)) visit(row + x, x, y, z);
+        }
+    }
+
+    SurfacePoint point(std::size_t axis, std::size_t voxel, std::size_t x, std::size_t y,
+                       std::size_t z) const {
+        const float* d = image_.distance.data();
+        const std::size_t other = voxel + lattice_.stride[axis];
+        const float a = d[voxel], b = d[other];
+        const std::array<std::size_t, 3> at{x, y, z};
+        const float t = root(voxel, at[axis], axis);
+        SurfacePoint p;
+        p.axis = static_cast<std::uint32_t>(axis);
+        p.at = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
+        double square = 0;
+        std::array<double, 3> g{};
+        for (std::size_t j = 0; j < 3; ++j) {
+            g[j] = j == axis ? double{b} - double{a}
+                             : (1 - double{t}) * slope(voxel, at[j], j) +
+                                   double{t} * slope(other, at[j], j);
+            square += g[j] * g[j];
+        }
+        p.at[axis] += t;
+        const double inverse = 1 / std::sqrt(square);  // g[axis] is never 0
+        double sum = 0;
+        for (std::size_t j = 0; j < 3; ++j) {
+            p.normal[j] = static_cast<float>(g[j] * inverse);
+            sum += std::abs(double{p.normal[j]});
+        }
+        if (inTotal(a < 0 ? voxel : other)) p.area = static_cast<float>(1 / sum);
+        return p;
+    }
+
+    bool inTotal(std::size_t voxel) const {
+        return image_.label.empty() || image_.label[voxel] != 0;
+    }
+
+    /// Twice the edges along each axis that belong to the voxels of the total volume in a slice,
+    /// half of an edge to each of its voxels.
+    std::array<std::size_t, 3> extent(std::size_t z) const {
+        const auto& n = lattice_.size;
+        std::array<std::size_t, 3> count{};
+        for (std::size_t y = 0; y < n[1]; ++y)
+            for (std::size_t x = 0; x < n[0]; ++x) {
+                if (!inTotal(z * lattice_.stride[2] + y * lattice_.stride[1] + x)) continue;
+                const std::array<std::size_t, 3> at{x, y, z};
+                for (std::size_t j = 0; j < 3; ++j)
+                    count[j] += std::size_t{at[j] > 0} + std::size_t{at[j] + 1 < n[j]};
+            }
+        return count;
+    }
+
+private:
+    /// Where the distance vanishes between a voxel and the next one along an axis, as a share of
+    /// the way: a bent surface lies off the straight interpolation by up to an eighth of its
+    /// curvature.
+    float root(std::size_t voxel, std::size_t at, std::size_t axis) const {
+        const float* d = image_.distance.data() + voxel;
+        const std::size_t step = lattice_.stride[axis];
+        const float a = d[0], b = d[step];
+        const float t = a / (a - b);
+        if (at == 0 || at + 2 >= lattice_.size[axis]) return t;
+        const float bend =
+            boundedBend(*(d - step), a, b, d[2 * step], static_cast<float>(image_.voxelSize));
+        const float shift = 0.5f * t * (1 - t) * bend / (b - a);
+        return std::clamp(t + std::clamp(shift, -0.25f, 0.25f), 0.0f, 1.0f);
+    }
+
+    /// Difference of the distances across a voxel along one axis; one-sided at the rim.
+    double slope(std::size_t voxel, std::size_t at, std::size_t axis) const {
+        const float* d = image_.distance.data();
+        const std::size_t step = lattice_.stride[axis];
+        const bool low = at > 0, high = at + 1 < lattice_.size[axis];
+        const double difference =
+            double{d[high ? voxel + step : voxel]} - double{d[low ? voxel - step : voxel]};
+        return low && high ? difference * 0.5 : difference;
+    }
+
+    const VoxelImage& image_;
+    Lattice lattice_;
+};
+
+/// One line of squared distances and the points they belong to, made ready for the next pass.
+class Line {
+public:
+    explicit Line(std::size_t n)
+        : square(n), index(n), vertex_(n), from_(n), out_(n), outIndex_(n) {}
+
+    /// `index[i]` names the point between places i and i + 1 of the line: the nearest for each.
+    void nearestOnLine(const std::vector<SurfacePoint>& points, std::size_t axis) {
+        const std::size_t n = index.size();
+        std::fill(square.begin(), square.end(), kFar);
+        std::uint32_t last = kNone;
+        float at = 0;
+        for (std::size_t i = 0; i < n; ++i) {
+            if (last != kNone) {
+                square[i] = (static_cast<float>(i) - at) * (static_cast<float>(i) - at);
+                outIndex_[i] = last;
+            } else {
+                outIndex_[i] = kNone;
+            }
+            if (index[i] != kNone) {
+                last = index[i];
+                at = points[last].at[axis];
+            }
+        }
+        last = kNone;
+        for (std::size_t i = n; i-- > 0;) {
+            if (index[i] != kNone) {
+                last = index[i];
+                at = points[last].at[axis];
+            }
+            const float s = (static_cast<float>(i) - at) * (static_cast<float>(i) - at);
+            if (last != kNone && s < square[i]) {
+                square[i] = s;
+                outIndex_[i] = last;
+            }
+        }
+        index.swap(outIndex_);
+    }
+
+    /// The lowest of the parabolas that stand at the places of the line.
+    void envelope() {
+        const std::size_t n = index.size();
+        std::size_t count = 0;
+        for (std::size_t q = 0; q < n; ++q) {
+            const float height = square[q];
+            if (height == kFar) continue;
+            float meet = -kFar;
+            while (count > 0) {
+                const std::size_t v = vertex_[count - 1];
+                meet = 0.5f * ((height - square[v]) / static_cast<float>(q - v) +
+                               static_cast<float>(q + v));
+                if (meet > from_[count - 1]) break;
+                --count;
+                meet = -kFar;
+            }
+            vertex_[count] = static_cast<std::uint32_t>(q);
+            from_[count] = meet;
+            ++count;
+        }
+        if (count == 0) return;
+        std::size_t k = 0;
+        for (std::size_t q = 0; q < n; ++q) {
+            while (k + 1 < count && from_[k + 1] < static_cast<float>(q)) ++k;
+            const std::size_t v = vertex_[k];
+            const float away = static_cast<float>(q) - static_cast<float>(v);
+            out_[q] = square[v] + away * away;
+            outIndex_[q] = index[v];
+        }
+        square.swap(out_);
+        index.swap(outIndex_);
+    }
+
+    std::vector<float> square;
+    std::vector<std::uint32_t> index;
+
+private:
+    std::vector<std::uint32_t> vertex_;
+    std::vector<float> from_, out_;
+    std::vector<std::uint32_t> outIndex_;
+};
+
+/// Runs `work(line, voxels of the line)` over all lines along `axis`, sixteen at a time: their
+/// values share the cache lines that a stride would otherwise fetch one by one.
+template <class Load, class Work, class Store>
+void forEachLine(const Lattice& lattice, std::size_t axis, const Load& load, const Work& work,
+                 const Store& store) {
+    constexpr std::size_t kTogether = 16;
+    const std::size_t across = axis == 2 ? 1 : 2;  // slices of lines: the axis walked outermost
+    const std::size_t inner = axis == 0 ? 1 : 0;   // neighbors in memory, for axes 1 and 2
+    const std::size_t n = lattice.size[axis];
+    tbb::parallel_for(
+        tbb::blocked_range<std::size_t>(0, lattice.size[across]),
+        [&](const tbb::blocked_range<std::size_t>& range) {
+            std::vector<Line> lines(kTogether, Line(n));
+            for (std::size_t s = range.begin(); s != range.end(); ++s)
+                for (std::size_t first = 0; first < lattice.size[inner]; first += kTogether) {
+                    const std::size_t together = std::min(kTogether, lattice.size[inner] - first);
+                    const std::size_t base =
+                        s * lattice.stride[across] + first * lattice.stride[inner];
+                    for (std::size_t i = 0; i < n; ++i)
+                        for (std::size_t k = 0; k < together; ++k)
+                            load(lines[k], i,
+                                 base + k * lattice.stride[inner] + i * lattice.stride[axis]);
+                    for (std::size_t k = 0; k < together; ++k) work(lines[k]);
+                    for (std::size_t i = 0; i < n; ++i)
+                        for (std::size_t k = 0; k < together; ++k)
+                            store(lines[k], i,
+                                  base + k * lattice.stride[inner] + i * lattice.stride[axis]);
+                }
+        });
+}
+
+}  // namespace
+
+SurfaceDistance surfaceDistance(const VoxelImage& image) {
+    const Lattice lattice(image);
+    const Crossings crossings(image);
+    const std::size_t slices = lattice.size[2];
+    SurfaceDistance result;
+
+    // How many points each slice has, axis by axis, and how much of the total volume.
+    std::array<std::vector<std::size_t>, 3> start;
+    for (auto& s : start) s.assign(slices + 1, 0);
+    std::vector<std::array<std::size_t, 3>> extents(slices);
+    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            std::size_t count = 0;
+            crossings.forEachInSlice(
+                axis, z, [&](std::size_t, std::size_t, std::size_t, std::size_t) { ++count; });
+            start[axis][z + 1] = count;
+        }
+        extents[z] = crossings.extent(z);
+    });
+    std::size_t total = 0;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (std::size_t z = 0; z <= slices; ++z) total = start[axis][z] += total;
+    for (const auto& e : extents)
+        for (std::size_t j = 0; j < 3; ++j) result.edges[j] += 0.5 * static_cast<double>(e[j]);
+    if (total == 0) return result;
+    if (total >= kNone)
+        throw ResourceError(fmt::format(
+            "the image has {} places where the solid begins or ends, more than 4e9; take larger "
+            "voxels or measure it in parts",
+            total));
+    result.points.resize(total);
+
+    const std::size_t voxels = image.voxels();
+    std::vector<float> square(voxels), best(voxels, kFar);
+    std::vector<std::uint32_t> index(voxels);
+    result.nearest.assign(voxels, kNone);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+        if (start[axis].back() == start[axis].front()) continue;
+        tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+            std::fill_n(index.begin() + static_cast<std::ptrdiff_t>(z * lattice.stride[2]),
+                        lattice.stride[2], kNone);
+            std::size_t next = start[axis][z];
+            crossings.forEachInSlice(
+                axis, z, [&](std::size_t voxel, std::size_t x, std::size_t y, std::size_t zz) {
+                    result.points[next] = crossings.point(axis, voxel, x, y, zz);
+                    index[voxel] = static_cast<std::uint32_t>(next++);
+                });
+        });
+        const auto loadIndex = [&](Line& line, std::size_t i, std::size_t voxel) {
+            line.index[i] = index[voxel];
+        };
+        const auto load = [&](Line& line, std::size_t i, std::size_t voxel) {
+            line.square[i] = square[voxel];
+            line.index[i] = index[voxel];
+        };
+        const auto store = [&](const Line& line, std::size_t i, std::size_t voxel) {
+            square[voxel] = line.square[i];
+            index[voxel] = line.index[i];
+        };
+        const auto keepNearer = [&](const Line& line, std::size_t i, std::size_t voxel) {
+            if (line.square[i] < best[voxel]) {
+                best[voxel] = line.square[i];
+                result.nearest[voxel] = line.index[i];
+            }
+        };
+        forEachLine(
+            lattice, axis, loadIndex, [&](Line& line) { line.nearestOnLine(result.points, axis); },
+            store);
+        const std::size_t second = axis == 0 ? 1 : 0, third = axis == 2 ? 1 : 2;
+        const auto envelope = [](Line& line) { line.envelope(); };
+        forEachLine(lattice, second, load, envelope, store);
+        forEachLine(lattice, third, load, envelope, keepNearer);
+    }
+    return result;
+}
+
+}  // namespace vdbpack

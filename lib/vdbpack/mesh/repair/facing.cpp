@@ -1,0 +1,266 @@
+#include "vdbpack/mesh/repair/facing.h"
+
+#include "vdbpack/mesh/edge_table.h"
+#include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/repair/winding_number.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// A piece faces by its volume where cones over its holes have less than this share of its area.
+constexpr double kNearlyClosed = 0.25;
+/// And a surface around it must change the winding number by more than this across a piece that
+/// follows it.
+constexpr double kClearChange = 0.02;
+/// A nearly closed piece bounds a cavity where this share of it lies inside others: a tooth in its
+/// socket lies half inside.
+constexpr double kEnclosed = 0.95;
+/// Triangles of a piece that are asked, about.
+constexpr std::size_t kVotes = 64;
+
+double areaOf(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
+    const Vec<3>& a = mesh.vertices[t[0]];
+    return 0.5 * length(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
+}
+
+/// Union-find over triangles that knows whether a triangle agrees with the first of its patch.
+class Patches {
+public:
+    explicit Patches(std::size_t n) : parent_(n), turned_(n, 0) {
+        std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
+    }
+    /// Root of a patch, and whether `i` faces against it.
+    std::pair<std::uint32_t, bool> find(std::uint32_t i) {
+        std::uint32_t root = i;
+        bool turned = false;
+        while (parent_[root] != root) {
+            turned = turned != (turned_[root] != 0);
+            root = parent_[root];
+        }
+        bool rest = turned;
+        while (parent_[i] != root && i != root) {
+            const std::uint32_t next = parent_[i];
+            const bool own = turned_[i] != 0;
+            parent_[i] = root;
+            turned_[i] = rest;
+            rest = rest != own;
+            i = next;
+        }
+        return {root, turned};
+    }
+    /// Where the two hang together already and do not agree, no turning makes them (Moebius).
+    void join(std::uint32_t a, std::uint32_t b, bool against) {
+        const auto [ra, ta] = find(a);
+        const auto [rb, tb] = find(b);
+        if (ra == rb) return;
+        parent_[std::max(ra, rb)] = std::min(ra, rb);
+        turned_[std::max(ra, rb)] = (ta != tb) != against;
+    }
+
+private:
+    std::vector<std::uint32_t> parent_;
+    std::vector<char> turned_;
+};
+
+/// Balances the edges of more than two triangles by turning whole patches.
+void balance(const TriangleMesh& mesh, const EdgeTable& edges,
+             const std::vector<std::uint32_t>& patchOf, std::vector<char>& turn,
+             const std::vector<double>& areas) {
+    struct Branch {
+        std::vector<std::pair<std::uint32_t, int>> sides;  // patch, +1 or -1 in the file
+    };
+    std::vector<Branch> branches;
+    std::vector<std::vector<std::uint32_t>> branchesOf(areas.size());
+    edges.forEach(
+        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
+            if (last - first < 3) return;
+            Branch branch;
+            for (const auto* use = first; use != last; ++use) {
+                const std::uint32_t patch = patchOf[use->triangle()];
+                const bool forward = edges.isForward(*use) != (turn[use->triangle()] != 0);
+                branch.sides.emplace_back(patch, forward ? 1 : -1);
+                auto& list = branchesOf[patch];
+                const auto index = static_cast<std::uint32_t>(branches.size());
+                if (list.empty() || list.back() != index) list.push_back(index);
+            }
+            branches.push_back(std::move(branch));
+        });
+    if (branches.empty()) return;
+    std::vector<char> patchTurned(areas.size(), 0);
+    const auto imbalance = [&](const Branch& branch, std::uint32_t other) {
+        int sum = 0;
+        for (const auto& [patch, way] : branch.sides)
+            sum += (patchTurned[patch] != 0) != (patch == other) ? -way : way;
+        return std::abs(sum);
+    };
+    std::vector<std::uint32_t> order(areas.size());
+    std::iota(order.begin(), order.end(), std::uint32_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return areas[a] < areas[b]; });
+    constexpr auto kNone = static_cast<std::uint32_t>(-1);
+    for (int pass = 0; pass < 8; ++pass) {
+        bool changed = false;
+        for (const std::uint32_t patch : order) {
+            int now = 0, then = 0;
+            for (const std::uint32_t index : branchesOf[patch]) {
+                now += imbalance(branches[index], kNone);
+                then += imbalance(branches[index], patch);
+            }
+            if (then >= now) continue;
+            patchTurned[patch] = !patchTurned[patch];
+            changed = true;
+        }
+        if (!changed) break;
+    }
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (patchTurned[patchOf[i]] != 0) turn[i] = !turn[i];
+}
+
+/// What each shell must know to face outward.
+struct ShellFacing {
+    double area = 0;
+    double coneArea = 0;  // over its holes
+    bool settled = false;
+};
+
+/// Turns whole shells by their volumes; the others by the surface near them.
+void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turned) {
+    const ShellAnalysis shells = analyzeShells(mesh);
+    std::vector<ShellFacing> facing(shells.shells.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        facing[shells.shellOfTriangle[i]].area += areaOf(mesh, mesh.triangles[i]);
+
+    // Cones from the middle of each hole close a shell for its volume (mesh_shells.h).
+    std::vector<std::array<std::uint32_t, 2>> open;
+    std::vector<std::uint32_t> shellOfEdge;
+    const EdgeTable edges(mesh);
+    edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                      const EdgeTable::Use* last) {
+        if (edges.surplus(first, last) == 0) return;
+        open.push_back({lower, upper});
+        shellOfEdge.push_back(shells.shellOfTriangle[first->triangle()]);
+    });
+    const auto hole = groupEdges(open);
+    std::vector<Vec<3>> middle;
+    std::vector<double> weight;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        if (hole[i] >= middle.size()) {
+            middle.resize(hole[i] + 1);
+            weight.resize(hole[i] + 1, 0);
+        }
+        for (const std::uint32_t v : open[i]) {
+            middle[hole[i]] += mesh.vertices[v];
+            ++weight[hole[i]];
+        }
+    }
+    for (std::size_t i = 0; i < open.size(); ++i) {
+        const Vec<3> apex = middle[hole[i]] * (1 / weight[hole[i]]);
+        const Vec<3> a = mesh.vertices[open[i][0]] - apex;
+        facing[shellOfEdge[i]].coneArea += 0.5 * length(cross(a, mesh.vertices[open[i][1]] - apex));
+    }
+
+    std::vector<char> turnShell(facing.size(), 0);
+    const auto apply = [&] {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            if (turnShell[shells.shellOfTriangle[i]] == 0) continue;
+            std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+            turned[i] = !turned[i];
+        }
+        std::fill(turnShell.begin(), turnShell.end(), 0);
+    };
+    for (std::size_t s = 0; s < facing.size(); ++s) {
+        facing[s].settled = facing[s].coneArea < kNearlyClosed * facing[s].area;
+        turnShell[s] = facing[s].settled && shells.shells[s].signedVolume < 0;
+    }
+    apply();
+    if (facing.size() == 1) return;
+
+    TriangleMesh settled;
+    settled.vertices = mesh.vertices;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (facing[shells.shellOfTriangle[i]].settled)
+            settled.triangles.push_back(mesh.triangles[i]);
+    if (settled.triangles.empty()) return;
+    const WindingNumber winding(settled);
+    // Triangles of each shell vote, by their areas.
+    struct Vote {
+        double area = 0, enclosed = 0, change = 0;
+    };
+    std::vector<Vote> votes(facing.size());
+    std::vector<std::size_t> seen(facing.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const std::uint32_t s = shells.shellOfTriangle[i];
+        const std::size_t step = std::max<std::size_t>(1, shells.shells[s].triangles / kVotes);
+        if (seen[s]++ % step != 0) continue;
+        const auto& t = mesh.triangles[i];
+        const Vec<3>& a = mesh.vertices[t[0]];
+        const Vec<3> n = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
+        const double twice = length(n);
+        if (!(twice > 0)) continue;
+        const Vec<3> center = (a + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3);
+        votes[s].area += twice;
+        if (facing[s].settled) {
+            // Behind the triangle its own shell counts once.
+            const double behind = winding(center - n * (1e-3 / std::sqrt(twice)));
+            if (std::lround(behind - 1) % 2 == 1) votes[s].enclosed += twice;
+        } else {
+            const Vec<3> aside = n * (0.5 / std::sqrt(twice));
+            votes[s].change += twice * (winding(center - aside) - winding(center + aside));
+        }
+    }
+    for (std::size_t s = 0; s < facing.size(); ++s)
+        turnShell[s] = facing[s].settled ? nested == NestedShells::cavity &&
+                                               votes[s].enclosed > kEnclosed * votes[s].area
+                                         : votes[s].change < -kClearChange * votes[s].area;
+    apply();
+}
+
+}  // namespace
+
+std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested) {
+    const std::size_t n = mesh.triangles.size();
+    std::vector<char> turn(n, 0);
+    {
+        const EdgeTable edges(mesh);
+        Patches patches(n);
+        edges.forEach([&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first,
+                          const EdgeTable::Use* last) {
+            if (last - first != 2) return;
+            const bool against = edges.isForward(first[0]) == edges.isForward(first[1]);
+            patches.join(first[0].triangle(), first[1].triangle(), against);
+        });
+        // By areas: the side that most of a patch has in the file.
+        std::vector<std::uint32_t> patchOf(n);
+        std::vector<std::uint32_t> number(n, 0);
+        std::vector<double> with, against;
+        for (std::uint32_t i = 0; i < n; ++i) {
+            const auto [root, turned] = patches.find(i);
+            if (root == i) {
+                number[i] = static_cast<std::uint32_t>(with.size());
+                with.push_back(0);
+                against.push_back(0);
+            }
+            patchOf[i] = number[root];
+            turn[i] = turned;
+            (turned ? against : with)[patchOf[i]] += areaOf(mesh, mesh.triangles[i]);
+        }
+        std::vector<double> areas(with.size());
+        for (std::size_t p = 0; p < areas.size(); ++p) areas[p] = with[p] + against[p];
+        for (std::size_t i = 0; i < n; ++i)
+            if (against[patchOf[i]] > with[patchOf[i]]) turn[i] = !turn[i];
+        balance(mesh, edges, patchOf, turn, areas);
+    }
+    for (std::size_t i = 0; i < n; ++i)
+        if (turn[i] != 0) std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+    turnShells(mesh, nested, turn);
+    return static_cast<std::size_t>(std::count(turn.begin(), turn.end(), char{1}));
+}
+
+}  // namespace vdbpack

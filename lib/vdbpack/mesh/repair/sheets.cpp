@@ -1,0 +1,94 @@
+#include "vdbpack/mesh/repair/sheets.h"
+
+#include "vdbpack/core/disjoint_sets.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/mesh/edge_table.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace vdbpack {
+
+std::size_t partSheets(TriangleMesh& mesh) {
+    std::size_t parted = 0;
+    DisjointSets corners(3 * mesh.triangles.size());  // corner k of triangle i is 3 i + k
+    {
+        const EdgeTable edges(mesh);
+        const auto joinAlong = [&](const EdgeTable::Use& a, const EdgeTable::Use& b) {
+            // The sides run opposite ways: the start of one is the end of the other.
+            const auto end = [](std::uint32_t side) { return side / 3 * 3 + (side % 3 + 1) % 3; };
+            corners.join(a.side, end(b.side));
+            corners.join(end(a.side), b.side);
+        };
+        struct Sheet {
+            double angle;
+            bool forward;
+            EdgeTable::Use use;
+        };
+        std::vector<Sheet> sheets;
+        edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                          const EdgeTable::Use* last) {
+            if (last - first == 2) {
+                joinAlong(first[0], first[1]);
+                return;
+            }
+            if (last - first < 2) return;
+            ++parted;
+            const Vec<3>& from = mesh.vertices[lower];
+            const Vec<3> along = normalized(mesh.vertices[upper] - from);
+            const Vec<3> aside = std::fabs(along[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
+            const Vec<3> u = normalized(cross(along, aside));
+            const Vec<3> v = cross(along, u);
+            sheets.clear();
+            for (const auto* use = first; use != last; ++use) {
+                const auto& t = mesh.triangles[use->triangle()];
+                const Vec<3> d = mesh.vertices[t[(use->side + 2) % 3]] - from;
+                sheets.push_back({std::atan2(dot(d, v), dot(d, u)), edges.isForward(*use), *use});
+            }
+            std::sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) {
+                return a.angle != b.angle ? a.angle < b.angle : a.use.side < b.use.side;
+            });
+            // A forward triangle faces larger angles: with rising angle the inside begins at a
+            // backward triangle and ends at a forward one.
+            std::vector<std::size_t> open;
+            const std::size_t n = sheets.size();
+            std::vector<char> done(n, 0);
+            for (std::size_t round = 0; round < 2 * n; ++round) {
+                const std::size_t i = round % n;
+                if (done[i] != 0) continue;
+                if (!sheets[i].forward) {
+                    if (std::find(open.begin(), open.end(), i) == open.end()) open.push_back(i);
+                } else if (!open.empty()) {
+                    joinAlong(sheets[open.back()].use, sheets[i].use);
+                    done[open.back()] = done[i] = 1;
+                    open.pop_back();
+                }
+            }
+        });
+    }
+    if (parted == 0) return 0;
+    // Every group of corners is a vertex of its own; the first at a vertex keeps its number.
+    std::vector<char> taken(mesh.vertices.size(), 0);
+    std::vector<std::uint32_t> vertexOf(3 * mesh.triangles.size(), 0);
+    std::vector<char> known(3 * mesh.triangles.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t root = corners.find(static_cast<std::uint32_t>(3 * i + k));
+            std::uint32_t& v = mesh.triangles[i][k];
+            if (known[root] == 0) {
+                known[root] = 1;
+                if (taken[v] == 0) {
+                    taken[v] = 1;
+                    vertexOf[root] = v;
+                } else {
+                    vertexOf[root] = static_cast<std::uint32_t>(mesh.vertices.size());
+                    mesh.vertices.push_back(Vec<3>(mesh.vertices[v]));
+                }
+            }
+            v = vertexOf[root];
+        }
+    return parted;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,225 @@
+#include "vdbpack/pack/front/place_search.h"
+
+#include "vdbpack/core/lanes.h"
+
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+/// Room that no place is left with, in wanted radii: more than 1, so that a search ends where the
+/// room falls short of the wanted radius by a hair, as along the middle of a thin bone.
+constexpr double kMostRoom = 1.018;
+
+/// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
+/// leave more cells to halve.
+template <int Dim>
+constexpr double kStep = Dim == 3 ? 0.65 : 0.47;
+
+/// Sets the bits from `first` to `last` of a row, if there are any.
+inline void cover(std::uint64_t* words, int first, int last) {
+    if (first > last) return;
+    const int firstWord = first >> 6, lastWord = last >> 6;
+    const std::uint64_t head = ~std::uint64_t{0} << (first & 63);
+    const std::uint64_t tail = ~std::uint64_t{0} >> (63 - (last & 63));
+    if (firstWord == lastWord) {
+        words[firstWord] |= head & tail;
+        return;
+    }
+    words[firstWord] |= head;
+    for (int w = firstWord + 1; w < lastWord; ++w) words[w] = ~std::uint64_t{0};
+    words[lastWord] |= tail;
+}
+
+}  // namespace
+
+template <int Dim>
+void PlaceSearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
+    state_ = &state;
+    centersOnly_ = centersOnly;
+    wanted_ = state.settings.meanRadius;
+    mostRoom_ = kMostRoom * wanted_;
+    step_ = kStep<Dim> * wanted_;
+    steps_ = {1, 1, 1};
+    for (int d = 0; d < Dim; ++d)
+        steps_[static_cast<std::size_t>(d)] = std::max(
+            1, static_cast<int>(std::ceil((state.search.hi[d] - state.search.lo[d]) / step_)));
+    rowWords_ = (static_cast<std::size_t>(steps_[0]) + 63) / 64;
+    covered_.assign(
+        static_cast<std::size_t>(steps_[1]) * static_cast<std::size_t>(steps_[2]) * rowWords_, 0);
+    stampSpheres();
+    stampOutside();
+    at_ = {0, 0, 0};
+    openWord();
+}
+
+/// Marks the cells in which some sphere leaves no place: a center with the most room allowed is
+/// nowhere farther from its cell's center than half the diagonal.
+template <int Dim>
+void PlaceSearch<Dim>::stampSpheres() {
+    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
+    const double inverse = 1 / step_;
+    const int most = steps_[0] - 1;
+    Lanes count;
+    for (std::size_t l = 0; l < kLanes; ++l) count[l] = static_cast<float>(l);
+    for (const auto& s : state_->spheres) {
+        // Less by more than floats are off by.
+        const double reach = (s.radius + mostRoom_ - corner) * inverse * (1 - 1e-5) -
+                             1e-6 * static_cast<double>(most + 1);
+        if (reach <= 0) continue;
+        // In steps, with cell i's center at i.
+        Vec<3> c;
+        for (int d = 0; d < Dim; ++d) c[d] = (s.center[d] - state_->search.lo[d]) * inverse - 0.5;
+        if (c[0] + reach < 0 || c[0] - reach > most) continue;
+        int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
+        for (int d = 1; d < Dim; ++d) {
+            from[d] = std::max(0, static_cast<int>(std::ceil(c[d] - reach)));
+            to[d] = std::min(steps_[static_cast<std::size_t>(d)] - 1,
+                             static_cast<int>(std::floor(c[d] + reach)));
+        }
+        const auto x = static_cast<float>(c[0]);
+        for (int k = from[2]; k <= to[2]; ++k) {
+            const auto layer = static_cast<float>(reach * reach - (k - c[2]) * (k - c[2]));
+            for (int j = from[1]; j <= to[1]; j += static_cast<int>(kLanes)) {
+                const Lanes dy = count + static_cast<float>(j - c[1]);
+                const Lanes square = layer - dy * dy;
+                Lanes half = sqrt(stdx::max(square, Lanes(0.0f)));
+                where(square <= 0.0f, half) = -1.0f;  // none of that row
+                float first[kLanes], last[kLanes];
+                stdx::max(x - half, Lanes(0.0f)).copy_to(first, stdx::element_aligned);
+                stdx::min(x + half, Lanes(static_cast<float>(most)))
+                    .copy_to(last, stdx::element_aligned);
+                std::uint64_t* words = row(j, k);
+                const int rows = std::min(static_cast<int>(kLanes), to[1] - j + 1);
+                for (int l = 0; l < rows; ++l, words += rowWords_)
+                    cover(words, static_cast<int>(std::ceil(first[l])),
+                          static_cast<int>(std::floor(last[l])));
+            }
+        }
+    }
+}
+
+/// Marks what lies too far outside the domain, in bricks: one lookup tells most of them.
+template <int Dim>
+void PlaceSearch<Dim>::stampOutside() {
+    constexpr int kBrick = 8;
+    for (int k = 0; k < steps_[2]; k += Dim == 3 ? kBrick : 1)
+        for (int j = 0; j < steps_[1]; j += kBrick)
+            for (int i = 0; i < steps_[0]; i += kBrick) stampOutside({i, j, k}, kBrick);
+}
+
+/// Marks the cells of a brick that certainly lie too far outside; halves it where that is open.
+template <int Dim>
+void PlaceSearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
+    int end[3];
+    Vec<Dim> center = state_->search.lo + state_->origin;
+    for (std::size_t d = 0; d < 3; ++d) {
+        if (at[d] >= steps_[d]) return;
+        end[d] = std::min(d < Dim ? at[d] + edge : 1, steps_[d]);
+        if (d < Dim) center.c[d] += (at[d] + 0.5 * edge) * step_;
+    }
+    const std::uint64_t mask = ((std::uint64_t{1} << edge) - 1) << (at[0] & 63);
+    std::uint64_t left = 0;
+    for (int k = at[2]; k < end[2]; ++k)
+        for (int j = at[1]; j < end[1]; ++j) left |= ~row(j, k)[at[0] >> 6] & mask;
+    if (left == 0) return;
+    const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
+    const double depth = -state_->sampler->signedDistance(center);
+    const double least = mostRoom_ - state_->settings.fieldError;
+    if (depth < least - corner) {
+        for (int k = at[2]; k < end[2]; ++k)
+            for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
+    } else if (edge > 2 && depth < least + corner) {
+        const int half = edge / 2;
+        for (int child = 0; child < (1 << Dim); ++child) {
+            std::array<int, 3> sub = at;
+            for (std::size_t d = 0; d < Dim; ++d) sub[d] += child >> d & 1 ? half : 0;
+            stampOutside(sub, half);
+        }
+    }
+}
+
+/// The cells of the word at `at_` that no sphere covers.
+template <int Dim>
+void PlaceSearch<Dim>::openWord() {
+    const int cells = std::min(64, steps_[0] - at_[0]);
+    const std::uint64_t all = cells == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << cells) - 1;
+    left_ = ~row(at_[1], at_[2])[at_[0] >> 6] & all;
+}
+
+/// Goes on to the next word. @return false after the last one.
+template <int Dim>
+bool PlaceSearch<Dim>::nextWord() {
+    at_[0] += 64;
+    if (at_[0] >= steps_[0]) at_[0] = 0, ++at_[1];
+    if (at_[1] >= steps_[1]) at_[1] = 0, ++at_[2];
+    if (at_[2] >= steps_[2]) return false;
+    openWord();
+    return true;
+}
+
+template <int Dim>
+bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
+    const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
+    const double least = mostRoom_ - corner - state_->settings.fieldError;
+    do {
+        for (; left_ != 0; skip()) {
+            const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
+            Vec<Dim> c;
+            for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
+            if (-state_->sampler->signedDistance(c + state_->origin) < least) continue;
+            nearby_.clear();
+            state_->cells.near(c, mostRoom_, [&](std::uint32_t i) {
+                nearby_.push_back(i);
+                return true;
+            });
+            if (hasPlace(c, centersOnly_ ? 0 : step_, place)) return true;
+        }
+    } while (at_[2] < steps_[2] && nextWord());
+    return false;
+}
+
+/// Looks for a place with its center in the cell, by halving; `nearby_` holds the spheres in reach.
+template <int Dim>
+bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place) {
+    const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
+    const FrontSettings<Dim>& settings = state_->settings;
+    DomainSampler<Dim>& sampler = *state_->sampler;
+    double room = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t i : nearby_) {
+        const Sphere<Dim>& s = state_->spheres[i];
+        const double least = s.radius + mostRoom_ - corner;
+        const double square = squaredLength(s.center - center);
+        if (least > 0 && square < least * least) return false;
+        room = std::min(room, std::sqrt(square) - s.radius);
+    }
+    // The field is too coarse a guess here: every cell along the wall would be halved to the end.
+    const Vec<Dim> global = center + state_->origin;
+    if (mostRoom_ > corner && sampler.isWallCloser(global, mostRoom_ - corner)) return false;
+    // From a center outside, a place is at least the wanted radius away, more than the corner of
+    // the cell: nothing is in it.
+    const double outside = sampler.signedDistance(global);
+    // Near the wall even the field's sign can be wrong; the triangles know.
+    if (outside > settings.fieldError ||
+        (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
+        return false;
+    if (room >= wanted_ && !sampler.isWallCloser(global, wanted_)) {
+        place = center;
+        // All of a ball that no wall crosses is on one side.
+        return sampler.contains(global);
+    }
+    // Otherwise a center this close to a place has the room itself, but for a wrong sign.
+    if (corner < 0.5 * (mostRoom_ - wanted_)) return false;
+    for (int child = 0; child < (1 << Dim); ++child) {
+        Vec<Dim> c = center;
+        for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;
+        if (hasPlace(c, 0.5 * edge, place)) return true;
+    }
+    return false;
+}
+
+template class PlaceSearch<2>;
+template class PlaceSearch<3>;
+
+}  // namespace vdbpack

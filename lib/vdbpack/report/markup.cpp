@@ -1,0 +1,261 @@
+#include "vdbpack/report/markup.h"
+
+#include "vdbpack/report/report.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <string_view>
+
+namespace vdbpack {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Arrays up to this long are written in one cell.
+constexpr std::size_t kShortArray = 9;
+
+/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none.
+std::size_t characterLength(std::string_view text, std::size_t at) {
+    const auto byte = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+    };
+    const unsigned first = byte(at);
+    const std::size_t length = first < 0x80                     ? 1
+                               : first >= 0xC2 && first <= 0xDF ? 2
+                               : (first & 0xF0) == 0xE0         ? 3
+                               : first >= 0xF0 && first <= 0xF4 ? 4
+                                                                : 0;
+    for (std::size_t i = 1; i < length; ++i)
+        if ((byte(at + i) & 0xC0) != 0x80) return 0;
+    // Overlong forms, surrogates, beyond the last plane, and what XML calls no character.
+    const unsigned second = byte(at + 1), third = byte(at + 2);
+    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
+        (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F) ||
+        (first == 0xEF && second == 0xBF && third >= 0xBE))
+        return 0;
+    return length;
+}
+
+std::string cell(const Json& value, const std::string& key) {
+    if (value.is_null()) return "–";
+    if (value.is_boolean()) return value.get<bool>() ? "yes" : "no";
+    if (value.is_string()) return value.get<std::string>();
+    if (value.is_number_unsigned() && key != "seed") return grouped(value.get<std::uint64_t>());
+    if (value.is_number_integer()) return value.dump();
+    if (value.is_number()) return figureText(value.get<double>());
+    std::string text;
+    const bool nested = value.is_array() && !value.empty() && value.front().is_structured();
+    for (const auto& [name, part] : value.items()) {
+        if (!text.empty()) text += nested ? "; " : ", ";
+        text += (value.is_object() ? name + " " : "") + cell(part, name);
+    }
+    return text.empty() ? "none" : text;
+}
+
+bool isColumn(const Json& value) {
+    return value.is_array() && value.size() > kShortArray &&
+           std::none_of(value.begin(), value.end(),
+                        [](const Json& v) { return v.is_structured(); });
+}
+
+bool isRecords(const Json& value) {
+    return value.is_array() && !value.empty() &&
+           std::all_of(value.begin(), value.end(), [](const Json& v) { return v.is_object(); });
+}
+
+std::string scrolled(const std::string& table) {
+    return "<div class='scroll'>" + table + "</div>\n";
+}
+
+/// Columns of the same length beside each other, with the number of the row first.
+std::string columnTable(const std::vector<std::pair<std::string, Json>>& columns) {
+    std::string head, body;
+    for (const auto& [name, values] : columns) head += "<th>" + escaped(name) + "</th>";
+    for (std::size_t i = 0; i < columns.front().second.size(); ++i) {
+        body += fmt::format("<tr><th scope='row'>{}</th>", i);
+        for (const auto& [name, values] : columns)
+            body += "<td>" + escaped(cell(values[i], name)) + "</td>";
+        body += "</tr>\n";
+    }
+    return scrolled("<table class='columns'><thead><tr><th>#</th>" + head +
+                    "</tr></thead>\n<tbody>" + body + "</tbody></table>");
+}
+
+/// What a table is made of, taken from an object and the objects in it.
+struct Parts {
+    std::vector<std::pair<std::string, std::string>> rows;
+    std::string tables;  ///< of columns and records
+
+    void add(const Json& object, const std::string& path) {
+        std::vector<std::pair<std::string, Json>> columns;
+        for (const auto& [key, value] : object.items()) {
+            const std::string name = path + key;
+            if (value.is_object() && !value.empty()) {
+                add(value, name + ".");
+            } else if (isColumn(value)) {
+                if (!columns.empty() && columns.front().second.size() != value.size())
+                    flush(columns);
+                columns.emplace_back(name, value);
+            } else if (isRecords(value)) {
+                addRecords(name, value);
+            } else {
+                rows.emplace_back(name, cell(value, key));
+            }
+        }
+        flush(columns);
+    }
+
+private:
+    void flush(std::vector<std::pair<std::string, Json>>& columns) {
+        if (columns.empty()) return;
+        std::string names;
+        for (const auto& [name, values] : columns) names += (names.empty() ? "" : ", ") + name;
+        tables += fmt::format("<details><summary>{}: {} rows</summary>\n{}</details>\n",
+                              escaped(names), columns.front().second.size(), columnTable(columns));
+        columns.clear();
+    }
+
+    void addRecords(const std::string& name, const Json& records) {
+        std::vector<std::pair<std::string, Json>> columns;
+        for (const auto& [key, value] : records.front().items()) {
+            Json column = Json::array();
+            for (const auto& record : records) column.push_back(record.value(key, Json()));
+            columns.emplace_back(key, std::move(column));
+        }
+        if (columns.empty()) return;
+        tables += "<h4>" + escaped(name) + "</h4>\n" + columnTable(columns);
+    }
+};
+
+struct Heading {
+    const char* key;
+    const char* title;
+    const char* planeTitle;
+    const char* words;
+};
+constexpr Heading kHeadings[] = {
+    {"domain", "Domain", "Domain",
+     "Volume in mm³ and area of the wall in mm² (in the plane: area in mm² and length in mm), "
+     "voxels "
+     "in mm."},
+    {"spheres", "Spheres", "Circles",
+     "ks is the Kolmogorov-Smirnov distance between the radii and those asked for; wall: the same "
+     "near the wall."},
+    {"solidFraction", "Solid fraction", "Solid fraction",
+     "Of the domain, and of what lies deeper than three largest radii."},
+    {"contacts", "Contacts", "Contacts",
+     "Pairs with a gap within the tolerance, a share of the smaller radius. The fabric tensor is "
+     "the mean of n nᵀ over them."},
+    {"overlap", "Overlap", "Overlap", "As a share of the smaller radius; pairs above 1e-6 count."},
+    {"gap", "Gap", "Gap", "Distance between surfaces that was asked for, and the smallest."},
+    {"protrusion", "Protrusion", "Protrusion",
+     "Through the wall, as a share of the radius; above 1e-6 they count."},
+    {"voids", "Voids", "Voids", "BV/TV is the solid that is left where voids may be."},
+    {"seconds", "Seconds", "Seconds", "On the clock."},
+    {"profile", "Solid fraction by depth", "Solid fraction by depth",
+     "In bins from the wall inwards, with standard errors."},
+    {"localFraction", "Local solid fraction", "Local solid fraction",
+     "Over cells of four mean diameters away from the wall."},
+    {"pairCorrelation", "Pair correlation", "Pair correlation",
+     "g(r) in bins from r = 0, about centers that deep, with errors from the number of pairs."},
+    {"regions", "Regions", "Regions", "The layer along the wall, and what it encloses."},
+    {"morphometry", "Morphometry", "Morphometry", "Bone morphometry in the symbols of the field."},
+};
+
+std::string section(const std::string& key, const Json& object, bool plane) {
+    std::string title = key, words;
+    for (const Heading& heading : kHeadings)
+        if (key == heading.key) {
+            title = plane ? heading.planeTitle : heading.title;
+            words = heading.words;
+        }
+    Parts parts;
+    if (object.is_object())
+        parts.add(object, "");
+    else if (!object.is_null())
+        parts.add(Json{{key, object}}, "");
+    std::string out = "<section>\n<h3>" + escaped(title) + "</h3>\n";
+    if (!words.empty()) out += "<p class='words'>" + escaped(words) + "</p>\n";
+    if (object.is_null()) out += "<p class='none'>Not measured.</p>\n";
+    return out + pairTable(parts.rows) + parts.tables + "</section>\n";
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (std::size_t at = 0; at < text.size();) {
+        const std::size_t length = characterLength(text, at);
+        const char c = text[at];
+        const bool control = static_cast<unsigned char>(c) < 0x20 && c != '\t' && c != '\n';
+        if (length == 0 || control)
+            out += "\xEF\xBF\xBD";
+        else if (c == '&')
+            out += "&amp;";
+        else if (c == '<')
+            out += "&lt;";
+        else if (c == '>')
+            out += "&gt;";
+        else if (c == '"')
+            out += "&quot;";
+        else if (c == '\'')
+            out += "&#39;";
+        else
+            out += text.substr(at, length);
+        at += std::max<std::size_t>(length, 1);
+    }
+    return out;
+}
+
+std::string base64(const std::string& bytes) {
+    static const char* const letters =
+        "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string text;
+    text.reserve((bytes.size() + 2) / 3 * 4);
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        const std::size_t left = std::min<std::size_t>(3, bytes.size() - i);
+        std::uint32_t three = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            three = three << 8 | (k < left ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (std::size_t k = 0; k < 4; ++k)
+            text += k <= left ? letters[three >> (18 - 6 * k) & 63] : '=';
+    }
+    return text;
+}
+
+std::string figureText(double value) {
+    return std::isfinite(value) ? fmt::format("{:.6g}", value) : "–";
+}
+
+std::string pairTable(const std::vector<std::pair<std::string, std::string>>& rows) {
+    if (rows.empty()) return "";
+    std::string body;
+    for (const auto& [name, value] : rows)
+        body +=
+            "<tr><th scope='row'>" + escaped(name) + "</th><td>" + escaped(value) + "</td></tr>\n";
+    return "<table><tbody>" + body + "</tbody></table>\n";
+}
+
+std::string figureTables(const nlohmann::ordered_json& figures, bool plane) {
+    Json run = Json::object();
+    std::string out;
+    for (const auto& [key, value] : figures.items()) {
+        const bool known =
+            std::any_of(std::begin(kHeadings), std::end(kHeadings),
+                        [&, &name = key](const Heading& h) { return name == h.key; });
+        if (value.is_structured() || known)
+            out += section(key, value, plane);
+        else
+            run[key] = value;
+    }
+    Parts parts;
+    parts.add(run, "");
+    return "<section>\n<h3>Run</h3>\n" + pairTable(parts.rows) + "</section>\n" + out;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,132 @@
+// The report of a run: what was asked, what was reached, how it was checked.
+#pragma once
+
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/verify/verify.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// What is told of voids and the shell.
+struct VoidReport {
+    std::string method;          ///< as asked for; empty: a shell alone
+    std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
+    double shell = 0;            ///< mm
+    double voxelSize = 0;        ///< of the level set, mm; 0: none
+    double totalVolume = 0;      ///< of the domain deeper than the shell, mm^dim
+    std::optional<double> bvtv;  ///< BV/TV there, of the solid
+    bool ofSpheres = false;      ///< BV/TV is the share of the spheres' volume that is left instead
+    /// What was solved for or given: voids a mm^dim (boolean), their number (overlay), probability
+    /// (grid, mixed, ellipses) or D (concentric, threshold).
+    std::optional<double> amount;
+    std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
+    std::string radius;                   ///< SPEC of b that gave the wanted thickness, mm
+    std::optional<double> thickness;      ///< Tb.Th where one was asked for, mm
+    std::optional<double> solidAttached;  ///< share of the solid that hangs together with the shell
+    std::uint64_t solidPieces = 0;
+    std::uint64_t culled = 0;               ///< spheres that the voids removed
+    std::optional<double> spheresAttached;  ///< share that contacts join with the shell
+    std::uint64_t dropped = 0;              ///< spheres taken out since they are not
+    std::uint64_t cortical = 0;             ///< spheres with centers in the shell
+    std::optional<double> across;           ///< mean diameters of those across the shell
+    std::vector<std::string> chosen;        ///< what was chosen by default, a sentence each
+};
+
+/// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
+struct Report {
+    int dim = 3;
+    std::string version;
+    std::string task;     ///< "pack", "verify" or "measure"
+    std::string command;  ///< as it was given
+    std::uint64_t seed = 0;
+    int threads = 0;
+    std::uint64_t hash = 0;  ///< `packHash`
+    bool interrupted = false;
+
+    DomainFacts domain;
+    double volume = 0;  ///< of the domain, mm^dim
+    double area = 0;    ///< of its wall, mm^(dim-1)
+
+    std::uint64_t count = 0;
+    std::string requested;  ///< the size distribution as it was written; empty: none
+    RadiusStatistics radius;
+    std::optional<double> ks;
+    std::optional<double> ksByVolume;  ///< each sphere by its volume (2D: area)
+    /// The same of the spheres whose centers are at most two largest radii from the wall.
+    struct WallSizes {
+        double depth = 0;  ///< mm
+        std::uint64_t count = 0;
+        double ks = 0, ksByVolume = 0;
+    };
+    std::optional<WallSizes> wallSizes;
+
+    std::optional<double> solidFractionTotal;
+    std::optional<double> solidFractionInterior;
+
+    double contactTolerance = 1e-3;          ///< of the smaller radius
+    std::optional<ContactNetwork> contacts;  ///< nothing without spheres
+
+    std::uint64_t existing = 0;          ///< spheres among them that stood already, the first ones
+    std::uint64_t givenOverlaps = 0;     ///< overlapping pairs among those
+    std::uint64_t givenProtrusions = 0;  ///< and those that stick out
+
+    std::optional<OverlapCheck> overlap;
+    double gapAsked = 0;                ///< mm
+    std::optional<double> smallestGap;  ///< between spheres, two that stood already apart; mm
+    std::optional<ProtrusionCheck> protrusion;
+
+    /// What densifying did; nothing where it was not asked for.
+    struct Densified {
+        /// Gaps up to which contacts are counted, in smaller radii.
+        static constexpr std::array<double, 3> kContactTolerances{1e-3, 1e-2, 5e-2};
+
+        std::optional<double> asked;  ///< solid fraction; nothing: as dense as it gets
+        double before = 0, after = 0;
+        std::uint64_t inserted = 0, steps = 0;
+        int stages = 0;
+        std::array<double, 3> contactsBefore{};  ///< spheres that one touches
+        /// Nothing once interrupted.
+        std::optional<std::array<double, 3>> contactsAfter;
+        std::optional<double> solidLike;  ///< `solidLikeShare` afterwards
+        double seconds = 0;
+    };
+    std::optional<Densified> densified;
+
+    std::optional<VoidReport> voids;  ///< nothing where neither voids nor a shell were asked for
+
+    struct Seconds {
+        double mesh = 0, domain = 0, pack = 0, densify = 0, voids = 0, measure = 0, write = 0,
+               total = 0;
+    } seconds;
+    std::uint64_t peakMemoryBytes = 0;
+
+    /// Not in the JSON: what was chosen by default, a sentence each ("radius uniform:0.3,0.6, so
+    /// that about 100,000 spheres fill the domain"), the files that were written, what was
+    /// warned of, and how to repeat the run.
+    std::vector<std::string> chosen;
+    std::vector<std::string> files;
+    std::string recipe;  ///< TOML that repeats the run; empty: none
+    std::vector<std::string> warnings;
+};
+
+/// Whether the spheres keep the gap asked for, to 10⁻⁶ of the smallest radius.
+bool keepsGap(const Report& report);
+
+/// The keys that scripts rely on; null where there is no value.
+nlohmann::ordered_json toJson(const Report& report);
+
+/// 1234567 as "1,234,567".
+std::string grouped(std::uint64_t n);
+
+/// For people: lines of at most 80 columns (unless a word is longer), ending with a newline.
+std::string summary(const Report& report);
+
+}  // namespace vdbpack

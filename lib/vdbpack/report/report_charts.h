@@ -1,0 +1,17 @@
+// The charts of a report.
+#pragma once
+
+#include "vdbpack/measure/radius_histogram.h"
+#include "vdbpack/measure/structure.h"
+#include "vdbpack/report/report.h"
+
+#include <string>
+
+namespace vdbpack {
+
+/// Figures as `figure` makes them: sizes by number and cumulated, contacts, solid fraction by
+/// depth, pair correlation, time by stage; each says why where it has nothing to show.
+std::string reportCharts(const Report& report, const Structure& structure,
+                         const RadiusHistogram& radii);
+
+}  // namespace vdbpack

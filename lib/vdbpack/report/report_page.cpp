@@ -1,0 +1,244 @@
+#include "vdbpack/report/report_page.h"
+
+#include "vdbpack/report/markup.h"
+#include "vdbpack/report/report_charts.h"
+#include "vdbpack/report/svg_chart.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+const char* const kStyle = R"(:root { color-scheme: light dark; --paper: #f5f6f8; --card: #fff;
+  --ink: #16202b; --soft: #536070; --line: #dfe3e8; --c0: #2f74b5; --c1: #c2560c;
+  --good: #1d7a46; --bad: #b3261e; }
+@media (prefers-color-scheme: dark) { :root { --paper: #11161c; --card: #1a212a; --ink: #e8ecf1;
+  --soft: #a3afbd; --line: #333d49; --c0: #5ba3e6; --c1: #f29a52; --good: #5cc98a; --bad: #ff8a80; } }
+* { box-sizing: border-box; }
+html { -webkit-text-size-adjust: 100%; text-size-adjust: 100%; }
+body { margin: 0; background: var(--paper); color: var(--ink);
+  font: 1rem/1.45 system-ui, sans-serif; overflow-wrap: anywhere; }
+main { max-width: 78rem; margin: 0 auto; padding: 1rem .75rem 3rem; }
+h1 { font-size: 1.5rem; line-height: 1.2; margin: .5rem 0 .2rem; }
+h2 { font-size: 1.15rem; margin: 2rem 0 .6rem; }
+h3 { font-size: 1rem; margin: 0 0 .4rem; }
+h4 { font-size: .875rem; margin: .6rem 0 .2rem; }
+p { margin: .3rem 0; }
+.under, .words, .none { color: var(--soft); }
+.words { font-size: .8125rem; }
+.picture { margin: 1rem 0 0; }
+.picture img { display: block; width: 100%; max-width: 60rem; height: auto; margin: 0 auto .4rem;
+  background: #fff; border-radius: .3rem; }
+.keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(10rem, 1fr)); gap: .6rem;
+  margin: 1rem 0 0; }
+.keys div, figure, section, .card { background: var(--card); border: 1px solid var(--line);
+  border-radius: .5rem; padding: .6rem .75rem; }
+.keys dt { font-size: .8125rem; color: var(--soft); }
+.keys dd { margin: 0; font-size: 1.3rem; font-weight: 600; line-height: 1.3; }
+.keys dd + dd { font-size: .8125rem; font-weight: 400; color: var(--soft); }
+.keys .hash { font-size: .8125rem; line-height: 1.9; font-family: ui-monospace, monospace; }
+.good { color: var(--good); }
+.bad { color: var(--bad); }
+.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr));
+  gap: .6rem; }
+.tables { columns: 24rem; column-gap: .6rem; }
+.tables section { break-inside: avoid; margin: 0 0 .6rem; }
+table { width: 100%; border-collapse: collapse; font-size: .875rem;
+  font-variant-numeric: tabular-nums; }
+th, td { text-align: left; vertical-align: top; padding: .15rem .5rem .15rem 0; font-weight: 400;
+  border-top: 1px solid var(--line); }
+tbody th { color: var(--soft); width: 45%; }
+.columns th, .columns td { text-align: right; width: auto; white-space: nowrap; }
+.scroll { overflow-x: auto; max-height: 26rem; overflow-y: auto; }
+summary { cursor: pointer; font-size: .875rem; margin-top: .4rem; }
+pre { margin: .4rem 0; white-space: pre-wrap; font: .875rem/1.4 ui-monospace, monospace;
+  background: var(--paper); border-radius: .3rem; padding: .5rem; }
+.card table { width: auto; }
+.card th { width: auto; padding-right: 2rem; white-space: nowrap; }
+ul { margin: .3rem 0; padding-left: 1.2rem; }
+@media print { :root { color-scheme: light; --paper: #fff; --card: #fff; --ink: #000; --soft: #444;
+  --line: #bbb; --c0: #2f74b5; --c1: #c2560c; --good: #1d7a46; --bad: #b3261e; }
+  main { padding: 0; max-width: none; } figure, .keys div { break-inside: avoid; }
+  .charts { grid-template-columns: 1fr 1fr; } .tables { columns: 2; }
+  .tables section { break-inside: auto; } .scroll { max-height: none; overflow: visible; }
+  .columns { font-size: .6875rem; }
+  details::details-content { content-visibility: visible; display: block; } }
+)";
+
+/// What is no number was not measured.
+void dropNotFinite(Report& r) {
+    for (auto* value :
+         {&r.solidFractionTotal, &r.solidFractionInterior, &r.ks, &r.ksByVolume, &r.smallestGap})
+        if (*value && !std::isfinite(**value)) value->reset();
+    if (r.voids && r.voids->bvtv && !std::isfinite(*r.voids->bvtv)) r.voids->bvtv.reset();
+}
+
+/// The row of figures at the top.
+class Keys {
+public:
+    void add(const std::string& label, const std::string& value, const std::string& note = "",
+             const char* style = "") {
+        rows_ +=
+            fmt::format("<div><dt>{}</dt><dd class='{}'>{}</dd>{}</div>\n", escaped(label), style,
+                        escaped(value), note.empty() ? "" : "<dd>" + escaped(note) + "</dd>");
+    }
+    std::string html() const { return "<dl class='keys'>\n" + rows_ + "</dl>\n"; }
+
+private:
+    std::string rows_;
+};
+
+/// A check: nothing found but what was given, or how much. To measure is not to judge.
+void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t found,
+              std::uint64_t given, const std::string& thing, double largest) {
+    const std::string things = thing + "s";
+    const bool judged = r.task != "measure";
+    if (found == given)
+        keys.add(
+            label, "none",
+            given > 0 ? fmt::format("but the {} {} that were given", grouped(given), things) : "",
+            judged ? "good" : "");
+    else
+        keys.add(
+            label, fmt::format("{} {}", grouped(found), found == 1 ? thing : things),
+            fmt::format("{}largest {:.3g} of a radius", judged ? "CHECK FAILED, " : "", largest),
+            judged ? "bad" : "");
+}
+
+void addPack(Keys& keys, const Report& r) {
+    const bool plane = r.dim == 2;
+    const std::string spheres = plane ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    keys.add(
+        spheres, grouped(r.count),
+        r.count > 0 ? fmt::format("radius {:.4g} to {:.4g} mm", r.radius.min, r.radius.max) : "");
+    if (r.solidFractionTotal)
+        keys.add("solid fraction", fmt::format("{:.4f}", *r.solidFractionTotal),
+                 r.solidFractionInterior ? fmt::format("{:.4f} deeper than three largest radii",
+                                                       *r.solidFractionInterior)
+                                         : "");
+    if (r.overlap)
+        addCheck(keys, r, "overlap", r.overlap->pairs, r.givenOverlaps, "pair", r.overlap->max);
+    if (r.protrusion)
+        addCheck(keys, r, "outside the wall", r.protrusion->spheres, r.givenProtrusions,
+                 plane ? Measure<2>::kSphere : Measure<3>::kSphere, r.protrusion->max);
+    if (r.gapAsked > 0 && r.smallestGap)
+        keys.add("smallest gap", fmt::format("{:.4g} mm", *r.smallestGap),
+                 fmt::format("{:.4g} mm asked for", r.gapAsked), keepsGap(r) ? "good" : "bad");
+    if (r.contacts)
+        keys.add(fmt::format("contacts a {}", plane ? Measure<2>::kSphere : Measure<3>::kSphere),
+                 fmt::format("{:.2f}", r.contacts->mean),
+                 r.domain.kind.empty()
+                     ? "walls unknown"
+                     : fmt::format("{:.2f} without walls", r.contacts->meanOfSpheres));
+    if (r.voids && !r.voids->method.empty())
+        keys.add("voids", grouped(r.voids->count),
+                 (r.voids->bvtv ? fmt::format("BV/TV {:.4f}, ", *r.voids->bvtv) : "") +
+                     fmt::format("{} {} culled", grouped(r.voids->culled), spheres));
+}
+
+void addSolid(Keys& keys, const Morphometry& m) {
+    const auto length = [&](const char* label, const std::optional<LengthStatistics>& s) {
+        if (s)
+            keys.add(label, fmt::format("{:.4g} mm", s->mean),
+                     fmt::format("± {:.3g}, largest {:.4g}", s->sd, s->max));
+    };
+    keys.add("BV/TV", fmt::format("{:.4f}", m.solidFraction),
+             fmt::format("{:.6g} of {:.6g} mm³", m.solidVolume, m.totalVolume));
+    length("Tb.Th", m.thickness);
+    length("Tb.Sp", m.separation);
+    if (m.number) keys.add("Tb.N, 1/mm", fmt::format("{:.4g}", *m.number));
+    keys.add("Conn.D, 1/mm³", fmt::format("{:.4g}", m.connectivityDensity),
+             fmt::format("Euler number {:.6g}", m.eulerNumber));
+    if (m.anisotropy)
+        keys.add("DA", fmt::format("{:.4f}", m.anisotropy->degree),
+                 "0 is the same in all directions");
+}
+
+std::string listOf(const std::vector<std::string>& lines) {
+    std::string out;
+    for (const auto& line : lines) out += "<li>" + escaped(line) + "</li>\n";
+    return "<ul>" + out + "</ul>\n";
+}
+
+std::string titleOf(const ReportPage& page) {
+    const Report& r = page.report;
+    // Folders are told below, with the other settings.
+    const std::string subject = page.subject.substr(page.subject.rfind('/') + 1);
+    if (page.morphometry) return subject + ", measured as bone";
+    const std::string spheres = r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    return r.task == "pack" ? subject + ", packed with " + spheres
+                            : subject + ", a pack of " + spheres + " measured";
+}
+
+std::string again(const ReportPage& page) {
+    const Report& r = page.report;
+    std::string out = "<div class='card'>\n<pre>vdb_pack " + escaped(r.command) + "</pre>\n";
+    out += "<p>" + escaped("vdb_pack " + r.version) + "</p>\n" + pairTable(page.settings);
+    if (!r.chosen.empty()) out += "<p>Chosen by default:</p>\n" + listOf(r.chosen);
+    if (!r.files.empty()) out += "<p>Written:</p>\n" + listOf(r.files);
+    if (!r.recipe.empty())
+        out += "<details><summary>The whole recipe</summary><pre>" + escaped(r.recipe) +
+               "</pre></details>\n";
+    if (page.morphometry) return out + "</div>\n";
+    if (r.task == "pack")
+        out +=
+            "<p>The same version, input and settings give the same pack, whatever the number of "
+            "threads.</p>\n";
+    out += fmt::format(
+        "<p>Its hash is <code>{}</code>, whatever the order of the {}: "
+        "<code>vdb_pack verify FILE --json</code> tells that of any file in mm but .ply, and the "
+        "ten "
+        "lines of numpy in the README compute it without this program.</p>\n",
+        hashText(r.hash), r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres);
+    return out + "</div>\n";
+}
+
+}  // namespace
+
+std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& figures) {
+    Report r = page.report;
+    dropNotFinite(r);
+    const std::string title = escaped(titleOf(page));
+    Keys keys;
+    if (page.morphometry)
+        addSolid(keys, *page.morphometry);
+    else
+        addPack(keys, r);
+    keys.add("seconds", fmt::format(r.seconds.total < 0.1 ? "{:.2g}" : "{:.2f}", r.seconds.total),
+             fmt::format("on {} thread{}", r.threads, r.threads == 1 ? "" : "s"));
+    if (!page.morphometry) keys.add("hash", hashText(r.hash), "", "hash");
+
+    std::string out =
+        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'/>\n"
+        "<meta name='viewport' content='width=device-width, initial-scale=1'/>\n"
+        "<link rel='icon' href='data:,'/>\n<title>" +
+        title + "</title>\n<style>\n" + kStyle + chartStyle() +
+        "</style>\n</head>\n<body>\n<main>\n";
+    out += "<h1>" + title + "</h1>\n<p class='under'>" +
+           escaped(fmt::format("vdb_pack {}", r.version)) +
+           (r.requested.empty() ? "" : ", radii " + escaped(r.requested)) + "; lengths in mm</p>\n";
+    if (r.interrupted) out += "<p class='bad'>Interrupted: this is what was complete.</p>\n";
+    out += keys.html();
+    if (!page.picture.empty()) {
+        const std::string words = escaped(page.pictureWords);
+        out += fmt::format(
+            "<figure class='picture'>\n<img src='data:image/png;base64,{}' width='{}' "
+            "height='{}' alt='{}'/>\n<figcaption class='words'>{}</figcaption>\n</figure>\n",
+            base64(page.picture), page.pictureWidth, page.pictureHeight, words, words);
+    }
+    if (!r.warnings.empty())
+        out += "<h2>Warnings</h2>\n<div class='card'>" + listOf(r.warnings) + "</div>\n";
+    if (!page.morphometry)
+        out += "<h2>Charts</h2>\n<div class='charts'>\n" +
+               reportCharts(r, page.structure, page.radii) + "</div>\n";
+    out += "<h2>All figures</h2>\n<div class='tables'>\n" + figureTables(figures, r.dim == 2) +
+           "</div>\n";
+    out += "<h2>How to do it again</h2>\n" + again(page);
+    return out + "</main>\n</body>\n</html>\n";
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,219 @@
+#include "vdbpack/run/convert.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/run/needs.h"
+#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/run_given.h"
+#include "vdbpack/run/run_stages.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr double kVoxelsAcross = 256;  // of a mesh whose voxels nobody has chosen
+
+bool endsWith(const std::string& text, const std::string& end) {
+    return text.size() >= end.size() &&
+           text.compare(text.size() - end.size(), end.size(), end) == 0;
+}
+
+/// The pack, or nothing where the file is a solid.
+std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& callbacks) {
+    for (const char* mesh : {".stl", ".obj", ".off"})
+        if (endsWith(recipe.pack, mesh)) return std::nullopt;
+    try {
+        return readGiven(recipe, callbacks);
+    } catch (const InputError&) {
+        if (endsWith(recipe.pack, ".ply")) return std::nullopt;  // without radii: a mesh
+        // Without points it may be a level set; if it is neither, the first message is the better.
+        if (!endsWith(recipe.pack, ".vdb") || !holdsLevelSet(recipe.pack)) throw;
+        return std::nullopt;
+    }
+}
+
+/// Refuses what memory or disks have no room for.
+void requireRoom(const ConvertRecipe& recipe, Extent extent) {
+    extent.outputs = recipe.outputs;
+    extent.preview = recipe.preview;
+    extent.threads = effectiveThreads(recipe.threads);
+    requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
+}
+
+template <int Dim>
+void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
+                 const Callbacks& callbacks) {
+    checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
+    for (const std::string& output : recipe.outputs)
+        if (recipe.domain.source.empty() && isSolidOutput(output) &&
+            (filePart(output) != output || endsWith(output, ".stl")))
+            throw ParameterError(output +
+                                 ": spheres alone have no surface; give their --domain, or name a "
+                                 "level set of a .vdb with --grid");
+    RunOutputs<Dim> have;
+    have.pack = &pack;
+    PackWriteOptions& write = have.options;
+    write.unit = recipe.outUnit;
+    write.generator = std::string("vdb_pack ") + VDBPACK_VERSION;
+    write.contactTolerance = recipe.contactTolerance;
+    DomainSource::Built built;
+    std::optional<double> solid;
+    std::optional<DomainSource> source;
+    Extent extent;
+    extent.dim = Dim;
+    if (!recipe.domain.source.empty()) {
+        source.emplace(recipe.domain, callbacks);
+        if (source->dim() != Dim)
+            throw ParameterError(
+                fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
+                            "it lies in",
+                            recipe.domain.source, source->dim(), Dim));
+        const RadiusStatistics radius = radiusStatistics(pack.spheres);
+        const double detail = fieldDetail(radius.min, radius.mean);
+        extent = extentOf(*source, detail, radius.max);
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireRoom(recipe, extent);
+        built = source->build(detail, radius.max, callbacks);
+        have.domain = ofDim<Dim>(built).get();
+        if (built.mesh) {
+            write.levelSets = {built.mesh->grid()};
+            have.wall = &built.mesh->wall();
+        }
+        if constexpr (Dim == 2) write.frame = have.domain->bounds();
+        solid = solidFraction(pack.spheres, *have.domain);
+    }
+    if (!source) {
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireRoom(recipe, extent);
+    }
+    callbacks.stopIfCancelled();
+    write.particleDensity = particleDensity(recipe.density, solid);
+    result.kind = Measure<Dim>::kSpheres;
+    result.count = pack.spheres.size();
+    result.hash = packHash(pack);
+    result.files = writeOutputs(recipe.outputs, have, callbacks);
+    if (drawGiven(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built))
+        result.files.push_back(recipe.preview.file);
+}
+
+/// A level set or a mesh.
+void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
+    if (!recipe.domain.source.empty())
+        throw ParameterError("--domain " + recipe.domain.source + ": goes with a pack, and " +
+                             recipe.pack + " is a solid; leave it out");
+    if (!recipe.density.empty())
+        throw ParameterError("--density is that of spheres, and " + recipe.pack +
+                             " holds none; leave it out");
+    const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
+    RunOutputs<3> have;
+    have.options.unit = recipe.outUnit;
+    have.options.generator = generator;
+    const bool isMesh = !endsWith(recipe.pack, ".vdb");
+    std::optional<TriangleMesh> mesh;
+    result.kind = isMesh ? "mesh" : "level set";
+    if (isMesh) {
+        MeshReadOptions read;
+        read.unit = recipe.packUnit;
+        mesh = readMesh(recipe.pack, read);
+        result.count = mesh->triangles.size();
+    }
+    for (const std::string& output : recipe.outputs)
+        if (!isSolidOutput(output))
+            throw ParameterError(output + ": holds spheres, and " + recipe.pack +
+                                 " has none; write .stl, .vdb or fog:FILE.vdb");
+    const auto levelSet = [&]() -> std::shared_ptr<const VdbGrid> {
+        if (!isMesh)
+            return levelSetGrid(recipe.pack, recipe.packGrid, millimetersPer(recipe.packUnit));
+        DomainRecipe solid;
+        solid.source = recipe.pack;
+        solid.unit = recipe.packUnit;
+        const DomainSource source(solid, callbacks);
+        const Vec<3> size = source.fileBounds().size();
+        solid.voxelSize = recipe.domain.voxelSize > 0
+                              ? recipe.domain.voxelSize
+                              : *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
+        requireRoom(recipe, extentOf(DomainSource(solid), solid.voxelSize, solid.voxelSize));
+        return DomainSource(solid, callbacks)
+            .build(solid.voxelSize, solid.voxelSize, callbacks)
+            .mesh->grid();
+    };
+    for (const std::string& output : recipe.outputs) {
+        callbacks.report("write", 0, 0);
+        // A mesh needs no detour over voxels.
+        if (isMesh && (endsWith(output, ".stl") || endsWith(output, ".STL"))) {
+            writeStl(*mesh, filePart(output), recipe.outUnit, generator);
+            result.files.push_back(filePart(output));
+            continue;
+        }
+        if (have.options.levelSets.empty()) have.options.levelSets = {levelSet()};
+        const auto written = writeOutput(output, have);
+        result.files.insert(result.files.end(), written.begin(), written.end());
+    }
+    if (recipe.preview.file.empty()) return;
+    if (!isMesh) mesh = levelSetMesh(*levelSet(), recipe.pack);
+    drawGiven(recipe.preview, recipe.pack, *mesh);
+    result.files.push_back(recipe.preview.file);
+}
+
+}  // namespace
+
+ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.outputs.empty() && recipe.preview.file.empty())
+        throw ParameterError("nothing is to be written; name a file with -o or --preview");
+    checkPreview(recipe.preview, {});
+    checkDensity(recipe.density);
+    requireContactTolerance(recipe.contactTolerance);
+    checkOutputKinds(recipe.outputs, RunKind::convert, {});
+    requireDomain(recipe);
+    auto inputs = domainInputs(recipe.domain);
+    inputs.push_back(recipe.pack);
+    checkFiles(recipe.outputs, {}, inputs, recipe.preview.file);
+    ConvertResult result;
+    std::vector<std::string> warnings;
+    const Callbacks heard =
+        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), warnings);
+    withThreads(recipe.threads, [&] {
+        const auto pack = packOf(recipe, heard);
+        if (!pack)
+            convertSolid(recipe, result, heard);
+        else if (isPlane(*pack))
+            convertPack(recipe, asCircles(*pack), result, heard);
+        else
+            convertPack(recipe, *pack, result, heard);
+    });
+    result.warnings = std::move(warnings);
+    return result;
+}
+
+nlohmann::ordered_json toJson(const ConvertResult& result) {
+    nlohmann::ordered_json json{{"version", VDBPACK_VERSION}, {"kind", result.kind}};
+    if (result.count > 0) json["count"] = result.count;
+    if (result.hash != 0) json["hash"] = hashText(result.hash);
+    json["files"] = result.files;
+    json["warnings"] = result.warnings;
+    return json;
+}
+
+std::string summary(const ConvertResult& result) {
+    std::string text = result.kind == "level set" ? "read       a level set\n"
+                       : result.kind == "mesh"
+                           ? fmt::format("read       a mesh of {} triangles\n", result.count)
+                           : fmt::format("read       {} {}, hash {}\n", result.count, result.kind,
+                                         hashText(result.hash));
+    for (const std::string& file : result.files) text += fmt::format("written    {}\n", file);
+    return text;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,36 @@
+// Private to runs: packs made denser, and what a report says of it.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/report/report.h"
+
+#include <cstdint>
+#include <string>
+
+namespace vdbpack {
+
+struct DensifySetting {
+    double fraction = 0;                      ///< as that of DensifyOptions
+    const SizeDistribution* sizes = nullptr;  ///< of what is added; null: those of the pack
+    double gap = 0;                           ///< mm
+    std::uint64_t seed = 1;
+    std::size_t fixed = 0;  ///< the first spheres, which stay where they are
+};
+
+/// Moves and adds spheres: those of the pack keep their places in it and all that is known of
+/// them, but for depths and contacts. Tells in `report.densified` what came of it, and warns where
+/// it is not what was asked for. Cancelled, `report.interrupted` is set.
+/// @throws as densify.
+template <int Dim>
+void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<Dim>& pack,
+                 Report& report, const Callbacks& callbacks);
+
+extern template void densifyPack(const Domain<2>&, const DensifySetting&, Pack<2>&, Report&,
+                                 const Callbacks&);
+extern template void densifyPack(const Domain<3>&, const DensifySetting&, Pack<3>&, Report&,
+                                 const Callbacks&);
+
+}  // namespace vdbpack

@@ -1,0 +1,126 @@
+// The mesh of a domain: read, repaired, its shells chosen.
+#include "vdbpack/core/error.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/mesh_sides.h"
+#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/run/domain_source.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// Volumes in doubt above this share deserve a warning.
+constexpr double kDoubtful = 0.01;
+
+TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, NestedShells nested,
+                     const Callbacks& callbacks, std::shared_ptr<const RepairReport>& report) {
+    MeshReadOptions options;
+    options.unit = recipe.unit;
+    options.scale = recipe.scale;
+    TriangleMesh mesh = readMesh(file, options);
+    if (!recipe.repair) return mesh;
+    RepairOptions repair;
+    repair.nested = nested;
+    repair.voxelSize = recipe.repairVoxel;
+    repair.name = file;
+    RepairedMesh repaired = repairMesh(std::move(mesh), repair, callbacks);
+    const RepairReport& done = repaired.report;
+    if (done.doubtfulVolume > kDoubtful * done.volume)
+        callbacks.warn(fmt::format(
+            "{}: inside or outside is a judgement for {:.3g} mm³, {:.2g} % of the repaired volume, "
+            "next to holes; the worst: {}",
+            file, done.doubtfulVolume, 100 * done.doubtfulVolume / done.volume,
+            done.before.leak ? done.before.describeLeak() : "pieces that end inside others"));
+    report = std::make_shared<const RepairReport>(done);
+    return std::move(repaired.mesh);
+}
+
+/// Takes out what lies inside other closed shells.
+TriangleMesh outermostOf(TriangleMesh mesh) {
+    const ShellAnalysis shells = analyzeShells(mesh);
+    TriangleMesh kept;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (shells.shells[shells.shellOfTriangle[i]].depth == 0)
+            kept.triangles.push_back(mesh.triangles[i]);
+    kept.vertices = std::move(mesh.vertices);
+    return kept;
+}
+
+/// A vertex of one mesh that lies on the wrong side of the other, if any.
+const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& solid, bool inside) {
+    const MeshSides sides(solid, false);
+    for (const auto& t : vertices.triangles)
+        for (const std::uint32_t v : t)
+            if (sides.inside(vertices.vertices[v]) != inside) return &vertices.vertices[v];
+    return nullptr;
+}
+
+}  // namespace
+
+ShellChoice parseShells(const std::string& text) {
+    ShellChoice choice;
+    if (text.empty() || text == "cavity") return choice;
+    if (text == "solid") {
+        choice.solid = true;
+        return choice;
+    }
+    const std::string outer = "outer=", inner = "inner=";
+    std::string rest = text;
+    if (rest.rfind(outer, 0) == 0) {
+        const auto end = rest.find("," + inner);
+        choice.outer =
+            rest.substr(outer.size(), end == std::string::npos ? end : end - outer.size());
+        rest = end == std::string::npos ? "" : rest.substr(end + 1);
+    }
+    if (rest.rfind(inner, 0) == 0) choice.inner = rest.substr(inner.size());
+    if (choice.inner.empty() || (text.rfind(outer, 0) == 0 && choice.outer.empty()))
+        throw ParameterError("--shells " + text +
+                             ": write cavity, solid, inner=FILE or outer=FILE,inner=FILE");
+    return choice;
+}
+
+std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
+    return {recipe.source, parseShells(recipe.shells).inner};
+}
+
+TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                            std::shared_ptr<const RepairReport>& report) {
+    const ShellChoice shells = parseShells(recipe.shells);
+    const NestedShells nested = shells.solid ? NestedShells::solid : NestedShells::cavity;
+    const std::string& file = recipe.source;
+    if (!shells.outer.empty() && shells.outer != file)
+        throw ParameterError(
+            fmt::format("--shells names {} as the outer surface and DOMAIN is {}: "
+                        "give one of the two",
+                        shells.outer, file));
+    TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);
+    if (shells.solid) return outermostOf(std::move(mesh));
+    if (shells.inner.empty()) return mesh;
+
+    std::shared_ptr<const RepairReport> innerReport;
+    const TriangleMesh inner = readOne(recipe, shells.inner, nested, callbacks, innerReport);
+    const Vec<3>* stray = strayVertex(inner, mesh, true);
+    const bool outside = stray != nullptr;
+    if (!stray) stray = strayVertex(mesh, inner, false);
+    if (!stray) return joinedAsCavity(mesh, inner);
+    if (!recipe.repair)
+        throw InputError(fmt::format(
+            "{}: leaves {}: the {} surface has a point at ({:.6g}, {:.6g}, {:.6g}) {} the other; "
+            "pass --repair to take the inside of the one without that of the other",
+            shells.inner, file, outside ? "inner" : "outer", (*stray)[0], (*stray)[1], (*stray)[2],
+            outside ? "outside of" : "inside"));
+    RepairOptions options;
+    options.voxelSize = recipe.repairVoxel;
+    options.name = shells.inner;
+    RepairedMesh cut = subtractMesh(mesh, inner, options, callbacks);
+    if (report) cut.report.before = report->before;
+    report = std::make_shared<const RepairReport>(cut.report);
+    return std::move(cut.mesh);
+}
+
+}  // namespace vdbpack

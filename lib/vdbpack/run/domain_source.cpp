@@ -1,0 +1,263 @@
+#include "vdbpack/run/domain_source.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
+#include "vdbpack/measure/depth.h"
+#include "vdbpack/mesh/coordinate_step.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/mesh_sides.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// Voxels of a size that is asked for are taken within these shares of the default.
+constexpr double kFinest = 0.6, kCoarsest = 1.3;
+/// Diagonal below which voxels in 32-bit floats have no digits left, mm.
+constexpr double kSmallestExtent = 1e-6;
+/// Points by which the volume of a clipped mesh is told, to about 1 %, and the steps between them.
+constexpr std::size_t kVolumePoints = 20000;
+constexpr double kWeyl[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+
+/// A clip of space as a clip of the plane z = height.
+std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, double height) {
+    std::vector<HalfSpace<2>> lines;
+    for (const auto& p : planes) {
+        HalfSpace<2> line;
+        line.normal = {{p.normal[0], p.normal[1]}};
+        line.offset = p.offset - p.normal[2] * height;
+        if (squaredLength(line.normal) > 0) {
+            lines.push_back(line);
+        } else if (line.offset < 0) {
+            throw InputError(fmt::format("--clip leaves nothing at z = {}", height));
+        }
+    }
+    return lines;
+}
+
+/// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
+/// mesh about the origin (within so many of its lengths) are how it was made.
+constexpr double kStepOfEdge = 0.02, kFarOff = 20;
+
+void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
+                      const Callbacks& callbacks) {
+    const Box<3> box = mesh.bounds();
+    const double extent = length(box.size()), away = length(box.center());
+    if (!(away > kFarOff * extent)) return;
+    const double step = coordinateStep(mesh, recipe.scale * millimetersPer(recipe.unit));
+    const double edge = medianEdge(mesh);
+    if (!(step > kStepOfEdge * edge)) return;
+    callbacks.warn(fmt::format(
+        "{}: lies {:.3g} mm from the origin, and its coordinates come in steps of {:.2g} mm, with "
+        "edges of {:.2g} mm: the file itself has lost digits of the shape; move the mesh to the "
+        "origin where it was made, and export it again",
+        recipe.source, away, step, edge));
+}
+
+}  // namespace
+
+DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks)
+    : recipe_(recipe) {
+    const std::string& text = recipe.source;
+    for (const auto& clip : recipe.clips)
+        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
+    if (recipe.slices.size() > 1)
+        throw ParameterError("--slice is given twice; a pack has one plane: run once for each");
+    if (!recipe.slices.empty()) slice_ = parseSlice(recipe.slices.front());
+    if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
+        throw ParameterError(fmt::format("--scale {} must be positive", recipe.scale));
+
+    if (const auto shape = parseShape(text)) {
+        space_ = shape->space;
+        plane_ = shape->plane;
+        shape3_ = shape->shape3;
+        shape2_ = shape->shape2;
+        if (slice_ && plane_)
+            throw ParameterError("--slice cuts a domain of space; '" + text + "' is plane already");
+        return;
+    }
+    const double scale = recipe.scale * millimetersPer(recipe.unit);
+    if (text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0) {
+        levelSet_ = levelSetGrid(text, recipe.gridName, scale);
+        mesh_ = levelSetMesh(*levelSet_, text);
+    } else {
+        mesh_ = readDomainMesh(recipe, callbacks, repair_);
+    }
+    callbacks.stopIfCancelled();
+    fileBounds_ = mesh_->bounds();
+    fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
+    for (const auto& t : mesh_->triangles)
+        fileArea_ += 0.5 * length(cross(mesh_->vertices[t[1]] - mesh_->vertices[t[0]],
+                                        mesh_->vertices[t[2]] - mesh_->vertices[t[0]]));
+    const double extent = length(fileBounds_.size());
+    if (!(extent > kSmallestExtent))
+        throw InputError(fmt::format(
+            "{}: is {:.3g} mm across, too small to be computed with; the file is read in {}: check "
+            "--unit and --scale",
+            text, extent, unitName(recipe.unit)));
+    if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
+    if (extent < 2 || extent > 5000)
+        callbacks.warn(fmt::format(
+            "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "
+            "--unit m, cm, mm or um if that is wrong",
+            text, extent, unitName(recipe.unit)));
+}
+
+void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks) {
+    const std::string& text = recipe.source;
+    const bool levelSet = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
+    if (!recipe.gridName.empty() && !levelSet)
+        callbacks.warn("--grid " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+    if (levelSet && (recipe.repair || !recipe.shells.empty()))
+        callbacks.warn("--repair and --shells have no effect: " + text + " is a level set");
+    if (source.isFile()) return;
+    if (recipe.repair || !recipe.shells.empty())
+        callbacks.warn("--repair and --shells have no effect: " + text + " is a shape");
+    if (recipe.unit != Unit::millimeter)
+        callbacks.warn("--unit has no effect: " + text + " is a shape, in mm");
+    if (recipe.scale != 1) callbacks.warn("--scale has no effect: " + text + " is a shape, in mm");
+}
+
+int DomainSource::dim() const {
+    return plane_ || slice_ ? 2 : 3;
+}
+
+double DomainSource::measure() const {
+    if (plane_ || slice_) return build(0, 0).plane->measure();
+    if (space_) return build(0, 0).space->measure();
+    return std::fabs(fileVolume_);
+}
+
+FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
+                                        double voxelSize) const {
+    FieldOptions options;
+    options.voxelSize = recipe_.voxelSize;
+    options.detail = minRadius;
+    const double chosen = voxelSize > 0 ? defaultVoxelSize(*mesh_, minRadius) : 0;
+    if (!(options.voxelSize > 0) && voxelSize > kFinest * chosen && voxelSize < kCoarsest * chosen)
+        options.voxelSize = voxelSize;
+    // A pivot must know its clearance up to its reach, and so must the interior fraction.
+    options.depth = 3 * maxRadius;
+    options.name = recipe_.source;
+    options.repair = repair_;
+    return options;
+}
+
+FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSize) const {
+    FieldPlan plan;
+    if (!mesh_) return plan;
+    const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
+    plan.triangles = mesh_->triangles.size();
+    plan.vertices = mesh_->vertices.size();
+    plan.area = fileArea_;
+    plan.volume = std::fabs(fileVolume_);
+    plan.voxelSize =
+        options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(*mesh_, options.detail);
+    plan.depth = options.depth;
+    return plan;
+}
+
+double DomainSource::clippedVolume() const {
+    if (!mesh_ || clips_.empty()) return std::fabs(fileVolume_);
+    // Clips along the axes, which most are, narrow the box that is looked at.
+    Box<3> box = fileBounds_;
+    for (const HalfSpace<3>& h : clips_)
+        for (int d = 0; d < 3; ++d) {
+            const double along = h.normal[d];
+            if (std::fabs(std::fabs(along) - length(h.normal)) > 1e-12) continue;
+            if (along > 0)
+                box.hi[d] = std::min(box.hi[d], h.offset / along);
+            else
+                box.lo[d] = std::max(box.lo[d], h.offset / along);
+        }
+    if (box.empty()) return 0;
+    const MeshSides sides(*mesh_, false);
+    std::size_t inside = 0;
+    for (std::size_t n = 0; n < kVolumePoints; ++n) {
+        Vec<3> x;
+        // Weyl's sequence: spread evenly, without a lattice to resonate with the bone.
+        for (int d = 0; d < 3; ++d) {
+            const double part = std::fmod((static_cast<double>(n) + 0.5) * kWeyl[d], 1.0);
+            x[d] = box.lo[d] + part * (box.hi[d] - box.lo[d]);
+        }
+        const bool kept = std::all_of(clips_.begin(), clips_.end(), [&](const HalfSpace<3>& h) {
+            return dot(h.normal, x) <= h.offset;
+        });
+        if (kept && sides.inside(x)) ++inside;
+    }
+    return box.measure() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
+}
+
+DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
+                                        const Callbacks& callbacks, double voxelSize) const {
+    Built built;
+    if (plane_) {
+        built.plane = clips_.empty() ? plane_ : clippedDomain<2>(plane_, inPlane(clips_, 0));
+        return built;
+    }
+    if (mesh_) {
+        const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
+        built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
+                               : meshDomain(*mesh_, options, callbacks);
+    }
+    built.space = built.mesh ? std::static_pointer_cast<const Domain<3>>(built.mesh) : space_;
+    if (slice_) {
+        built.sliceHeight = *slice_;
+        built.plane = sliceDomain(built.space, *slice_);
+        if (!clips_.empty()) built.plane = clippedDomain<2>(built.plane, inPlane(clips_, *slice_));
+        built.space = nullptr;
+    } else if (!clips_.empty()) {
+        built.space = clippedDomain<3>(built.space, clips_);
+    }
+    return built;
+}
+
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) const {
+    if (shape3_) {
+        Shape<3> shape = *shape3_;
+        shape.clips = clips_;
+        return checkProtrusion(spheres, shape);
+    }
+    return checkProtrusion(spheres, *mesh_, clips_);
+}
+
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
+    if (shape2_ || shape3_) {
+        auto shape = shape2_ ? shape2_ : sliceShape(*shape3_, *slice_);
+        if (!shape)
+            throw InputError(fmt::format("--slice z={} misses {}", *slice_, recipe_.source));
+        shape->clips = inPlane(clips_, slice_.value_or(0));
+        return checkProtrusion(circles, *shape);
+    }
+    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
+}
+
+std::vector<float> DomainSource::depths(const std::vector<Sphere<3>>& spheres,
+                                        const Domain<3>& domain) const {
+    std::vector<std::array<Vec<3>, 3>> wall;
+    if (mesh_) {
+        wall.reserve(mesh_->triangles.size());
+        for (const auto& t : mesh_->triangles)
+            wall.push_back({mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]});
+    }
+    return centerDepths<3>(spheres, domain, wall, clips_);
+}
+
+std::vector<float> DomainSource::depths(const std::vector<Sphere<2>>& circles,
+                                        const Domain<2>& domain) const {
+    std::vector<std::array<Vec<2>, 2>> wall;
+    if (mesh_)
+        for (const auto& segment : sliceSegments(*mesh_, *slice_))
+            wall.push_back({segment.a, segment.b});
+    return centerDepths<2>(circles, domain, wall,
+                           mesh_ ? inPlane(clips_, *slice_) : std::vector<HalfSpace<2>>{});
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,121 @@
+// From the words of a command line to a domain: meshes, level sets, shapes, slices and clips.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/units.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/verify/verify.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// What DOMAIN and the options about it say.
+struct DomainRecipe {
+    /// A file (.stl .obj .ply .off .vdb) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R
+    /// cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R (mm, centered at the origin).
+    std::string source;
+    Unit unit = Unit::millimeter;     ///< of the file
+    double scale = 1;                 ///< further factor on the file's lengths
+    std::string gridName;             ///< level set in a .vdb; empty: the first
+    std::vector<std::string> slices;  ///< "z=V" (mm): at most one
+    std::vector<std::string> clips;   ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
+    double voxelSize = 0;             ///< mm; 0: chosen
+    bool repair = false;              ///< the mesh, by repair/mesh_repair.h
+    double repairVoxel = 0;           ///< mm; 0: chosen
+    /// "cavity" (closed shells inside others bound cavities; also the meaning of ""), "solid" (they
+    /// mean nothing), or "[outer=FILE,]inner=FILE": the inside of one mesh without that of another.
+    std::string shells;
+};
+
+/// What `DomainRecipe::shells` says. @throws ParameterError if malformed.
+struct ShellChoice {
+    bool solid = false;
+    std::string outer, inner;  ///< files; empty: none
+};
+ShellChoice parseShells(const std::string& text);
+
+/// The files that a domain is read from; a shape stands for itself.
+std::vector<std::string> domainInputs(const DomainRecipe& recipe);
+
+/// The mesh of a recipe's file, repaired and joined with its inner one as the recipe says, mm.
+/// @param report  what was done; stays as it is where nothing was asked for.
+/// @throws ParameterError, InputError, IoError, ResourceError
+TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                            std::shared_ptr<const RepairReport>& report);
+
+/// A field that would be made of a file, and of what.
+struct FieldPlan {
+    std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape
+    double area = 0, volume = 0;                ///< of the mesh, mm² and mm³
+    double voxelSize = 0, depth = 0;            ///< mm
+};
+
+/// A shape or the content of a file, before radii are known.
+class DomainSource {
+public:
+    /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
+    explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
+
+    int dim() const;         ///< 2 for rect, disc and slices
+    double measure() const;  ///< estimate before the field is made, mm^dim
+    bool isFile() const { return mesh_.has_value(); }
+    const Box<3>& fileBounds() const { return fileBounds_; }
+
+    /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).
+    /// One of the two is null, by dim().
+    struct Built {
+        std::shared_ptr<const Domain<3>> space;
+        std::shared_ptr<const Domain<2>> plane;
+        std::shared_ptr<const MeshDomain> mesh;  ///< what `space` was cut from, if a file
+        double sliceHeight = 0;                  ///< mm
+    };
+    /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set
+    ///                   in such voxels then comes with it. 0: none.
+    Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
+                double voxelSize = 0) const;
+
+    /// The field that `build` would make.
+    FieldPlan plan(double minRadius, double maxRadius, double voxelSize = 0) const;
+    /// About the volume of what clips leave of a file (not of shapes, nor slices), by points spread
+    /// over it, mm³.
+    double clippedVolume() const;
+
+    /// How far spheres stick out of the domain's wall itself (triangles or formula), checked
+    /// with none of the code that made the field.
+    ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
+    ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles) const;
+
+    /// Distance of each center to that wall, mm; `domain` as built from this source.
+    std::vector<float> depths(const std::vector<Sphere<3>>& spheres, const Domain<3>& domain) const;
+    std::vector<float> depths(const std::vector<Sphere<2>>& circles, const Domain<2>& domain) const;
+
+    const DomainRecipe& recipe() const { return recipe_; }
+
+private:
+    DomainRecipe recipe_;
+    std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
+    std::shared_ptr<const RepairReport> repair_;
+    std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
+    std::shared_ptr<const Domain<3>> space_;   ///< of a shape
+    std::shared_ptr<const Domain<2>> plane_;
+    std::optional<Shape<3>> shape3_;  ///< the same for checks
+    std::optional<Shape<2>> shape2_;
+    std::vector<HalfSpace<3>> clips_;
+    std::optional<double> slice_;
+    FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
+
+    Box<3> fileBounds_;
+    double fileVolume_ = 0, fileArea_ = 0;
+};
+
+/// Warns of settings that mean nothing to such a domain: units of shapes, grids of meshes.
+void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
+                  const Callbacks& callbacks);
+
+}  // namespace vdbpack

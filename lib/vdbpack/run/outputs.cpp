@@ -1,0 +1,372 @@
+#include "vdbpack/run/outputs.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/formats/contact_file.h"
+#include "vdbpack/formats/write_blender.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/voids/void_list.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+enum class OutputKind { pack, contacts, voidList, contour, levelSets, fog, blender };
+
+constexpr const char* kSurface = "surface";
+constexpr const char* kVoids = "voids";
+constexpr const char* kSolid = "solid";
+
+struct Prefix {
+    const char* text;
+    OutputKind kind;
+    const char* extension;  ///< that its files have; null: any
+    const char* grid;       ///< level set that it names; empty: the one left, of several
+};
+constexpr Prefix kPrefixes[] = {
+    {"contacts:", OutputKind::contacts, nullptr, ""},
+    {"list:", OutputKind::voidList, nullptr, ""},
+    {"surface:", OutputKind::contour, ".stl", kSurface},
+    {"voids:", OutputKind::contour, ".stl", kVoids},
+    {"solid:", OutputKind::contour, ".stl", kSolid},
+    {"levelsets:", OutputKind::levelSets, ".vdb", ""},
+    {"fog:", OutputKind::fog, ".vdb", ""},
+    {"blender:", OutputKind::blender, ".py", ""},
+};
+
+struct Target {
+    OutputKind kind;
+    std::string file;
+    std::string grid;
+};
+
+bool endsWith(const std::string& file, const std::string& end) {
+    if (file.size() <= end.size()) return false;
+    return std::equal(end.rbegin(), end.rend(), file.rbegin(), [](char a, char b) {
+        return a == b || (b >= 'A' && b <= 'Z' && a == b + 32);
+    });
+}
+
+/// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
+/// question.
+Target targetOf(const std::string& output) {
+    for (const Prefix& p : kPrefixes) {
+        if (output.rfind(p.text, 0) != 0) continue;
+        const std::string file = output.substr(std::string(p.text).size());
+        if (file.empty())
+            throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
+                                 (p.extension ? p.extension : ".csv"));
+        if (p.extension && !endsWith(file, p.extension))
+            throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
+                                             p.extension, p.text, p.extension));
+        return {p.kind, file, p.grid};
+    }
+    if (endsWith(output, ".stl")) return {OutputKind::contour, output, ""};
+    return {OutputKind::pack, packPath(output), ""};
+}
+
+/// The .vdb among some outputs that level sets are to be found in; empty: none.
+std::string volumeAmong(const std::vector<std::string>& outputs) {
+    for (const auto& output : outputs) {
+        const Target target = targetOf(output);
+        if (target.kind == OutputKind::pack && endsWith(target.file, ".vdb") &&
+            output.rfind("points:", 0) != 0)
+            return target.file;
+    }
+    return {};
+}
+
+void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
+    const VoidMethod method = methodOf(recipe);
+    if (method == VoidMethod::none)
+        throw ParameterError(output + ": lists voids, and none are asked for; add --voids");
+    if (isThinning(method))
+        throw ParameterError(
+            fmt::format("{}: --voids {} takes spheres out and makes no voids to list; leave it out",
+                        output, recipe.method));
+}
+
+/// The level set that a target is made from. @throws ParameterError if it is not there
+const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name,
+                              const std::vector<std::shared_ptr<const VdbGrid>>& levelSets) {
+    const auto named = [&](const std::string& wanted) -> const VdbGrid* {
+        for (const auto& set : levelSets)
+            if (set && levelSetName(*set) == wanted) return set.get();
+        return nullptr;
+    };
+    const VdbGrid* found = name.empty() ? named(kSolid) : named(name);
+    if (!found && name.empty()) found = named(kSurface);
+    if (!found && name.empty() && !levelSets.empty()) found = levelSets.front().get();
+    if (!found)
+        throw ParameterError(fmt::format("{}: this run has no level set{} to write; leave it out",
+                                         output, name.empty() ? "" : " '" + name + "'"));
+    return *found;
+}
+
+/// Those of the run, or that of its domain.
+template <int Dim>
+std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have) {
+    if constexpr (Dim == 3) {
+        constexpr double kVoxelsAcross = 256;
+        if (have.options.levelSets.empty() && have.domain) {
+            const Vec<3> size = have.domain->bounds().size();
+            return {surfaceLevelSet(
+                *have.domain, *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross)};
+        }
+    }
+    return have.options.levelSets;
+}
+
+/// Whether two names are those of one file, which need not exist: by another path, by symbolic
+/// links, or by hard links.
+bool isSame(const std::string& a, const std::string& b) {
+    namespace fs = std::filesystem;
+    std::error_code failed;
+    if (a == b || fs::equivalent(a, b, failed)) return true;
+    const auto place = [&](const std::string& name) {
+        const fs::path target = followLinks(name);
+        const fs::path folder =
+            fs::canonical(target.has_parent_path() ? target.parent_path() : fs::path("."), failed);
+        return failed ? target : folder / target.filename();
+    };
+    return place(a) == place(b);
+}
+
+}  // namespace
+
+std::string filePart(const std::string& name) {
+    return targetOf(name).file;
+}
+
+bool isSolidOutput(const std::string& output) {
+    const Target target = targetOf(output);
+    switch (target.kind) {
+        case OutputKind::contour:
+        case OutputKind::levelSets:
+        case OutputKind::fog:
+            return true;
+        case OutputKind::pack:
+            return target.file == output && endsWith(output, ".vdb");
+        default:
+            return false;
+    }
+}
+
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs, const std::string& picture) {
+    namespace fs = std::filesystem;
+    std::vector<std::string> files;
+    for (const auto& output : outputs) {
+        const Target target = targetOf(output);
+        if (target.kind == OutputKind::pack) checkPackFormat(output);
+        if (target.kind == OutputKind::blender) {
+            // Whether there are level sets is not known yet.
+            const auto all = blenderFiles(target.file, true, volumeAmong(outputs));
+            files.insert(files.end(), all.begin(), all.end());
+        } else {
+            files.push_back(target.file);
+        }
+    }
+    if (!reportFile.empty()) {
+        const std::string extension = fs::path(reportFile).extension().string();
+        if (extension != ".json" && extension != ".html")
+            throw ParameterError("--report " + reportFile +
+                                 ": reports are JSON or a page for the browser; name it .json or "
+                                 ".html");
+        files.push_back(reportFile);
+    }
+    if (!picture.empty()) files.push_back(picture);
+    for (std::size_t i = 0; i < files.size(); ++i) {
+        const fs::path parent = fs::path(files[i]).parent_path();
+        std::error_code ignored;
+        if (!parent.empty() && !fs::is_directory(parent, ignored))
+            throw IoError(fmt::format("{}: folder '{}' does not exist; create it first", files[i],
+                                      parent.string()));
+        for (const std::string& input : inputs)
+            if (!input.empty() && (isSame(files[i], filePart(input)) ||
+                                   isSame(files[i], input.substr(input.find(':') + 1))))
+                throw ParameterError(files[i] + ": is the input itself; name another output");
+        for (std::size_t j = 0; j < i; ++j)
+            if (isSame(files[i], files[j]))
+                throw ParameterError(files[i] + ": is named twice as output" +
+                                     (files[i] == files[j] ? "" : ", once as " + files[j]));
+    }
+    // What could not be written is told before the work, not after it.
+    for (const std::string& file : files) const OutputFile unwritten(file);
+}
+
+void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
+                      int dim) {
+    for (const std::string& output : outputs) {
+        const Target target = targetOf(output);
+        if (run == RunKind::measure && target.kind != OutputKind::contacts)
+            throw ParameterError(output +
+                                 ": measure writes contact lists alone; name it contacts:FILE.csv");
+        const bool solid = isSolidOutput(output);
+        const bool levelSet = solid && target.kind != OutputKind::pack;
+        if (run == RunKind::voids && target.kind != OutputKind::voidList) {
+            if (!solid)
+                throw ParameterError(output +
+                                     ": voids are level sets or a list; name it .vdb, .stl or "
+                                     "list:FILE.csv");
+            if (dim == 2)
+                throw ParameterError(output +
+                                     ": voids of a plane are no level set of space; write "
+                                     "list:FILE.csv, or pack it and write .svg");
+        }
+        if (levelSet && dim == 2)
+            throw ParameterError(output +
+                                 ": is made from a level set of space, and circles have none; "
+                                 "write .svg, or leave --slice out");
+        if (run == RunKind::convert) {
+            if (target.kind == OutputKind::voidList)
+                throw ParameterError(
+                    output + ": a pack holds no list of voids; vdb_pack pack and voids write it");
+            if (target.grid == kVoids || target.grid == kSolid)
+                throw ParameterError(fmt::format(
+                    "{}: convert makes no voids; take the level set of a .vdb by its name: --grid "
+                    "{} -o {}",
+                    output, target.grid, target.file));
+        } else if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
+            const VoidMethod method = methodOf(voids);
+            if (method == VoidMethod::none || isThinning(method))
+                throw ParameterError(
+                    fmt::format("{}: there is no level set '{}' without voids; add --voids with a "
+                                "method that makes some, or write surface:{}",
+                                output, target.grid, target.file));
+        }
+        if (target.kind == OutputKind::voidList) checkVoidsToList(output, voids);
+        if (target.kind == OutputKind::pack) checkPackFormat(output, dim);
+    }
+}
+
+double particleDensity(const std::string& text, std::optional<double> solidFraction) {
+    if (text.empty()) return 0;
+    const std::string bulk = "bulk:";
+    const bool isBulk = text.rfind(bulk, 0) == 0;
+    const std::string number = isBulk ? text.substr(bulk.size()) : text;
+    char* end = nullptr;
+    const double value = std::strtod(number.c_str(), &end);
+    if (number.empty() || *end != 0 || !(value > 0) || !std::isfinite(value))
+        throw ParameterError(fmt::format(
+            "--density '{}': is no density; write that of the spheres in kg/m³ (1900), or bulk:D "
+            "for that of the whole (bulk:1100)",
+            text));
+    if (!isBulk) return value;
+    if (!solidFraction)
+        throw ParameterError(fmt::format(
+            "--density {}: a bulk density is that of a domain; give one with --domain", text));
+    if (!(*solidFraction > 0))
+        throw ParameterError(
+            fmt::format("--density {}: no sphere lies in the domain to carry its mass", text));
+    return value / *solidFraction;
+}
+
+void checkDensity(const std::string& text) {
+    particleDensity(text, 1.0);
+}
+
+template <int Dim>
+std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
+    const Target target = targetOf(output);
+    const auto need = [&](bool there, const char* what) {
+        if (!there)
+            throw ParameterError(
+                fmt::format("{}: this run has no {} to write; leave it out", output, what));
+    };
+    switch (target.kind) {
+        case OutputKind::voidList:
+            need(have.voidList != nullptr, "voids");
+            writeVoidList(*have.voidList, target.file, have.options.unit, have.sliceHeight);
+            break;
+        case OutputKind::contacts:
+            need(have.pack != nullptr, "pack");
+            writeContacts(*have.pack,
+                          listContacts(have.pack->spheres, have.options.contactTolerance),
+                          target.file, have.options.unit);
+            break;
+        case OutputKind::contour: {
+            const auto levelSets = levelSetsOf(have);
+            const VdbGrid& levelSet = chosenLevelSet(output, target.grid, levelSets);
+            const bool wall = have.wall != nullptr && levelSetName(levelSet) == kSurface;
+            writeStl(wall ? *have.wall : levelSetMesh(levelSet, output), target.file,
+                     have.options.unit, have.options.generator);
+            break;
+        }
+        case OutputKind::fog:
+            writeFog(chosenLevelSet(output, target.grid, levelSetsOf(have)), target.file,
+                     have.options);
+            break;
+        case OutputKind::levelSets: {
+            PackWriteOptions sets = have.options;
+            sets.levelSets = levelSetsOf(have);
+            need(!sets.levelSets.empty(), "level set");
+            writeLevelSets(target.file, sets);
+            break;
+        }
+        case OutputKind::pack:
+            if (have.pack)
+                writePack(*have.pack, output, have.options);
+            else
+                writeLevelSets(output, have.options);
+            break;
+        case OutputKind::blender:
+            need(have.pack != nullptr, "pack");
+            return writeBlender(*have.pack, target.file, have.options, have.volume);
+    }
+    return {target.file};
+}
+
+namespace {
+
+/// Ids of a .ply have 32 bits; where one does not fit, the file has none.
+template <int Dim>
+void warnOfIds(const Target& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.kind != OutputKind::pack || !endsWith(target.file, ".ply")) return;
+    const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
+        return id < std::numeric_limits<std::int32_t>::min() ||
+               id > std::numeric_limits<std::int32_t>::max();
+    });
+    if (wide != pack.id.end())
+        callbacks.warn(fmt::format(
+            "{}: ids are left out, as {} does not fit into the 32 bits that .ply has for one; "
+            ".csv, .vtp and .vdb keep them",
+            target.file, *wide));
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+                                      const RunOutputs<Dim>& have, const Callbacks& callbacks) {
+    std::vector<std::string> files;
+    RunOutputs<Dim> all = have;
+    all.volume = volumeAmong(outputs);
+    for (const std::string& output : outputs) {
+        callbacks.report("write", 0, 0);
+        if (have.pack) warnOfIds(targetOf(output), *have.pack, callbacks);
+        const auto written = writeOutput(output, all);
+        files.insert(files.end(), written.begin(), written.end());
+    }
+    return files;
+}
+
+template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
+template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
+template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
+                                                  const RunOutputs<2>&, const Callbacks&);
+template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
+                                                  const RunOutputs<3>&, const Callbacks&);
+
+}  // namespace vdbpack

@@ -1,0 +1,102 @@
+// What runs write: every kind of `-o` target, in one place.
+#pragma once
+
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/voids/void_recipe.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// The first file behind "prefix:name", where the prefix is one that names a format.
+std::string filePart(const std::string& name);
+
+/// Refuses before the work what would fail after it: unknown formats, folders that are not there,
+/// outputs that are inputs or named twice, be it by another path or by links.
+/// @param reportFile  .json or .html; may be empty.
+/// @param inputs      files, with or without the prefix of a format; empty names are passed over.
+/// @param picture     a further file that is written; may be empty.
+/// @throws ParameterError, IoError
+void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+                const std::vector<std::string>& inputs, const std::string& picture = {});
+
+/// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
+bool isSolidOutput(const std::string& output);
+
+/// What a run ends with.
+enum class RunKind {
+    pack,     ///< spheres, and the level sets of what they lie in
+    voids,    ///< level sets and a list, without spheres
+    measure,  ///< nothing but contacts
+    convert,  ///< spheres that are there, and the level set of their domain
+};
+
+/// Refuses outputs that a run of this kind has nothing for.
+/// @param voids  how voids are made; a recipe that `checkVoids` has passed.
+/// @param dim    2 or 3; 0: not known yet.
+/// @throws ParameterError
+void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
+                      int dim = 0);
+
+/// Density of the spheres from what `--density` says, kg/m³: a number, or bulk:D, the mass of all
+/// spheres by the volume of the domain (2D: with area fractions, for discs).
+/// @param solidFraction  of the spheres in the domain; nothing if there is none.
+/// @return 0 for an empty text.
+/// @throws ParameterError for anything else, or bulk:D without a solid fraction.
+double particleDensity(const std::string& text, std::optional<double> solidFraction);
+
+/// The same without knowing the solid fraction yet. @throws ParameterError
+void checkDensity(const std::string& text);
+
+/// What a run has to write.
+template <int Dim>
+struct RunOutputs {
+    const Pack<Dim>* pack = nullptr;                        ///< null: a .vdb holds level sets alone
+    const std::vector<Ellipsoid<Dim>>* voidList = nullptr;  ///< null: none
+    double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
+    const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
+    const TriangleMesh* wall = nullptr;   ///< of a mesh: what a .stl of `surface` holds; null: none
+    PackWriteOptions options;             ///< unit, level sets, contact tolerance, ...
+    std::string volume;                   ///< a .vdb of this run with those level sets; empty: none
+};
+
+/// Writes one target, a file that is whole or absent:
+///
+/// - a pack, as `writePack` names them; where there is no pack, a .vdb of the level sets;
+/// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids;
+/// - FILE.stl, the zero contour of `solid`, or the surface where nothing was cut: the triangles of
+///   a mesh (as repaired), the zero contour of `surface` elsewhere; "surface:", "voids:" or
+///   "solid:" before it chooses;
+/// - "levelsets:FILE.vdb", the level sets alone; "fog:FILE.vdb", the inside of `solid`, or of
+///   `surface`, as fog ("points:FILE.vdb", the points alone, is a pack);
+/// - "blender:FILE.py", a script with files beside it; its level sets are those of `volume`, if
+///   there is one.
+///
+/// Where `options` has no level set, that of the domain is made: 256 voxels along its longest side.
+/// @return the files.
+/// @throws ParameterError (no such thing to write), IoError
+template <int Dim>
+std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have);
+
+/// Writes all targets in turn and tells of each; the files in their order. The first .vdb among
+/// them is the `volume` of the others. Where one fails, those before it are there, whole, and those
+/// after it, its own former file among them, are as they were.
+template <int Dim>
+std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+                                      const RunOutputs<Dim>& have, const Callbacks& callbacks);
+
+extern template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
+extern template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
+extern template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
+                                                         const RunOutputs<2>&, const Callbacks&);
+extern template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
+                                                         const RunOutputs<3>&, const Callbacks&);
+
+}  // namespace vdbpack

@@ -1,0 +1,44 @@
+// Private to runs: pictures of what they made.
+#pragma once
+
+#include "vdbpack/preview/preview_recipe.h"
+#include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/void_stage.h"
+
+#include <optional>
+#include <string>
+
+namespace vdbpack {
+
+/// Refuses before anything is read what cannot be drawn. @throws ParameterError
+void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile);
+
+/// The same once the domain is known: a cut beside it or in a plane, a build without Embree.
+/// @param pack  what will be drawn, where it is there already; null: still to be packed, or none.
+/// @throws ParameterError
+template <int Dim>
+void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack);
+
+/// Draws what a run made, if `recipe` asks for a file, which is then written, or the report is a
+/// page (smaller, where there is no file). A page without Embree goes without.
+/// @param pack  null: the solid that `made` leaves is drawn.
+/// @throws as `renderPreview`, `writePng`
+template <int Dim>
+PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
+                           const DomainSource& source, const DomainSource::Built& built,
+                           const MadeVoids<Dim>& made, const Pack<Dim>* pack,
+                           const Callbacks& callbacks);
+
+/// Draws and writes a pack that was read, if `recipe` asks for a file.
+/// @param name    of the pack's file, kept in the picture.
+/// @param source  of its domain, whose wall is drawn as well; null: none. @param built from it
+/// @return whether a file was written.  @throws as `drawPreview`
+template <int Dim>
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+               const DomainSource* source, const DomainSource::Built& built);
+
+/// The same of a closed surface. @throws as `drawPreview`
+bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const TriangleMesh& solid);
+
+}  // namespace vdbpack

@@ -1,0 +1,252 @@
+#include "vdbpack/run/recipe.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/preview_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr double kDefaultCount = 100000;
+/// Beyond this the field for the smallest radius would outgrow any pack of the largest.
+constexpr double kLargestSizeRatio = 200;
+/// Name of the column that marks spheres that stood already.
+const char* const kExisting = "existing";
+
+}  // namespace
+
+std::vector<std::uint64_t> parseSeeds(const std::string& text) {
+    constexpr std::uint64_t kMostSeeds = 1'000'000;
+    const auto fail = [&](const char* why) {
+        throw ParameterError(
+            fmt::format("--seed '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
+                        "1,4,9",
+                        text, why));
+    };
+    std::vector<std::uint64_t> seeds;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const auto number = [&] {
+        std::uint64_t value = 0;
+        const auto [next, failed] = std::from_chars(at, end, value);
+        if (failed != std::errc()) fail("is no seed");
+        at = next;
+        return value;
+    };
+    for (;;) {
+        const std::uint64_t first = number();
+        std::uint64_t last = first;
+        if (end - at >= 2 && at[0] == '.' && at[1] == '.') {
+            at += 2;
+            last = number();
+        }
+        if (last < first) fail("the range falls");
+        if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
+            fail("holds more than a million seeds");
+        for (std::uint64_t s = first;; ++s) {
+            seeds.push_back(s);
+            if (s == last) break;
+        }
+        if (at == end) break;
+        if (*at++ != ',') fail("is no seed");
+    }
+    auto sorted = seeds;
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+        fail("names a seed twice");
+    return seeds;
+}
+
+double parseDensify(const std::string& text) {
+    if (text == "max") return std::numeric_limits<double>::infinity();
+    double fraction = 0;
+    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), fraction);
+    if (failed != std::errc() || end != text.data() + text.size() ||
+        !(fraction > 0 && fraction < 1))
+        throw ParameterError(
+            "--densify '" + text +
+            "': must be max or a solid fraction above 0 and below 1, such as 0.64");
+    return fraction;
+}
+
+std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
+    return {listFile(recipe), recipe.matrix, recipe.orientation.field, recipe.radius,
+            recipe.aspect};
+}
+
+void checkOutputs(const PackRecipe& recipe) {
+    auto inputs = voidInputs(recipe.voids);
+    for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
+    inputs.push_back(recipe.existing);
+    inputs.push_back(recipe.radius);  // table:FILE
+    checkPreview(recipe.preview, recipe.reportFile);
+    if (recipe.densify > 0 && recipe.maxCount > 0)
+        throw ParameterError("--max-count stops the pack before --densify goes on; leave one out");
+    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
+        throw ParameterError("--densify would move the holes among the spheres of --voids " +
+                             recipe.voids.method +
+                             "; use voids that are cut afterwards, such as boolean");
+    checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
+}
+
+RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
+    const bool given = !recipe.radius.empty();
+    RequestedSizes r{
+        SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
+        recipe.targetCount,
+        {}};
+    if (r.sizes.max() > kLargestSizeRatio * r.sizes.min())
+        throw ParameterError(fmt::format(
+            "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "
+            "smallest radius",
+            r.sizes.spec(), r.sizes.max() / r.sizes.min(), kLargestSizeRatio));
+    if (given) return r;
+    if (!(r.targetCount > 0)) {
+        r.targetCount = kDefaultCount;
+        r.chosen.push_back(
+            fmt::format("about {:.0f} spheres, since neither --radius nor --target-count is given",
+                        kDefaultCount));
+    }
+    r.chosen.push_back("radii uniform with ratio 1:2, since --radius is not given");
+    return r;
+}
+
+SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim) {
+    const SizeDistribution s = sizes.scaled(factor);
+    return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
+}
+
+PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
+    PackOptions options(sizes);
+    options.seed = recipe.seed;
+    options.threads = recipe.threads;
+    options.effort = recipe.effort;
+    options.order = recipe.order;
+    options.gap = recipe.gap;
+    options.maxCount = recipe.maxCount;
+    return options;
+}
+
+namespace {
+
+/// The largest of some numbers.
+/// @throws InputError where `more` others above it would not fit into 64 bits.
+std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t more,
+                        const char* what) {
+    const std::int64_t last = *std::max_element(numbers.begin(), numbers.end());
+    if (last > std::numeric_limits<std::int64_t>::max() - static_cast<std::int64_t>(more))
+        throw InputError(fmt::format(
+            "the largest {}, {}, leaves no numbers for what is added; number its spheres anew",
+            what, last));
+    return last;
+}
+
+}  // namespace
+
+void requireRoomToNumber(const Pack<3>& pack, const std::string& file) {
+    constexpr std::size_t kMostAdded = std::size_t{1} << 32;
+    try {
+        if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
+        if (!pack.order.empty()) lastBefore(pack.order, kMostAdded, "order");
+    } catch (const InputError& e) {
+        throw InputError(file + ": " + e.what());
+    }
+}
+
+template <int Dim>
+Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
+    if (recipe.existing.empty()) return {};
+    PackReadOptions read;
+    read.unit = recipe.packUnit;
+    Pack<3> pack = readPack(recipe.existing, read);
+    requireRoomToNumber(pack, recipe.existing);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const Sphere<3>& s = pack.spheres[i];
+        const bool finite = std::all_of(s.center.c.begin(), s.center.c.end(),
+                                        [](double c) { return std::isfinite(c); });
+        if (!finite || !(s.radius > 0 && std::isfinite(s.radius)))
+            throw InputError(fmt::format(
+                "{}: sphere {} has center ({}, {}, {}) and radius {}; positions must be finite and "
+                "radii positive",
+                recipe.existing, i, s.center[0], s.center[1], s.center[2], s.radius));
+    }
+    if constexpr (Dim == 3) {
+        return pack;
+    } else {
+        Pack<2> circles;
+        try {
+            circles = asCircles(pack);
+        } catch (const InputError& e) {
+            throw InputError(recipe.existing + ": " + e.what());
+        }
+        if (!circles.spheres.empty() &&
+            std::fabs(circles.sliceHeight - sliceHeight) > 1e-6 * (1 + std::fabs(sliceHeight)))
+            throw InputError(fmt::format("{}: its circles lie at z = {}, the domain at z = {}",
+                                         recipe.existing, circles.sliceHeight, sliceHeight));
+        return circles;
+    }
+}
+
+template <int Dim>
+Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
+    const std::size_t before = base.spheres.size(), more = added.size();
+    const std::size_t all = before + more;
+    base.depth.clear();
+    base.contacts.clear();
+    if (!base.id.empty()) {
+        std::int64_t next = lastBefore(base.id, more, "id");
+        for (std::size_t i = 0; i < more; ++i) base.id.push_back(++next);
+    }
+    if (!base.order.empty()) {
+        std::int64_t next = lastBefore(base.order, more, "order");
+        for (std::size_t i = 0; i < more; ++i) base.order.push_back(++next);
+    }
+    if (!base.region.empty()) base.region.resize(all, 0);
+    for (Column& column : base.columns) {
+        if (!column.numbers.empty()) column.numbers.resize(all, 0.0);
+        if (!column.texts.empty()) column.texts.resize(all);
+    }
+    base.spheres.insert(base.spheres.end(), added.begin(), added.end());
+    return base;
+}
+
+template <int Dim>
+Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
+    const std::size_t before = base.spheres.size();
+    if (base.order.empty())
+        for (std::size_t i = 0; i < before; ++i) base.order.push_back(static_cast<std::int64_t>(i));
+    base.region.resize(before, 0);
+    auto& columns = base.columns;
+    columns.erase(std::remove_if(columns.begin(), columns.end(),
+                                 [](const Column& c) { return c.name == kExisting; }),
+                  columns.end());
+    Column mark;
+    mark.name = kExisting;
+    mark.numbers.assign(before, 1.0);
+    columns.push_back(std::move(mark));
+    base = appended(std::move(base), added.spheres);
+    // Where nothing stood, there was nothing to go on from.
+    if (before == 0) base.order = added.order;
+    base.region.resize(base.spheres.size(), 0);
+    columns.back().numbers.resize(base.spheres.size(), 0.0);
+    base.sliceHeight = added.sliceHeight;
+    return base;
+}
+
+template Pack<2> readExisting(const PackRecipe&, double);
+template Pack<3> readExisting(const PackRecipe&, double);
+template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);
+template Pack<3> appended(Pack<3>, const std::vector<Sphere<3>>&);
+template Pack<2> joined(Pack<2>, const Pack<2>&);
+template Pack<3> joined(Pack<3>, const Pack<3>&);
+
+}  // namespace vdbpack

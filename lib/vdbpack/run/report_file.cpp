@@ -1,0 +1,289 @@
+#include "vdbpack/run/report_file.h"
+
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/report/report_page.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <utility>
+#include <variant>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+void write(const std::string& path, const std::string& text) {
+    OutputFile file(path);
+    file.write(text);
+    file.commit();
+}
+
+void addPicture(const PreviewPicture& picture, ReportPage& page) {
+    page.picture = picture.png;
+    page.pictureWidth = picture.width;
+    page.pictureHeight = picture.height;
+    page.pictureWords = picture.words;
+}
+
+/// Names of files are any bytes; JSON is UTF-8.
+std::string jsonText(const Json& json) {
+    return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+/// Of the spheres that were added; those that stood are not this run's choice.
+template <int Dim>
+RadiusHistogram histogramOf(const Pack<Dim>& pack, std::uint64_t existing,
+                            const SizeDistribution* sizes) {
+    std::vector<double> radii;
+    for (std::size_t i = existing; i < pack.spheres.size(); ++i)
+        radii.push_back(pack.spheres[i].radius);
+    if (!sizes) return radiusHistogram(radii);
+    return radiusHistogram(radii, [&](double r) { return sizes->cdfBelow(r); },
+                           {sizes->min(), sizes->max()});
+}
+
+/// The rows of a table; what was not asked for has none.
+class Settings {
+public:
+    void add(const std::string& name, const std::string& value) {
+        if (!value.empty()) rows_.emplace_back(name, value);
+    }
+    void add(const std::string& name, double value, const char* unit = "") {
+        if (value > 0) add(name, fmt::format("{:.10g}{}", value, unit));
+    }
+    void add(const std::string& name, const std::vector<std::string>& values) {
+        for (const auto& value : values) add(name, value);
+    }
+    void add(const DomainRecipe& domain, const Report& report) {
+        add("DOMAIN", domain.source);
+        if (domain.unit != Unit::millimeter) add("--unit", unitName(domain.unit));
+        if (domain.scale != 1) add("--scale", domain.scale);
+        add("--grid", domain.gridName);
+        add("--slice", domain.slices);
+        add("--clip", domain.clips);
+        add("--voxel", domain.voxelSize, " mm");
+        if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
+    }
+    void add(const VoidRecipe& voids) {
+        add("--voids", voids.method);
+        add("--shell", voids.shell, " mm");
+        if (voids.cull == Cull::touch) add("--cull", "touch");
+        if (voids.keepConnected) add("--keep-connected", "yes");
+        add("--target-bvtv", voids.targetBvtv.value_or(0));
+        add("--target-tbth", voids.targetTbth.value_or(0), " mm");
+        add("--void-voxel", voids.voxelSize, " mm");
+        add("--void-radius", voids.radius);
+        add("--void-aspect", voids.aspect);
+        add("--void-count", voids.count.value_or(0));
+        if (voids.probability) add("--void-probability", fmt::format("{}", *voids.probability));
+        add("--delete-fraction", voids.deleteFraction.value_or(0));
+        add("--void-matrix", voids.matrix);
+        add("--void-cell", voids.cell);
+        add("--void-angles", voids.orientation.angles);
+        add("--void-axis", voids.orientation.axis);
+        add("--void-field", voids.orientation.field);
+    }
+    std::vector<std::pair<std::string, std::string>> take() { return std::move(rows_); }
+
+private:
+    std::vector<std::pair<std::string, std::string>> rows_;
+};
+
+std::string densifyText(double fraction) {
+    return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
+}
+
+const char* nameOf(Effort effort) {
+    return effort == Effort::fast ? "fast" : effort == Effort::dense ? "dense" : "normal";
+}
+
+const char* nameOf(Order order) {
+    return order == Order::wall     ? "wall"
+           : order == Order::center ? "centre"
+           : order == Order::fifo   ? "fifo"
+                                    : "sweep";
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add(recipe.domain, report);
+    s.add("--radius", recipe.radius.empty() ? "by default" : recipe.radius);
+    if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
+    s.add("--target-count", recipe.targetCount);
+    s.add("radii used", report.requested);
+    s.add("--max-count", static_cast<double>(recipe.maxCount));
+    s.add("--effort", nameOf(recipe.effort));
+    s.add("--order", nameOf(recipe.order));
+    s.add("--gap", recipe.gap, " mm");
+    if (recipe.densify > 0) s.add("--densify", densifyText(recipe.densify));
+    s.add(recipe.voids);
+    s.add("--existing", recipe.existing);
+    if (!recipe.existing.empty()) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    if (recipe.outUnit != Unit::millimeter) s.add("--out-unit", unitName(recipe.outUnit));
+    return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("FILE", recipe.pack);
+    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add(recipe.domain, report);
+    s.add("--radius", recipe.radius);
+    if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
+    s.add("--shell", recipe.shell, " mm");
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("PACK", recipe.pack);
+    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add("--domain", recipe.domain.source);
+    s.add(recipe.domain, report);
+    s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const DensifyRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("PACK", recipe.pack);
+    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add("--domain", recipe.domain.source);
+    s.add(recipe.domain, report);
+    s.add("--radius", recipe.radius);
+    s.add("--gap", recipe.gap, " mm");
+    s.add("--densify", recipe.fraction > 0 ? densifyText(recipe.fraction) : "overlaps alone");
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(report.threads));
+    s.add("--contact-tol", recipe.contactTolerance);
+    return s.take();
+}
+
+}  // namespace
+
+bool isPage(const std::string& reportFile) {
+    const std::string end = ".html";
+    return reportFile.size() > end.size() &&
+           reportFile.compare(reportFile.size() - end.size(), end.size(), end) == 0;
+}
+
+template <int Dim>
+PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
+                        const Domain<Dim>& domain, const SizeDistribution& sizes,
+                        const Report& report, const Callbacks& callbacks) {
+    PageDetails details;
+    details.radii = histogramOf(pack, report.existing, &sizes);
+    const double shell = report.voids ? report.voids->shell : 0;
+    const double depth = structureDepth(report.radius, shell);
+    if (pack.spheres.empty() || domain.fieldDepth() >= depth) {
+        details.structure = measureStructure(pack, &domain, report, shell, callbacks);
+        return details;
+    }
+    const auto built =
+        source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3, callbacks);
+    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, shell, callbacks);
+    return details;
+}
+
+void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe) {
+    Json figures = toJson(run);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    addTo(figures, details.structure);
+    ReportPage page;
+    page.subject = recipe.domain.source;
+    page.report = run.report;
+    addPicture(run.picture, page);
+    page.structure = details.structure;
+    page.radii = details.radii;
+    page.settings = settingsOf(recipe, run.report);
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+namespace {
+
+/// The report of a run on a pack that exists.
+template <class Recipe>
+void writeOfGiven(const RunResult& run, const Recipe& recipe) {
+    const Json figures = toJson(run);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    ReportPage page;
+    page.subject = recipe.pack;
+    page.report = run.report;
+    addPicture(run.picture, page);
+    std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
+    page.settings = settingsOf(recipe, run.report);
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+}  // namespace
+
+void writeReport(const RunResult& run, const CarveRecipe& recipe) {
+    writeOfGiven(run, recipe);
+}
+
+void writeReport(const RunResult& run, const DensifyRecipe& recipe) {
+    writeOfGiven(run, recipe);
+}
+
+void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
+    const Json figures = toJson(run);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    ReportPage page;
+    page.subject = recipe.domain.source;
+    page.report = run.report;
+    addPicture(run.picture, page);
+    Settings s;
+    s.add("DOMAIN", recipe.domain.source);
+    s.add(recipe.domain, run.report);
+    s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(run.report.threads));
+    page.settings = s.take();
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
+    const Json figures = toJson(result);
+    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    ReportPage page;
+    page.subject = recipe.pack;
+    page.report = result.run.report;
+    page.structure = result.structure;
+    page.morphometry = result.morphometry;
+    page.settings = settingsOf(recipe, result.run.report);
+    if (!result.morphometry)
+        std::visit(
+            [&](const auto& pack) {
+                std::optional<SizeDistribution> sizes;
+                if (!recipe.radius.empty())
+                    sizes =
+                        SizeDistribution::parse(recipe.radius, page.report.dim, recipe.weightBy);
+                page.radii = histogramOf(pack, 0, sizes ? &*sizes : nullptr);
+            },
+            result.run.pack);
+    write(recipe.reportFile, reportPage(page, figures));
+}
+
+template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
+                                    const SizeDistribution&, const Report&, const Callbacks&);
+template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
+                                    const SizeDistribution&, const Report&, const Callbacks&);
+
+}  // namespace vdbpack

@@ -1,0 +1,44 @@
+// Reports as files: .json for programs, .html for people.
+#pragma once
+
+#include "vdbpack/measure/radius_histogram.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/run_stages.h"
+
+#include <string>
+
+namespace vdbpack {
+
+/// Whether a report is a page for the browser, which shows more of a pack than each run measures.
+bool isPage(const std::string& reportFile);
+
+/// What a page shows of a pack beside its report.
+struct PageDetails {
+    Structure structure;
+    RadiusHistogram radii;
+};
+
+/// Measures a pack for its page. Where the field of `domain` is too shallow for that, another is
+/// made, so that the pack does not depend on how it is reported.
+/// @param sizes  asked for; `pack` and `report` as `measurePack` leaves them.
+/// @throws Interrupted
+template <int Dim>
+PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
+                        const Domain<Dim>& domain, const SizeDistribution& sizes,
+                        const Report& report, const Callbacks& callbacks);
+
+/// Writes `recipe.reportFile` in the format of its extension. @throws IoError
+void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
+void writeReport(const RunResult& run, const CarveRecipe& recipe);
+void writeReport(const RunResult& run, const DensifyRecipe& recipe);
+void writeReport(const RunResult& run, const VoidsRecipe& recipe);
+void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
+
+extern template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
+                                           const SizeDistribution&, const Report&,
+                                           const Callbacks&);
+extern template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
+                                           const SizeDistribution&, const Report&,
+                                           const Callbacks&);
+
+}  // namespace vdbpack

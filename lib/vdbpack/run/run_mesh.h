@@ -1,0 +1,38 @@
+// `vdb_pack mesh`: the health of a mesh, and its repair.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/run/domain_source.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+struct MeshRecipe {
+    DomainRecipe domain;               ///< source, unit, scale, and how to repair
+    std::vector<std::string> outputs;  ///< .stl, mm
+    int threads = 0;                   ///< 0: all cores
+};
+
+struct MeshResult {
+    MeshHealth health;                   ///< of the mesh, after the repair if one was asked for
+    std::optional<RepairReport> repair;  ///< with the health before
+    std::vector<std::string> files;
+};
+
+/// Examines a mesh, repairs it if the recipe says so, and writes it.
+/// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
+/// ResourceError
+MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
+
+/// As of the health alone; with `repair` and `files` where there are any.
+nlohmann::json toJson(const MeshResult& result);
+std::string summary(const MeshResult& result);
+
+}  // namespace vdbpack

@@ -1,0 +1,193 @@
+// Level sets as domains; the only test of this room that needs OpenVDB's headers.
+#include "support/generators.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/field/voxel_image.h"
+
+#include <catch2/catch.hpp>
+#include <openvdb/tools/LevelSetSphere.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+FieldOptions options(double voxelSize) {
+    FieldOptions o;
+    o.voxelSize = voxelSize;
+    o.depth = 2;
+    return o;
+}
+
+void writeGrids(const std::string& path, const openvdb::GridPtrVec& grids) {
+    openvdb::io::File file(path);
+    file.write(grids);
+    file.close();
+}
+
+}  // namespace
+
+TEST_CASE("the surface grid of a mesh is a symmetric level set in mm of the mesh", "[domain]") {
+    const Vec<3> center{{700, -30, 5}};
+    const double cavity = GENERATE(0.0, 4.0);
+    auto mesh = test::ballMesh(8, 4, center);
+    if (cavity > 0) mesh = test::merged(mesh, test::ballMesh(cavity, 4, center));
+    const auto domain = meshDomain(mesh, options(0.4));
+    const auto& grid = *domain->grid()->grid;
+    REQUIRE(grid.getName() == "surface");
+    REQUIRE(grid.getGridClass() == openvdb::GRID_LEVEL_SET);
+    REQUIRE(grid.hasUniformVoxels());
+    REQUIRE(grid.voxelSize()[0] == Approx(0.4));
+    REQUIRE(grid.background() == Approx(1.2));
+    for (auto value = grid.cbeginValueAll(); value; ++value) {
+        REQUIRE(std::abs(*value) <= grid.background());
+        REQUIRE(value.isValueOn() == (std::abs(*value) < grid.background()));
+    }
+    auto accessor = grid.getConstAccessor();
+    const auto at = [&](double x) {
+        const openvdb::Vec3d place(center[0] + x, center[1], center[2]);
+        return static_cast<double>(
+            accessor.getValue(grid.transform().worldToIndexNodeCentered(place)));
+    };
+    REQUIRE(at(0) == Approx(cavity > 0 ? 1.2 : -1.2));
+    REQUIRE(at(6) == Approx(-1.2));
+    REQUIRE(at(20) == Approx(1.2));
+    REQUIRE(at(7.5) == Approx(-0.5).margin(0.36));
+    REQUIRE(at(8.5) == Approx(0.5).margin(0.36));
+    REQUIRE(domain->grid() == domain->grid());
+}
+
+TEST_CASE("a level set written and read is the same domain", "[domain]") {
+    const TemporaryFolder folder;
+    const Vec<3> center{{300, 20, -10}};
+    const auto mesh = test::merged(test::ballMesh(8, 5, center), test::ballMesh(4, 5, center));
+    const auto first = meshDomain(mesh, options(0.4));
+    const std::string path = folder.file("bone.vdb");
+    writeGrids(path, {first->grid()->grid});
+
+    const auto again = levelSetDomain(path, "", 1, options(0.4));
+    REQUIRE(again->facts().kind == "levelset");
+    REQUIRE(again->measure() == Approx(first->measure()).epsilon(0.01));
+    const auto asker = again->sampler();
+    REQUIRE(asker->signedDistance(center) > 0);
+    REQUIRE(asker->signedDistance(center + Vec<3>{{6, 0, 0}}) < -1);
+    REQUIRE(asker->signedDistance(center + Vec<3>{{9, 0, 0}}) > 0);
+
+    // In a file in meters the same numbers are a thousand times as large.
+    const auto meters = levelSetMesh(path, "surface", 1000);
+    REQUIRE(meters.bounds().center()[0] == Approx(3e5).epsilon(1e-5));
+    REQUIRE(meters.bounds().size()[0] == Approx(16000).epsilon(0.01));
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "solid", 1),
+                        Contains("'solid'") && Contains("'surface'"));
+}
+
+TEST_CASE("the contour of a level set faces outward", "[domain]") {
+    const TemporaryFolder folder;
+    const auto domain = meshDomain(test::ballMesh(5, 4), options(0.4));
+    const std::string path = folder.file("ball.vdb");
+    writeGrids(path, {domain->grid()->grid});
+    const auto mesh = levelSetMesh(path, "", 1);
+    double volume = 0;
+    for (const auto& t : mesh.triangles)
+        volume += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]])) / 6;
+    REQUIRE(volume == Approx(Measure<3>::ball(5)).epsilon(0.02));
+}
+
+TEST_CASE("grids that are no level sets of cubes are refused with a reason", "[domain]") {
+    initializeOpenVdb();
+    const TemporaryFolder folder;
+    const std::string path = folder.file("grids.vdb");
+    const auto fog = openvdb::FloatGrid::create(0);
+    fog->setName("density");
+    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    fog->tree().setValue({0, 0, 0}, 1);
+    writeGrids(path, {fog});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("no level set") && Contains("density"));
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "density", 1), Contains("fog volume"));
+
+    const auto stretched = openvdb::FloatGrid::create(3);
+    stretched->setName("surface");
+    stretched->setGridClass(openvdb::GRID_LEVEL_SET);
+    stretched->tree().setValue({0, 0, 0}, -1);
+    openvdb::math::Mat4d matrix = openvdb::math::Mat4d::identity();
+    matrix[0][0] = 2;
+    stretched->setTransform(openvdb::math::Transform::createLinearTransform(matrix));
+    writeGrids(path, {stretched});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("not cubes"));
+
+    const auto empty = openvdb::FloatGrid::create(3);
+    empty->setName("surface");
+    empty->setGridClass(openvdb::GRID_LEVEL_SET);
+    writeGrids(path, {empty});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("empty"));
+
+    empty->tree().setValue({1, 2, 3}, std::nanf(""));
+    writeGrids(path, {empty});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("not finite") && Contains("(1, 2, 3)"));
+
+    const auto flat = openvdb::FloatGrid::create(0);
+    flat->setName("surface");
+    flat->setGridClass(openvdb::GRID_LEVEL_SET);
+    flat->tree().setValue({0, 0, 0}, -1);
+    writeGrids(path, {flat});
+    REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("background of 0"));
+}
+
+TEST_CASE("a truncated level set is refused", "[domain]") {
+    const TemporaryFolder folder;
+    const auto domain = meshDomain(test::ballMesh(5, 3), options(0.5));
+    const std::string whole = folder.file("whole.vdb");
+    writeGrids(whole, {domain->grid()->grid});
+    std::ifstream in(whole, std::ios::binary);
+    const std::string bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+    const std::string path = folder.file("part.vdb");
+    for (const double share : {0.001, 0.05, 0.5, 0.99}) {
+        CAPTURE(share);
+        std::ofstream(path, std::ios::binary)
+            << bytes.substr(0, static_cast<std::size_t>(share * static_cast<double>(bytes.size())));
+        REQUIRE_THROWS_AS(levelSetMesh(path, "", 1), Error);
+    }
+}
+
+TEST_CASE("level sets whose voxels lie aslant are sampled, not copied", "[morphometry][domain]") {
+    initializeOpenVdb();
+    auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, openvdb::Vec3f(0),
+                                                                         0.1f, 3.0f);
+    const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
+    transform->postRotate(0.5, openvdb::math::Z_AXIS);
+    transform->postTranslate(openvdb::Vec3d(7, 8, 9));
+    ball->setTransform(transform);
+    const VdbGrid grid(ball);
+    REQUIRE_THROWS_AS(sampleLevelSet(grid), InputError);
+    REQUIRE_THROWS_WITH(sampleLevelSet(grid), Contains("give a voxel size"));
+    const auto image = sampleLevelSet(grid, {}, 0.1);
+    const auto n = image.size;
+    for (std::int64_t z = 0; z < n[2]; z += 3)
+        for (std::int64_t y = 0; y < n[1]; y += 3)
+            for (std::int64_t x = 0; x < n[0]; x += 3) {
+                const Vec<3> at = image.origin + Vec<3>{{0.1 * static_cast<double>(x),
+                                                         0.1 * static_cast<double>(y),
+                                                         0.1 * static_cast<double>(z)}};
+                const double exact = length(at - Vec<3>{{7, 8, 9}}) - 2.0;
+                const float value =
+                    image.distance[static_cast<std::size_t>((z * n[1] + y) * n[0] + x)];
+                if (std::abs(exact) < 0.15)
+                    REQUIRE(double{value} == Approx(exact).margin(0.01));
+                else
+                    REQUIRE((value < 0) == (exact < 0));
+            }
+
+    const VdbGrid empty(openvdb::FloatGrid::create(0.3f));
+    REQUIRE_THROWS_AS(sampleLevelSet(empty), InputError);
+    REQUIRE_THROWS_WITH(sampleLevelSet(empty), Contains("nothing is inside"));
+}

@@ -1,0 +1,495 @@
+// Data files and dumps of LAMMPS and LIGGGHTS.
+#include "formats/foreign.h"
+
+#include "vdbpack/io/numbers.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+const std::vector<Sphere<3>> kTwo = {{{{1, 2, 3}}, 0.5}, {{{4, 5, -6}}, 1}};
+
+const char* const kHeader =
+    "LAMMPS data file via write_data, version 29 Sep 2021, timestep = 10\n\n"
+    "2 atoms\n3 atom types\n\n-10 10 xlo xhi\n-10 10 ylo yhi\n-10 10 zlo zhi\n\n";
+const char* const kAtoms = "Atoms # sphere\n\n7 1 1.0 2500 1 2 3 0 0 0\n4 3 2 1e3 4 5 -6 0 0 -1\n";
+
+/// A frame of a dump.
+std::string frame(const std::string& columns, const std::vector<std::string>& rows,
+                  const std::string& bounds = "pp pp ff\n-1 1\n-1 1\n-1 1") {
+    std::string text = "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n" +
+                       std::to_string(rows.size()) + "\nITEM: BOX BOUNDS " + bounds +
+                       "\nITEM: ATOMS " + columns + "\n";
+    for (const auto& row : rows) text += row + "\n";
+    return text;
+}
+
+const std::string kDump = frame("id type x y z radius", {"7 1 1 2 3 0.5", "4 3 4 5 -6 1"});
+
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const auto at = text.find(from);
+    REQUIRE(at != std::string::npos);
+    return text.replace(at, from.size(), to);
+}
+
+/// Whether the file could be read; any error but ours escapes.
+bool reads(const std::string& name, const std::string& content) {
+    return errorOf(name, content) == "no error";
+}
+
+}  // namespace
+
+TEST_CASE("a LAMMPS data file keeps ids, types and densities", "[export]") {
+    const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
+    REQUIRE(pack.spheres == kTwo);
+    REQUIRE(pack.id == std::vector<std::int64_t>{7, 4});
+    REQUIRE(pack.region.empty());
+    REQUIRE(pack.columns.size() == 5);
+    REQUIRE(pack.columns[0].name == "type");
+    REQUIRE(pack.columns[0].numbers == std::vector<double>{1, 3});
+    REQUIRE(pack.columns[1].name == "density");
+    REQUIRE(pack.columns[1].numbers == std::vector<double>{2500, 1000});
+    REQUIRE(pack.columns[4].name == "iz");
+    REQUIRE(pack.columns[4].numbers == std::vector<double>{0, -1});
+}
+
+TEST_CASE("data files may order and comment their lines as LAMMPS allows", "[export]") {
+    const std::string atoms =
+        GENERATE(as<std::string>{}, "Atoms", "Atoms  # granular", "  Atoms # sphere");
+    const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n");
+    const std::string prefix = GENERATE(as<std::string>{}, "lammps:", "liggghts:", "LAMMPS:");
+    CAPTURE(atoms, end, prefix);
+    std::string content;
+    for (const std::string line : {"5 atoms 3 in the title",
+                                   " # no, fewer:",
+                                   "1 bonds # one",
+                                   "0 0 0 xy xz yz",
+                                   "  2   atom types",
+                                   "-10 10 zlo zhi",
+                                   "2 atoms",
+                                   "-10 10 xlo xhi",
+                                   "1 bond types",
+                                   "4 extra bond per atom",
+                                   "",
+                                   "Masses",
+                                   "",
+                                   "1 1.0 # bone",
+                                   "2 2.0",
+                                   "",
+                                   "Pair Coeffs # gran",
+                                   "",
+                                   "1 1 2",
+                                   "2 3 4",
+                                   "PairIJ Coeffs",
+                                   "",
+                                   "1 1 5",
+                                   "1 2 5",
+                                   "2 2 5",
+                                   "Bond Coeffs",
+                                   "",
+                                   "1 harmonic 3",
+                                   "",
+                                   "Velocities",
+                                   "",
+                                   "7 0 0 0 0 0 0",
+                                   "4 0 0 0 0 0 0",
+                                   "",
+                                   "@",
+                                   "",
+                                   "7 1 1.0 2500 1 2 3 # first",
+                                   "# between",
+                                   "\t4 2\t2 1e3 4 5 -6",
+                                   "",
+                                   "Bonds",
+                                   "",
+                                   "1 1 7 4"})
+        content += (line == "@" ? atoms : line) + end;
+    const Scratch scratch;
+    putContent(scratch / "f.txt", content);
+    const auto pack = readPack(prefix + (scratch / "f.txt"));
+    REQUIRE(pack.spheres == kTwo);
+    REQUIRE(pack.columns.size() == 2);
+}
+
+TEST_CASE("bonded particles and type labels are read from data files", "[export]") {
+    const auto bonded = readText("p.data",
+                                 "t\n1 atoms\n1 atom types\nAtoms # bpm/sphere\n\n"
+                                 "1 9 1 2.0 1.5 4 5 -6\n");
+    REQUIRE(bonded.spheres == std::vector<Sphere<3>>{kTwo[1]});
+    REQUIRE(bonded.columns.at(0).name == "molecule");
+    REQUIRE(bonded.columns[0].numbers == std::vector<double>{9});
+    const auto labels = readText("p.data",
+                                 "t\n2 atoms\n2 atom types\nAtom Type Labels\n\n1 soft\n2 hard\n\n"
+                                 "Masses\n\nsoft 1\nhard 2\n\nAtoms # sphere\n\n"
+                                 "1 soft 1 1 1 2 3\n2 hard 2 1 4 5 -6\n");
+    REQUIRE(labels.spheres == kTwo);
+    REQUIRE(labels.columns.at(0).texts == std::vector<std::string>{"soft", "hard"});
+}
+
+TEST_CASE("units that a LAMMPS file names are taken", "[export]") {
+    const auto data = [](const std::string& style) {
+        return readText("p.data", "LAMMPS data file via write_data, units = " + style +
+                                      "\n1 atoms\n\nAtoms\n\n1 1 2 1 3 0 0\n")
+            .spheres.at(0);
+    };
+    REQUIRE(data("si") == Sphere<3>{{{3000, 0, 0}}, 1000});
+    REQUIRE(data("cgs") == Sphere<3>{{{30, 0, 0}}, 10});
+    REQUIRE(data("micro") == Sphere<3>{{{0.003, 0, 0}}, 0.001});
+    REQUIRE(data("lj") == Sphere<3>{{{3, 0, 0}}, 1});
+    // Written once, before the first frame.
+    const auto pack = readText("p.dump", "ITEM: UNITS\nsi\nITEM: TIME\n0\n" + kDump + kDump);
+    REQUIRE(pack.spheres.at(0) == Sphere<3>{{{1000, 2000, 3000}}, 500});
+}
+
+TEST_CASE("unusable LAMMPS data is refused with the reason", "[export]") {
+    const std::string whole = std::string(kHeader) + kAtoms;
+    const auto error = [&whole](const std::string& from, const std::string& to) {
+        return errorOf("p.data", replaced(whole, from, to));
+    };
+    REQUIRE_THAT(errorOf("p.data", ""), Contains("is empty"));
+    REQUIRE_THAT(errorOf("p.data", "title\n"), Contains("not a LAMMPS data file"));
+    REQUIRE_THAT(errorOf("p.data", "title\nAtoms\n\n1 1 1 1 1 1 1\n"), Contains("'N atoms'"));
+    REQUIRE_THAT(errorOf("p.data", kHeader), Contains("without a section Atoms"));
+    for (const std::string style : {"atomic", "hybrid sphere bond", "full", "ellipsoid"}) {
+        REQUIRE_THAT(error("sphere", style), Contains("atom style '" + style.substr(0, 4)) &&
+                                                 Contains("line 10") && Contains("granular"));
+    }
+    REQUIRE_THAT(error("2 atoms", "-2 atoms"), Contains("'-2' is no number of atoms"));
+    REQUIRE_THAT(error("2 atoms", "1.5 atoms"), Contains("line 3"));
+    REQUIRE_THAT(error("2 atoms", "1 atoms"), Contains("more atoms follow"));
+    REQUIRE_THAT(error("2 atoms", "3 atoms"), Contains("ends after 2 of 3"));
+    REQUIRE_THAT(error("2 atoms", "9000000000000000000 atoms"), Contains("ends after 2 of"));
+    REQUIRE_THAT(error("2 atoms", "1000000000000000000000 atoms"), Contains("no number of atoms"));
+    REQUIRE_THAT(error("4 3 2 1e3 4 5 -6 0 0 -1", "Velocities"), Contains("line 13: has 1 words"));
+    REQUIRE_THAT(error("4 3 2", "4 4 2"), Contains("type 4"));
+    REQUIRE_THAT(error("4 3 2", "4 0 2"), Contains("type 0"));
+    REQUIRE_THAT(error("1e3", "-0.8"), Contains("density is '-0.8'"));
+    REQUIRE_THAT(error("1e3", "nan"), Contains("density"));
+    REQUIRE_THAT(error(" 1.0 ", " 0 "), Contains("radius is 0") && Contains("line 12"));
+    REQUIRE_THAT(error(" 1.0 ", " inf "), Contains("radius is inf"));
+    REQUIRE_THAT(error(" -6 ", " nan "), Contains("not finite") && Contains("line 13"));
+    REQUIRE_THAT(error(" -6 ", " 1e999 "), Contains("1e999"));
+    REQUIRE_THAT(error("4 3 2", "4.5 3 2"), Contains("whole number"));
+    // Atom style atomic without saying so, and an ellipsoid's flag where the diameter would be.
+    REQUIRE_THAT(errorOf("p.data", "t\n1 atoms\nAtoms\n\n1 1 1 2 3\n"), Contains("has 5 words"));
+    REQUIRE_THAT(errorOf("p.data", "t\n1 atoms\n1 ellipsoids\nAtoms\n\n1 1 1 2 3 4 5\n"),
+                 Contains("1 ellipsoids"));
+    REQUIRE_THAT(errorOf("p.data", "t\n1 atoms\n2 atom types\nMasses\n\n1 1\n\nAtoms\n\n"),
+                 Contains("section Atoms begins"));
+    REQUIRE_THAT(errorOf("p.data", "t\n1 atoms\n2 atom types\nMasses\n\n1 1\n2 1\n3 1\nAtoms\n\n"),
+                 Contains("line 8") && Contains("more lines"));
+    REQUIRE(readText("p.data", "t\n0 atoms\n").spheres.empty());
+}
+
+TEST_CASE("a dump is read with its columns in any order", "[export]") {
+    for (const std::string name : {"p.dump", "p.lammpstrj"}) {
+        const auto pack = readText(name, kDump);
+        REQUIRE(pack.spheres == kTwo);
+        REQUIRE(pack.id == std::vector<std::int64_t>{7, 4});
+        REQUIRE(pack.columns.at(0).name == "type");
+    }
+    const auto pack = readText("p.dump", frame("z c_stress[1] diameter element y xs x",
+                                               {"3 nan 1 Ca 2 0.1 1 \r", "-6 2 2 P 5 0.2 4\t"}));
+    REQUIRE(pack.spheres == kTwo);
+    REQUIRE(pack.columns.at(1).texts == std::vector<std::string>{"Ca", "P"});
+    REQUIRE(pack.columns.at(2).name == "xs");
+    REQUIRE(
+        readText("p.dump", frame("id xu yu zu radius", {"0 1 2 3 0.5", "1 4 5 -6 1"})).spheres ==
+        kTwo);
+    // LIGGGHTS names its dumps so; the prefix says what they are.
+    const Scratch scratch;
+    putContent(scratch / "dump100.liggghts",
+               replaced(kDump, "ITEM: NUMBER", "ITEM: LABEL\nx\nITEM: NUMBER"));
+    REQUIRE(readPack("dump:" + (scratch / "dump100.liggghts")).spheres == kTwo);
+    REQUIRE_THROWS_AS(readPack(scratch / "dump100.liggghts"), ParameterError);
+}
+
+TEST_CASE("of several frames the last one is read", "[export]") {
+    const std::string other = frame("x y z radius", {"9 9 9 9", "8 8 8 8", "7 7 7 7"});
+    REQUIRE(readText("p.dump", other + other + kDump).spheres == kTwo);
+    REQUIRE(readText("p.dump", kDump + other).spheres.size() == 3);
+    REQUIRE(readText("p.dump", kDump + frame("x y z radius", {})).spheres.empty());
+    REQUIRE_THAT(errorOf("p.dump", other + "ITEM: TIMESTEP\n200\n"),
+                 Contains("begins in line 13") && Contains("remove that frame"));
+    REQUIRE_THAT(errorOf("p.dump", other + kDump.substr(0, kDump.size() - 15)),
+                 Contains("1 of its 2 atoms"));
+}
+
+TEST_CASE("scaled positions of a dump are those in the box", "[export]") {
+    const auto seed = GENERATE(range(1u, 21u));
+    const int tilt = GENERATE(0, 1, 2);
+    const std::string suffix = GENERATE(as<std::string>{}, "s", "su");
+    CAPTURE(seed, tilt, suffix);
+    RandomStream random(seed, 40);
+    const auto number = [&random] { return 20 * random.uniform() - 10; };
+    Vec<3> origin;
+    std::array<Vec<3>, 3> edge;
+    for (int d = 0; d < 3; ++d) origin[d] = number();
+    for (std::size_t i = 0; i < 3; ++i)
+        for (int d = 0; d < 3; ++d) {
+            const bool below = d < static_cast<int>(i);
+            if (d == static_cast<int>(i)) edge[i][d] = 10 + number() / 2;
+            if (tilt == 2 || (tilt == 1 && below))
+                edge[i][d] += d == static_cast<int>(i) ? 0 : number() / 3;
+        }
+    std::string bounds;
+    const auto add = [&bounds](double value) { appendNumber(bounds += ' ', value); };
+    if (tilt == 2) {
+        bounds = "abc origin\n";
+        for (int i = 0; i < 3; ++i) {
+            for (int d = 0; d < 3; ++d) add(edge[static_cast<std::size_t>(i)][d]);
+            add(origin[i]);
+            bounds += '\n';
+        }
+    } else {
+        bounds = tilt == 1 ? "xy xz yz pp pp pp\n" : "pp pp pp\n";
+        // The corners of the box span its bounds.
+        Vec<3> lo = origin, hi = origin;
+        for (int corner = 1; corner < 8; ++corner) {
+            Vec<3> x = origin;
+            for (std::size_t i = 0; i < 3; ++i)
+                if ((corner >> i & 1) != 0) x += edge[i];
+            for (int d = 0; d < 3; ++d) {
+                lo[d] = std::min(lo[d], x[d]);
+                hi[d] = std::max(hi[d], x[d]);
+            }
+        }
+        const double tilts[] = {edge[1][0], edge[2][0], edge[2][1]};
+        for (int d = 0; d < 3; ++d) {
+            add(lo[d]);
+            add(hi[d]);
+            if (tilt == 1) add(tilts[d]);
+            bounds += '\n';
+        }
+    }
+    bounds.pop_back();
+    std::vector<std::string> rows;
+    std::vector<Vec<3>> expected;
+    for (int k = 0; k < 10; ++k) {
+        std::string row = "0.5";
+        Vec<3> x = origin;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const double share = random.uniform();
+            appendNumber(row += ' ', share);
+            x += share * edge[i];
+        }
+        rows.push_back(row);
+        expected.push_back(x);
+    }
+    const auto pack = readText(
+        "p.dump", frame("radius x" + suffix + " y" + suffix + " z" + suffix, rows, bounds));
+    REQUIRE(pack.spheres.size() == expected.size());
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+        REQUIRE(length(pack.spheres[k].center - expected[k]) < 1e-12 * 30);
+        REQUIRE(pack.spheres[k].radius == 0.5);
+    }
+}
+
+TEST_CASE("unusable dumps are refused with the reason", "[export]") {
+    const auto error = [](const std::string& from, const std::string& to) {
+        return errorOf("p.dump", replaced(kDump, from, to));
+    };
+    REQUIRE_THAT(errorOf("p.dump", ""), Contains("no whole frame"));
+    REQUIRE_THAT(errorOf("p.dump", "x,y,z,r\n"), Contains("not a LAMMPS text dump"));
+    REQUIRE_THAT(errorOf("p.dump",
+                         "ITEM: TIMESTEP\n1\nITEM: NUMBER OF ENTRIES\n1\n"
+                         "ITEM: BOX BOUNDS ff ff ff\n0 1\n0 1\n0 1\n"
+                         "ITEM: ENTRIES c_1[1] c_1[2]\n1 2\n"),
+                 Contains("no whole frame of atoms"));
+    REQUIRE_THAT(error("radius", "mass"), Contains("radius or diameter") && Contains("line 9"));
+    REQUIRE_THAT(error("x y z", "x y zs"), Contains("no columns x y z"));
+    REQUIRE_THAT(error("x y z", "x y x"), Contains("no columns x y z"));
+    REQUIRE_THAT(error("x y z radius", "x y z radius radius"), Contains("appears twice"));
+    REQUIRE_THAT(error("ATOMS\n2", "ATOMS\n-2"), Contains("'-2' is no number of atoms"));
+    REQUIRE_THAT(error("ATOMS\n2", "ATOMS\n1"), Contains("line 11") && Contains("NUMBER OF ATOMS"));
+    REQUIRE_THAT(error("ATOMS\n2", "ATOMS\n3"), Contains("2 of its 3"));
+    REQUIRE_THAT(error("ATOMS\n2", "ATOMS\n9000000000000000000"), Contains("2 of its 9"));
+    REQUIRE_THAT(errorOf("p.dump", replaced(kDump, "ATOMS\n2", "ATOMS\n3") + kDump),
+                 Contains("line 12") && Contains("an item begins after 2 of 3"));
+    REQUIRE_THAT(error("ITEM: NUMBER OF ATOMS\n2\n", ""), Contains("missing before"));
+    REQUIRE_THAT(error("4 3 4 5 -6 1", "4 3 4 5 -6"), Contains("line 11: has 5 words"));
+    REQUIRE_THAT(error(" -6 ", " inf "), Contains("not finite"));
+    REQUIRE_THAT(error(" -6 ", " six "), Contains("'z' is 'six'"));
+    REQUIRE_THAT(error(" 0.5", " -0.5"), Contains("radius is -0.5"));
+    REQUIRE_THAT(error("-1 1\n", "-1 one\n"), Contains("'one' is no bound"));
+    const auto scaled = frame("xs ys zs radius", {"0.1 0.2 0.3 1"});
+    REQUIRE_THAT(errorOf("p.dump", replaced(scaled, "-1 1\n", "-1\n")), Contains("BOX BOUNDS"));
+    REQUIRE_THAT(errorOf("p.dump", replaced(scaled, "-1 1\n", "-1 inf\n")), Contains("not finite"));
+}
+
+TEST_CASE("a LAMMPS file cut short at any byte is an error", "[export]") {
+    const std::string data =
+        std::string(kHeader) + "Velocities\n\n1 0 0 0 0 0 0\n2 0 0 0 0 0 0\n\n" + kAtoms;
+    const auto [name, whole, frames] = GENERATE_COPY(table<std::string, std::string, int>(
+        {{"p.data", data, 0}, {"p.dump", kDump, 1}, {"p.dump", kDump + kDump, 2}}));
+    REQUIRE(reads(name, whole));
+    // A cut within the last number of the last line cannot be told.
+    const auto lastNumber = whole.find_last_of(' ') + 2;
+    for (std::size_t size = 0; size < lastNumber; ++size) {
+        CAPTURE(name, frames, size);
+        // A dump may end after any frame, with or without the end of the line.
+        const bool between = frames == 2 && (size == kDump.size() || size == kDump.size() - 1);
+        REQUIRE(reads(name, whole.substr(0, size)) == between);
+    }
+}
+
+TEST_CASE("a damaged LAMMPS file is an error or another pack", "[export]") {
+    const std::string name = GENERATE(as<std::string>{}, "p.data", "p.dump", "p.txt", "p.csv");
+    const std::string whole = name == "p.data" ? std::string(kHeader) + kAtoms : kDump;
+    RandomStream random(23, 5);
+    for (int trial = 0; trial < 1000; ++trial) {
+        CAPTURE(name, trial);
+        std::string content = whole;
+        if (trial % 4 == 3) {  // nothing but noise, now and then behind a sound beginning
+            content.resize(random.bits() % whole.size());
+            for (int i = 0; i < 300; ++i) content += static_cast<char>(random.bits() % 256);
+        } else if (trial % 4 == 2) {  // a line moved elsewhere
+            const auto from = content.find('\n', random.bits() % content.size());
+            const auto line = content.substr(0, from);
+            content = content.substr(std::min(from, content.size())) + line;
+        } else {
+            for (int flips = 0; flips < 1 + trial % 8; ++flips)
+                content[random.bits() % content.size()] ^=
+                    static_cast<char>(1 << (random.bits() % 8));
+        }
+        CHECK_NOTHROW(reads(name, content));
+    }
+}
+
+TEST_CASE("dumps are not written", "[export]") {
+    for (const std::string file : {"p.dump", "dump:p"}) {
+        CAPTURE(file);
+        REQUIRE_THROWS_WITH(checkPackFormat(file), Contains("not written") && Contains(".csv"));
+    }
+    REQUIRE_THROWS_WITH(readPack("p.odt"), Contains(".lammpstrj") && Contains("lammps:FILE"));
+}
+
+namespace {
+
+Pack<3> touchingRow() {
+    Pack<3> pack;
+    for (int i = 0; i < 4; ++i) {
+        pack.spheres.push_back({{{2.0 * i + 0.1, 1.0 / 3, -7}}, 1});
+        pack.region.push_back(i % 2);
+    }
+    return pack;
+}
+
+std::string written(const Pack<3>& pack, const PackWriteOptions& options = {},
+                    const std::string& prefix = "lammps:") {
+    const Scratch scratch;
+    writePack(pack, prefix + (scratch / "p.txt"), options);
+    return contentOf(scratch / "p.txt");
+}
+
+}  // namespace
+
+TEST_CASE("a LAMMPS data file holds whole spheres and says what its numbers mean", "[export]") {
+    PackWriteOptions options;
+    options.particleDensity = 1900;
+    const auto text = written(touchingRow(), options);
+    CAPTURE(text);
+    REQUIRE(text.substr(0, text.find('\n')) ==
+            "atom_style sphere or granular; atom = id + 1; type = region + 1; density in t/mm3; "
+            "unit of length: mm");
+    REQUIRE_THAT(text, Contains("\n4 atoms\n2 atom types\n"));
+    REQUIRE_THAT(text, Contains("\n-0.9") && Contains(" 7.0999999999999996 xlo xhi\n"));
+    REQUIRE_THAT(text, Contains("\n-8.0 -6.0 zlo zhi\n"));
+    // No hint: LIGGGHTS wants the bare word.
+    REQUIRE_THAT(text, Contains("\n\nAtoms\n\n1 1 2.0 1.9000000000000001e-09 "));
+}
+
+TEST_CASE("densities go with the unit of length", "[export]") {
+    const auto [unit, name, number] = GENERATE(table<Unit, std::string, std::string>(
+        {{Unit::meter, "kg/m3", " 1900.0 "},
+         {Unit::centimeter, "g/cm3", " 1.8999999999999999 "},
+         {Unit::millimeter, "t/mm3", " 1.9000000000000001e-09 "},
+         {Unit::micrometer, "pg/um3", " 1.8999999999999999 "}}));
+    PackWriteOptions options;
+    options.particleDensity = 1900;
+    options.unit = unit;
+    const auto text = written(touchingRow(), options);
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("density in " + name + ";") && Contains(number));
+}
+
+TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or without",
+          "[export]") {
+    const std::string prefix = GENERATE(as<std::string>{}, "lammps:", "liggghts:", "lammps-bonds:");
+    const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
+    const bool named = GENERATE(false, true);
+    CAPTURE(prefix, unitName(unit), named);
+    const Scratch scratch;
+    auto pack = latticePack<3>(200, {{30, -20, 500}}, 40, 3);
+    if (named)
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+            pack.id.push_back(static_cast<std::int64_t>(7 + 3 * i));
+    PackWriteOptions options;
+    options.unit = unit;
+    writePack(pack, prefix + (scratch / "p.txt"), options);
+    const auto read = readPack(prefix + (scratch / "p.txt"));
+    REQUIRE(read.id == pack.id);
+    REQUIRE(read.region == pack.region);
+    REQUIRE(read.spheres.size() == pack.spheres.size());
+    REQUIRE(read.columns.size() == 1);
+    REQUIRE(read.columns[0].name == "density");
+    for (std::size_t i = 0; i < read.spheres.size(); ++i) {
+        if (unit == Unit::millimeter) {
+            REQUIRE(read.spheres[i] == pack.spheres[i]);
+        } else {
+            REQUIRE(length(read.spheres[i].center - pack.spheres[i].center) < 1e-12 * 600);
+        }
+    }
+}
+
+TEST_CASE("each touching pair is a bond between its atoms", "[export]") {
+    auto pack = touchingRow();
+    pack.id = {10, 20, 30, 40};
+    pack.spheres[3].center[0] += 0.1;
+    const auto text = written(pack, {}, "lammps-bonds:");
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("\n2 bonds\n1 bond types\n"));
+    REQUIRE_THAT(text, Contains("\nAtoms # hybrid\n\n10 1 0.1"));
+    REQUIRE(text.substr(text.find("Bonds\n")) == "Bonds\n\n1 1 10 20\n2 1 20 30\n");
+    PackWriteOptions options;
+    options.contactTolerance = 0.2;
+    REQUIRE_THAT(written(pack, options, "lammps-bonds:"), Contains("\n3 1 30 40\n"));
+}
+
+TEST_CASE("ids that LAMMPS cannot take are counted from one", "[export]") {
+    auto pack = touchingRow();
+    pack.id =
+        GENERATE(std::vector<std::int64_t>{-1, 2, 3, 4}, std::vector<std::int64_t>{1, 1, 2, 3},
+                 std::vector<std::int64_t>{1, 2, 3, 0x80000000});
+    const auto text = written(pack);
+    REQUIRE_THAT(text,
+                 Contains("atoms are counted") && Contains("\n1 1 2.0 ") && Contains("\n4 2 2.0 "));
+}
+
+TEST_CASE("types and densities of a data file are written again", "[export]") {
+    const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
+    const auto text = written(pack);
+    CAPTURE(text);
+    REQUIRE_THAT(text, Contains("\n3 atom types\n") && Contains("\n7 1 1.0 2500.0 ") &&
+                           Contains("\n4 3 2.0 1000.0 ") && Contains("density as it was given"));
+    PackWriteOptions options;
+    options.particleDensity = 1;
+    REQUIRE_THAT(written(pack, options), Contains("\n7 1 1.0 9.9999999999999998e-13 "));
+}
+
+TEST_CASE("an empty pack is a data file without atoms", "[export]") {
+    REQUIRE(readText("p.data", written(Pack<3>{})).spheres.empty());
+}
+
+TEST_CASE("regions that are no atom types are refused", "[export]") {
+    auto pack = touchingRow();
+    pack.region[2] = -1;
+    REQUIRE_THROWS_AS(written(pack), ParameterError);
+}

@@ -1,0 +1,345 @@
+#include "formats/scratch.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+
+namespace {
+
+Pack<3> asSpheres(const Pack<3>& pack) {
+    return pack;
+}
+Pack<3> asSpheres(const Pack<2>& pack) {
+    Pack<3> out;
+    for (const auto& s : pack.spheres)
+        out.spheres.push_back({{{s.center[0], s.center[1], pack.sliceHeight}}, s.radius});
+    out.id = pack.id;
+    out.region = pack.region;
+    out.order = pack.order;
+    out.depth = pack.depth;
+    out.contacts = pack.contacts;
+    out.columns = pack.columns;
+    return out;
+}
+
+/// Limits the size of files that the process may write; longer ones fail as on a full disk.
+class FileSizeLimit {
+public:
+    explicit FileSizeLimit(rlim_t bytes) {
+        ::getrlimit(RLIMIT_FSIZE, &former_);
+        handler_ = std::signal(SIGXFSZ, SIG_IGN);
+        rlimit now = former_;
+        now.rlim_cur = bytes;
+        ::setrlimit(RLIMIT_FSIZE, &now);
+    }
+    ~FileSizeLimit() {
+        ::setrlimit(RLIMIT_FSIZE, &former_);
+        std::signal(SIGXFSZ, handler_);
+    }
+    FileSizeLimit(const FileSizeLimit&) = delete;
+    FileSizeLimit& operator=(const FileSizeLimit&) = delete;
+
+private:
+    rlimit former_{};
+    void (*handler_)(int) = nullptr;
+};
+
+const char* const kFiles[] = {"p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt"};
+
+std::string inFolder(const Scratch& scratch, const std::string& file) {
+    const auto colon = file.find(':');
+    return colon == std::string::npos
+               ? scratch / file
+               : file.substr(0, colon + 1) + (scratch / file.substr(colon + 1));
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[export]", ((int Dim), Dim),
+                       2, 3) {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv");
+    const double away = GENERATE(0.0, 730.0, -730.0, 1e4, -1e4);
+    const auto seed = GENERATE(range(1u, 4u));
+    CAPTURE(Dim, file, away, seed);
+    Vec<Dim> center;
+    for (int d = 0; d < Dim; ++d) center[d] = away * (d == 1 ? -0.7 : 1.0);
+    auto pack = latticePack<Dim>(3000, center, 25, seed);
+    pack.sliceHeight = Dim == 2 ? 12.375 : 0;
+    pack.columns.push_back({"material", {}, {}});
+    pack.columns.push_back({"clump", {}, {}});
+    pack.columns.push_back({"stiffness", {}, {}});
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        pack.columns[0].numbers.push_back(static_cast<double>(i % 5));
+        pack.columns[1].texts.push_back(i % 7 == 0 ? "" : "clump, \"no\" " + std::to_string(i % 7));
+        pack.columns[2].numbers.push_back(0.1 * static_cast<double>(i));
+    }
+
+    const Scratch scratch;
+    PackWriteOptions options;
+    options.generator = "a <test> & \"more\"";
+    writePack(pack, scratch / file, options);
+    REQUIRE(scratch.files() == 1);
+    const auto read = readPack(scratch / file);
+    const auto written = asSpheres(pack);
+    REQUIRE(read.spheres == written.spheres);
+    requireSameAttributes(read, written);
+    REQUIRE(read.columns.size() == 3);
+    for (std::size_t c = 0; c < 3; ++c) {
+        REQUIRE(read.columns[c].name == pack.columns[c].name);
+        REQUIRE(read.columns[c].numbers == pack.columns[c].numbers);
+        REQUIRE(read.columns[c].texts == pack.columns[c].texts);
+    }
+    if (Dim == 2) {
+        const auto circles = asCircles(read);
+        REQUIRE(circles.sliceHeight == pack.sliceHeight);
+        REQUIRE(asSpheres(circles).spheres == written.spheres);
+    }
+}
+
+TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "[export]",
+                       ((int Dim), Dim), 2, 3) {
+    auto pack = latticePack<Dim>(2000, Vec<Dim>{}, 900, 3);
+    const Scratch scratch;
+    SECTION("with regions") {}
+    SECTION("without regions") {
+        pack.region.clear();
+    }
+    writePack(pack, "yade:" + (scratch / "p.txt"), {});
+    const auto text = contentOf(scratch / "p.txt");
+    REQUIRE(text.substr(0, text.find('\n')) ==
+            (pack.region.empty() ? "#format x_y_z_r" : "#format x_y_z_r_matId"));
+    REQUIRE(text.find("\n\n") == std::string::npos);
+    const auto read = readPack("yade:" + (scratch / "p.txt"));
+    REQUIRE(read.spheres == asSpheres(pack).spheres);
+    REQUIRE(read.region == pack.region);
+}
+
+TEST_CASE("PLY keeps every digit, far from the origin too", "[export]") {
+    const double far = GENERATE(0.0, 1e4, 1e6);
+    auto pack = latticePack<3>(2000, {{730 + far, -40, far}}, 60, 4);
+    pack.id.resize(pack.spheres.size());
+    for (std::size_t i = 0; i < pack.id.size(); ++i)
+        pack.id[i] = static_cast<std::int64_t>(3 * i + 1);
+    const Scratch scratch;
+    writePack(pack, scratch / "p.ply", {});
+    const auto read = readPack(scratch / "p.ply");
+    REQUIRE(read.id == pack.id);
+    REQUIRE(read.spheres.size() == pack.spheres.size());
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        REQUIRE(read.spheres[i].radius == pack.spheres[i].radius);
+        for (int d = 0; d < 3; ++d) REQUIRE(read.spheres[i].center[d] == pack.spheres[i].center[d]);
+    }
+}
+
+TEST_CASE("the unit that was written is the unit that is read", "[export]") {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
+    const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
+    CAPTURE(file, unitName(unit));
+    const auto pack = latticePack<3>(500, {{-120, 30, 1000}}, 40, 5);
+    const Scratch scratch;
+    PackWriteOptions options;
+    options.unit = unit;
+    writePack(pack, inFolder(scratch, file), options);
+    PackReadOptions reading;
+    // Only .csv has no place for its unit; the others must not listen to a wrong one.
+    reading.unit = file == "p.csv" ? unit : Unit::centimeter;
+    const auto read = readPack(inFolder(scratch, file), reading);
+    REQUIRE(read.spheres.size() == pack.spheres.size());
+    const double tolerance = 1e-6;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        REQUIRE(length(read.spheres[i].center - pack.spheres[i].center) < tolerance);
+        REQUIRE(read.spheres[i].radius == Approx(pack.spheres[i].radius).epsilon(1e-6));
+    }
+    for (std::size_t i = 0; i < read.depth.size(); ++i)
+        REQUIRE(read.depth[i] == Approx(pack.depth[i]).epsilon(1e-6));
+}
+
+TEST_CASE("a pack without attributes or without spheres survives every format", "[export]") {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
+    const std::size_t count = GENERATE(0u, 1u, 40u);
+    CAPTURE(file, count);
+    Pack<3> pack;
+    pack.spheres = latticePack<3>(count, {}, 4, 6).spheres;
+    const Scratch scratch;
+    writePack(pack, inFolder(scratch, file), {});
+    const auto read = readPack(inFolder(scratch, file));
+    REQUIRE(read.spheres.size() == count);
+    requireSameAttributes(read, pack);
+    REQUIRE(read.columns.empty());
+}
+
+TEST_CASE("ids that are not indices come back with their spheres", "[export]") {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv");
+    auto pack = latticePack<3>(1000, {}, 30, 7);
+    const std::int64_t step = GENERATE(2, 5'000'000'000);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        pack.id.push_back(static_cast<std::int64_t>(i) * step + 11);
+    const Scratch scratch;
+    writePack(pack, scratch / file, {});
+    const auto read = readPack(scratch / file);
+    REQUIRE(read.id == pack.id);
+    REQUIRE(read.spheres == pack.spheres);
+    REQUIRE(read.order == pack.order);
+}
+
+TEST_CASE("names and texts of columns come back whatever they hold", "[export]") {
+    const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.npz");
+    CAPTURE(file);
+    const std::vector<std::string> odd{"a<b> & \"c\" 'd'", "&amp; &#65; &lt;", "]]> <!-- --> ?>",
+                                       "h\xc3\xb6he \xe9\xaa\xa8 \xf0\x9f\xa6\xb4",
+                                       "a,b;c\\n%s{0}"};
+    Pack<3> pack;
+    for (std::size_t i = 0; i < odd.size(); ++i)
+        pack.spheres.push_back({{{3.0 * static_cast<double>(i), 0, 0}}, 1.0});
+    for (const auto& name : odd) {
+        pack.columns.push_back({name, {}, odd});
+        pack.columns.push_back({"number " + name, {1, 2, 3, 4, 5}, {}});
+    }
+    const Scratch scratch;
+    writePack(pack, scratch / file, PackWriteOptions{});
+    const auto read = readPack(scratch / file);
+    REQUIRE(read.columns.size() == pack.columns.size());
+    for (std::size_t c = 0; c < pack.columns.size(); ++c) {
+        // OpenVDB allows letters, digits and _ in names.
+        if (file != "p.vdb") CHECK(read.columns[c].name == pack.columns[c].name);
+        CHECK(read.columns[c].numbers == pack.columns[c].numbers);
+        CHECK(read.columns[c].texts == pack.columns[c].texts);
+    }
+}
+
+TEST_CASE("names in XML are UTF-8, and references in them are read", "[export]") {
+    Pack<3> pack;
+    pack.spheres.push_back({{{0, 0, 0}}, 1.0});
+    pack.columns.push_back({"h\xf6he", {1}, {}});  // Latin-1
+    pack.columns.push_back({"line\nbreak", {2}, {}});
+    const Scratch scratch;
+    writePack(pack, scratch / "p.vtp", PackWriteOptions{});
+    auto read = readPack(scratch / "p.vtp");
+    REQUIRE(read.columns.size() == 2);
+    CHECK(read.columns[0].name == "h\xef\xbf\xbdhe");  // U+FFFD
+    CHECK(read.columns[1].name == "line break");
+    std::string text = contentOf(scratch / "p.vtp");
+    const std::string name = "line break";
+    text.replace(text.find(name), name.size(),
+                 "h&#246;he &#x9aa8;&#x1F9B4; &#xd800; &#1; &#9 &#; &#x");
+    putContent(scratch / "p.vtp", text);
+    read = readPack(scratch / "p.vtp");
+    REQUIRE(read.columns.size() == 2);
+    CHECK(read.columns[1].name ==
+          "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#xd800; &#1; &#9 &#; &#x");
+}
+
+TEST_CASE("CSV numbers keep their decimal point", "[export]") {
+    Pack<3> pack;
+    pack.spheres = {{{{1e-5, -3, 0.1}}, 2}, {{{1e22, 1.5e-300, -0.0}}, 1e-7}};
+    pack.region = {1, 0};
+    const Scratch scratch;
+    writePack(pack, scratch / "p.csv", {});
+    REQUIRE(contentOf(scratch / "p.csv") ==
+            "id,x,y,z,radius,region\n"
+            "0,1.0000000000000001e-05,-3.0,0.10000000000000001,2.0,1\n"
+            "1,1.0e+22,1.5000000000000001e-300,-0.0,9.9999999999999995e-08,0\n");
+}
+
+TEST_CASE("CSV with every attribute has the header that scripts expect", "[export]") {
+    const Scratch scratch;
+    writePack(latticePack<3>(3, {}, 4, 8), scratch / "p.csv", {});
+    const auto text = contentOf(scratch / "p.csv");
+    REQUIRE(text.substr(0, text.find('\n')) == "id,x,y,z,radius,region,order,depth,contacts");
+}
+
+TEST_CASE("an unknown format is refused before anything is written", "[export]") {
+    const Scratch scratch;
+    for (const char* file : {"pack.odt", "pack", "dump:p.data", "p.yade", "dir.csv/pack", "csv:"}) {
+        CAPTURE(file);
+        REQUIRE_THROWS_AS(checkPackFormat(file), ParameterError);
+        REQUIRE_THROWS_WITH(writePack(Pack<3>{}, file, {}), Contains("csv"));
+    }
+    REQUIRE_NOTHROW(checkPackFormat("P.VDB"));
+    REQUIRE_NOTHROW(checkPackFormat("csv:table.txt"));
+    REQUIRE_NOTHROW(checkPackFormat("a:b.csv"));
+    REQUIRE(scratch.files() == 0);
+}
+
+TEST_CASE("spheres that no file can hold are the caller's mistake", "[export]") {
+    const Scratch scratch;
+    Pack<3> pack = latticePack<3>(5, {}, 4, 9);
+    SECTION("radius") {
+        pack.spheres[3].radius = 0;
+    }
+    SECTION("position") {
+        pack.spheres[3].center[1] = std::nan("");
+    }
+    SECTION("far") {
+        pack.spheres[3].center[1] = 1e31;
+    }
+    SECTION("attribute") {
+        pack.region.pop_back();
+    }
+    SECTION("column") {
+        pack.columns.push_back({"c", {1, 2}, {}});
+    }
+    REQUIRE_THROWS_AS(writePack(pack, scratch / "p.csv", {}), ParameterError);
+    REQUIRE(scratch.files() == 0);
+}
+
+TEST_CASE("a failed write leaves the former file and no other", "[export]") {
+    const std::string name =
+        GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
+    const std::size_t limit = GENERATE(0u, 100u, 20'000u);
+    CAPTURE(name, limit);
+    const Scratch scratch;
+    const std::string file = inFolder(scratch, name);
+    const auto before = latticePack<3>(10, {}, 4, 10);
+    writePack(before, file, {});
+    const auto pack = latticePack<3>(5000, {}, 60, 11);
+    {
+        const FileSizeLimit full(limit);
+        REQUIRE_THROWS_AS(writePack(pack, file, {}), IoError);
+    }
+    REQUIRE(scratch.files() == 1);
+    REQUIRE(readPack(file).spheres.size() == before.spheres.size());
+}
+
+TEST_CASE("a folder that does not exist is an IoError", "[export]") {
+    const Scratch scratch;
+    for (const char* name : kFiles) {
+        CAPTURE(name);
+        const std::string file = inFolder(scratch, "none/" + std::string("p.csv"));
+        REQUIRE_THROWS_AS(writePack(Pack<3>{}, file, {}), IoError);
+        REQUIRE_THROWS_AS(readPack(inFolder(scratch, name)), IoError);
+    }
+}
+
+TEST_CASE("spheres at different heights are no circles", "[export]") {
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 1}}, 1}, {{{3, 0, 1.01}}, 1}};
+    REQUIRE_THROWS_WITH(asCircles(pack), Contains("sphere 1"));
+    REQUIRE_THROWS_AS(asCircles(pack), InputError);
+    pack.spheres[1].center[2] = 1;
+    REQUIRE(asCircles(pack).sliceHeight == 1);
+}
+
+TEST_CASE("the voxel of the point grid is a power of two with about 8 points", "[export]") {
+    for (const int dim : {2, 3})
+        for (const double count : {1.0, 1e3, 5e7})
+            for (const double measure : {1e-6, 3.0, 1e9}) {
+                const double voxel = pointVoxelSize(count, measure, dim);
+                int exponent = 0;
+                REQUIRE(std::frexp(voxel, &exponent) == 0.5);
+                const double points = count / measure * std::pow(voxel, dim);
+                REQUIRE(points > 8 / std::pow(2.0, 0.51 * dim));
+                REQUIRE(points < 8 * std::pow(2.0, 0.51 * dim));
+            }
+    REQUIRE(pointVoxelSize(0, 1, 3) == 1);
+    REQUIRE(pointVoxelSize(1, 0, 3) == 1);
+}

@@ -1,0 +1,149 @@
+// Files that are whole or absent, whatever name they are written under.
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/output_file.h"
+
+#include <catch2/catch.hpp>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace vdbpack;
+using Catch::Matchers::Contains;
+namespace fs = std::filesystem;
+
+namespace {
+
+std::string contentOf(const std::string& path) {
+    std::ifstream in(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
+}
+
+void put(const std::string& path, const std::string& content) {
+    std::ofstream(path, std::ios::binary) << content;
+}
+
+void writeWhole(const std::string& path, const std::string& content) {
+    OutputFile out(path);
+    out.write(content);
+    out.commit();
+}
+
+std::ptrdiff_t filesIn(const std::string& folder) {
+    return std::distance(fs::directory_iterator(folder), fs::directory_iterator());
+}
+
+}  // namespace
+
+TEST_CASE("a file has its new content once it is committed, and nothing else is left", "[output]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    put(file, "former");
+    {
+        OutputFile out(file);
+        out.write(std::string(3000000, 'x'));
+        CHECK(contentOf(file) == "former");
+    }
+    CHECK(contentOf(file) == "former");
+    CHECK(filesIn(folder.path()) == 1);
+    writeWhole(file, std::string(3000000, 'y'));
+    CHECK(contentOf(file) == std::string(3000000, 'y'));
+    CHECK(filesIn(folder.path()) == 1);
+}
+
+TEST_CASE("a library writes the file by its temporary name", "[output]") {
+    const TemporaryFolder folder;
+    OutputFile out(folder.file("a.vdb"));
+    put(out.temporaryPath(), "grids");
+    out.commit();
+    CHECK(contentOf(folder.file("a.vdb")) == "grids");
+    CHECK(filesIn(folder.path()) == 1);
+}
+
+TEST_CASE("symbolic links are written through to what they point to", "[output]") {
+    const TemporaryFolder folder, other;
+    put(other.file("real.csv"), "former");
+    fs::create_symlink(other.file("real.csv"), folder.file("link.csv"));
+    fs::create_symlink("link.csv", folder.file("again.csv"));
+    fs::create_symlink(other.file("new.csv"), folder.file("dangling.csv"));
+    writeWhole(folder.file("again.csv"), "one");
+    CHECK(contentOf(other.file("real.csv")) == "one");
+    CHECK(fs::is_symlink(folder.file("link.csv")));
+    CHECK(fs::is_symlink(folder.file("again.csv")));
+    writeWhole(folder.file("dangling.csv"), "two");
+    CHECK(contentOf(other.file("new.csv")) == "two");
+    CHECK(filesIn(other.path()) == 2);
+    fs::create_symlink("b.csv", folder.file("a.csv"));
+    fs::create_symlink("a.csv", folder.file("b.csv"));
+    CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("circles"));
+}
+
+TEST_CASE("the permissions of a former file stay", "[output]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    put(file, "former");
+    ::chmod(file.c_str(), 0640);
+    writeWhole(file, "new");
+    struct stat info {};
+    REQUIRE(::stat(file.c_str(), &info) == 0);
+    CHECK((info.st_mode & 0777) == 0640);
+}
+
+TEST_CASE("what cannot be replaced by a file is refused", "[output]") {
+    const TemporaryFolder folder;
+    CHECK_THROWS_WITH(OutputFile(folder.path()), Contains("is a folder"));
+    CHECK_THROWS_WITH(OutputFile(folder.file("no/a.csv")), Contains("create the folder"));
+    REQUIRE(::mkfifo(folder.file("pipe").c_str(), 0600) == 0);
+    CHECK_THROWS_WITH(OutputFile(folder.file("pipe")), Contains("pipe"));
+    CHECK_THROWS_WITH(OutputFile("/dev/null"), Contains("device"));
+    if (::geteuid() != 0) {  // who may write everywhere
+        put(folder.file("a.csv"), "former");
+        ::chmod(folder.file("a.csv").c_str(), 0400);
+        CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("write-protected"));
+    }
+}
+
+TEST_CASE("a folder that is gone before the file is complete is told, and nothing is left",
+          "[output]") {
+    const TemporaryFolder folder;
+    fs::create_directory(folder.file("f"));
+    OutputFile out(folder.file("f/a.csv"));
+    out.write(std::string("x"));
+    fs::remove_all(folder.file("f"));
+    CHECK_THROWS_AS(out.commit(), IoError);
+    CHECK(filesIn(folder.path()) == 0);
+}
+
+TEST_CASE("names as long as a file system takes are written", "[output]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file(std::string(251, 'n') + ".csv");
+    writeWhole(file, "content");
+    CHECK(contentOf(file) == "content");
+    CHECK_THROWS_AS(writeWhole(folder.file(std::string(300, 'n')), "content"), IoError);
+    CHECK(filesIn(folder.path()) == 1);
+}
+
+TEST_CASE("of several that write one file at once, one leaves its own whole", "[output]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("a.csv");
+    std::vector<std::thread> threads;
+    for (char letter = 'a'; letter < 'i'; ++letter)
+        threads.emplace_back([&file, letter] {
+            for (int i = 0; i < 20; ++i) writeWhole(file, std::string(300000, letter));
+        });
+    for (int i = 0; i < 100; ++i) {
+        const std::string content = contentOf(file);
+        if (content.empty()) continue;
+        REQUIRE(content == std::string(300000, content[0]));
+    }
+    for (auto& thread : threads) thread.join();
+    CHECK(contentOf(file).size() == 300000);
+    CHECK(filesIn(folder.path()) == 1);
+}

@@ -1,0 +1,501 @@
+#include "support/generators.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace vdbpack::test {
+namespace {
+
+using Catch::Matchers::Contains;
+
+class Folder : public TemporaryFolder {
+public:
+    std::string write(const std::string& name, const std::string& content) const {
+        // File systems push a file that is truncated and written again to the disk at once: with
+        // thousands of variants that is most of the time.
+        std::filesystem::remove(file(name));
+        std::ofstream(file(name), std::ios::binary) << content;
+        return file(name);
+    }
+};
+
+template <typename T>
+std::string bytes(T value, bool bigEndian = false) {
+    std::string out(sizeof value, '\0');
+    std::memcpy(out.data(), &value, sizeof value);
+    if (bigEndian) std::reverse(out.begin(), out.end());
+    return out;
+}
+
+std::string binaryStl(const TriangleMesh& mesh, const std::string& header = "made for a test") {
+    std::string out = header;
+    out.resize(80, ' ');
+    out += bytes(static_cast<std::uint32_t>(mesh.triangles.size()));
+    for (const auto& t : mesh.triangles) {
+        for (int i = 0; i < 3; ++i) out += bytes(0.0f);
+        for (const auto v : t)
+            for (const double x : mesh.vertices[v].c) out += bytes(static_cast<float>(x));
+        out += bytes(std::uint16_t{0});
+    }
+    return out;
+}
+
+std::string asciiStl(const TriangleMesh& mesh) {
+    std::string out = "solid a name with facet in it\n";
+    for (const auto& t : mesh.triangles) {
+        out += "  facet normal nan nan nan\n    outer loop\n";
+        for (const auto v : t)
+            out += fmt::format("      vertex {} {} {}\n", mesh.vertices[v][0], mesh.vertices[v][1],
+                               mesh.vertices[v][2]);
+        out += "    endloop\n  endfacet\n";
+    }
+    return out + "endsolid a name with facet in it\n";
+}
+
+/// `corner` writes a face's corner from the vertex counted from 1 and the number of vertices.
+std::string obj(const TriangleMesh& mesh,
+                const std::function<std::string(std::uint32_t, std::size_t)>& corner) {
+    std::string out = "# comment\nmtllib none.mtl\no bone\n";
+    for (const auto& v : mesh.vertices) out += fmt::format("v {} {} {}\n", v[0], v[1], v[2]);
+    out += "vt 0 0\nvn 0 0 1\ns off\nusemtl none\n";
+    for (const auto& t : mesh.triangles) {
+        out += "f";
+        for (const auto v : t) out += " " + corner(v + 1, mesh.vertices.size());
+        out += "\n";
+    }
+    return out;
+}
+
+std::string plainCorner(std::uint32_t v, std::size_t) {
+    return std::to_string(v);
+}
+
+std::string off(const TriangleMesh& mesh) {
+    std::string out =
+        fmt::format("OFF # comment\n\n{} {} 0\n", mesh.vertices.size(), mesh.triangles.size());
+    for (const auto& v : mesh.vertices) out += fmt::format("{} {} {}\n", v[0], v[1], v[2]);
+    for (const auto& t : mesh.triangles)
+        out += fmt::format("3 {} {} {} 255 0 0\n", t[0], t[1], t[2]);
+    return out;
+}
+
+/// With properties in an unusual order, lists among them and an element that means nothing to us.
+std::string ply(const TriangleMesh& mesh, const std::string& format) {
+    std::string out = fmt::format(
+        "ply\nformat {} 1.0\ncomment by a test\nelement camera 2\nproperty list uchar short seen\n"
+        "element vertex {}\nproperty uchar red\nproperty double z\nproperty double x\n"
+        "property list ushort int used_by\nproperty double y\nelement face {}\n"
+        "property float quality\nproperty list uchar uint vertex_indices\nend_header\n",
+        format, mesh.vertices.size(), mesh.triangles.size());
+    if (format == "ascii") {
+        out += "0\n2 -7 8\n";
+        for (const auto& v : mesh.vertices)
+            out += fmt::format("255 {} {} 1 4 {}\n", v[2], v[0], v[1]);
+        for (const auto& t : mesh.triangles)
+            out += fmt::format("0.5 3 {} {} {}\n", t[0], t[1], t[2]);
+        return out;
+    }
+    const bool big = format == "binary_big_endian";
+    const auto put = [&](auto value) { out += bytes(value, big); };
+    put(std::uint8_t{0});
+    put(std::uint8_t{2});
+    put(std::int16_t{-7});
+    put(std::int16_t{8});
+    for (const auto& v : mesh.vertices) {
+        put(std::uint8_t{255});
+        put(v[2]);
+        put(v[0]);
+        put(std::uint16_t{1});
+        put(std::int32_t{4});
+        put(v[1]);
+    }
+    for (const auto& t : mesh.triangles) {
+        put(0.5f);
+        put(std::uint8_t{3});
+        for (const auto v : t) put(v);
+    }
+    return out;
+}
+
+TriangleMesh tetrahedron() {
+    TriangleMesh mesh;
+    mesh.vertices = {{{0, 0, 0}}, {{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}};
+    mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+    return mesh;
+}
+
+struct Sample {
+    std::string name;
+    std::string content;
+};
+
+/// One file of every format and encoding.
+std::vector<Sample> samples(const TriangleMesh& mesh) {
+    return {{"b.stl", binaryStl(mesh)},
+            {"a.stl", asciiStl(mesh)},
+            {"a.obj", obj(mesh, plainCorner)},
+            {"a.off", off(mesh)},
+            {"a.ply", ply(mesh, "ascii")},
+            {"l.ply", ply(mesh, "binary_little_endian")},
+            {"b.ply", ply(mesh, "binary_big_endian")}};
+}
+
+/// The corners of all triangles, in order.
+std::vector<Vec<3>> corners(const TriangleMesh& mesh) {
+    std::vector<Vec<3>> all;
+    for (const auto& t : mesh.triangles)
+        for (const auto v : t) all.push_back(mesh.vertices.at(v));
+    return all;
+}
+
+std::string messageOf(const std::function<void()>& f) {
+    try {
+        f();
+    } catch (const Error& e) {
+        return e.what();
+    }
+    return "nothing thrown";
+}
+
+TEST_CASE("every format comes back with all its digits", "[mesh]") {
+    const Folder folder;
+    const auto mesh =
+        translated(rotated(torusMesh(5, 2, 11, 7), {{1, 2, 3}}, 1.0), {{-730, 1000.0 / 3, 80}});
+    for (const auto& sample : samples(mesh)) {
+        CAPTURE(sample.name);
+        MeshFileFacts facts;
+        const auto read = readMesh(folder.write(sample.name, sample.content), {}, &facts);
+        REQUIRE(read.vertices.size() == mesh.vertices.size());
+        CHECK(facts.bytes == sample.content.size());
+        CHECK(facts.faces == mesh.triangles.size());
+        CHECK(facts.unusedVertices == 0);
+        if (sample.name == "b.stl") {
+            CHECK(facts.singlePrecision);
+            // volatile: GCC 12 at -O3 (SLP) drops the rounding of x = double(float(x)) in place.
+            const auto floats = mapped(mesh, [](Vec<3> v) {
+                for (auto& x : v.c) {
+                    const volatile float rounded = static_cast<float>(x);
+                    x = static_cast<double>(rounded);
+                }
+                return v;
+            });
+            CHECK(corners(read) == corners(floats));
+        } else {
+            CHECK(!facts.singlePrecision);
+            CHECK(corners(read) == corners(mesh));
+        }
+        if (sample.name.find("stl") == std::string::npos) {
+            // Formats with vertices keep their order.
+            CHECK(read.vertices == mesh.vertices);
+            CHECK(read.triangles == mesh.triangles);
+            CHECK(facts.mergedVertices == 0);
+        } else {
+            CHECK(facts.vertices == 3 * mesh.triangles.size());
+            CHECK(facts.mergedVertices == facts.vertices - mesh.vertices.size());
+        }
+    }
+}
+
+TEST_CASE("a file cut off anywhere is refused or gives a sound mesh", "[mesh]") {
+    const Folder folder;
+    for (const auto& sample : samples(tetrahedron())) {
+        for (std::size_t n = 0; n <= sample.content.size(); ++n) {
+            CAPTURE(sample.name, n);
+            const auto path = folder.write(sample.name, sample.content.substr(0, n));
+            try {
+                const auto mesh = readMesh(path);
+                REQUIRE(!mesh.triangles.empty());
+                for (const auto& p : corners(mesh)) REQUIRE(isFinite(p));
+                // Only text without counts can lose its end unnoticed, and a last line end.
+                if (sample.name != "a.obj") REQUIRE(n + 1 >= sample.content.size() - 40);
+            } catch (const InputError& e) {
+                REQUIRE_THAT(e.what(), Contains(path));
+                REQUIRE(n < sample.content.size());
+            }
+        }
+    }
+}
+
+TEST_CASE("a file with any bytes changed is refused or gives a sound mesh", "[mesh]") {
+    const Folder folder;
+    const auto seed = GENERATE(range(1u, 5u));
+    CAPTURE(seed);
+    RandomStream random(seed, 2);
+    for (const auto& sample : samples(tetrahedron()))
+        for (int round = 0; round < 400; ++round) {
+            std::string content = sample.content;
+            for (std::uint64_t k = 0; k <= random.bits() % 3; ++k) {
+                const std::size_t at = random.bits() % content.size();
+                content[at] = static_cast<char>(random.bits() % 256);
+                // Digits and signs get further into a text than noise does.
+                if (random.bits() % 2 == 0) content[at] = "0123456789-+.e \n/"[random.bits() % 17];
+            }
+            CAPTURE(sample.name, round);
+            try {
+                const auto mesh = readMesh(folder.write(sample.name, content));
+                REQUIRE(!mesh.triangles.empty());
+                for (const auto& p : corners(mesh)) REQUIRE(isFinite(p));
+            } catch (const Error&) {
+                SUCCEED("refused");
+            }
+        }
+}
+
+TEST_CASE("binary and ASCII STL are told apart by content", "[mesh]") {
+    const Folder folder;
+    const auto mesh = tetrahedron();
+    CHECK(readMesh(folder.write("a.stl", binaryStl(mesh, "solid by name only"))).triangles.size() ==
+          4);
+    CHECK(readMesh(folder.write("b.STL", "\n  SOLID\n" + asciiStl(mesh).substr(30)))
+              .triangles.size() == 4);
+    // Two solids in one file.
+    CHECK(readMesh(folder.write("c.stl", asciiStl(mesh) + asciiStl(mesh))).triangles.size() == 8);
+}
+
+TEST_CASE("OBJ corners are read in all their forms", "[mesh]") {
+    const Folder folder;
+    const auto mesh = tetrahedron();
+    const auto same = [&](const std::string& text) {
+        const auto read = readMesh(folder.write("a.obj", text));
+        return read.vertices == mesh.vertices && read.triangles == mesh.triangles;
+    };
+    CHECK(same(obj(mesh, [](auto v, auto) { return fmt::format("{}/1", v); })));
+    CHECK(same(obj(mesh, [](auto v, auto) { return fmt::format("{}//1", v); })));
+    CHECK(same(obj(mesh, [](auto v, auto) { return fmt::format("{}/1/1", v); })));
+    CHECK(same(obj(mesh, [](auto v, auto n) {
+        return std::to_string(static_cast<long>(v) - static_cast<long>(n) - 1);
+    })));
+    // Windows line ends, tabs, weights and colors, a continued line, plus signs.
+    CHECK(
+        same("v\t0 0 0 1\r\nv +1 0 0\r\nv 0 1.0e0 0 0.5 0.5 0.5\r\nv 0 0 1\r\nf 1 3 2\r\n"
+             "f 1 2 \\\r\n 4\r\nf 1 4 3\r\nf 2 3 4"));
+    // Line ends of old Mac software.
+    CHECK(same("v 0 0 0\rv 1 0 0\rv 0 1 0\rv 0 0 1\rf 1 3 2\rf 1 2 \\\r 4\rf 1 4 3\rf 2 3 4\r"));
+    // Faces before their vertices.
+    CHECK(same("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"));
+}
+
+TEST_CASE("polygons are cut into fans", "[mesh]") {
+    const Folder folder;
+    const std::string vertices = "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 2 0\n";
+    const std::vector<std::array<std::uint32_t, 3>> fan{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
+    CHECK(readMesh(folder.write("a.off", "OFF\n5 1 0\n" + vertices + "5 0 1 2 3 4\n")).triangles ==
+          fan);
+    CHECK(readMesh(folder.write("a.ply",
+                                "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\n"
+                                "property int y\nproperty double z\nelement face 1\n"
+                                "property list uchar int vertex_index\nend_header\n" +
+                                    vertices + "5 0 1 2 3 4\n"))
+              .triangles == fan);
+    CHECK(readMesh(
+              folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 2 1 0\nv 1 2 0\nv 0 2 0\nf 1 2 3 4 5\n"))
+              .triangles == fan);
+}
+
+TEST_CASE("vertices with the same coordinates are welded, unused ones dropped", "[mesh]") {
+    const Folder folder;
+    MeshFileFacts facts;
+    const auto mesh = readMesh(folder.write("a.obj",
+                                            "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 -0\n"
+                                            "v 0 1 -0.0\nv 1 1 0\nf 2 3 4\nf 5 7 6\n"),
+                               {}, &facts);
+    CHECK(mesh.vertices.size() == 4);
+    CHECK(mesh.triangles == decltype(mesh.triangles){{0, 1, 2}, {1, 3, 2}});
+    CHECK(facts.vertices == 7);
+    CHECK(facts.mergedVertices == 2);
+    CHECK(facts.unusedVertices == 1);
+    for (const auto& v : mesh.vertices)
+        for (const double x : v.c) CHECK(!std::signbit(x));
+    // Neighbors in the last digit stay apart.
+    CHECK(readMesh(folder.write("b.obj",
+                                "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1.0000000000000002 0 0\nv 0 1 0\n"
+                                "v 1 1 0\nf 1 2 3\nf 4 6 5\n"))
+              .vertices.size() == 5);
+}
+
+TEST_CASE("welding twice is welding once, and agrees with a comparison of all pairs", "[mesh]") {
+    const auto seed = GENERATE(range(1u, 11u));
+    CAPTURE(seed);
+    RandomStream random(seed, 3);
+    TriangleMesh soup;
+    for (int i = 0; i < 300; ++i) {
+        Vec<3> p;
+        for (auto& x : p.c) x = (random.bits() % 2 == 0 ? -1.0 : 1.0) * double(random.bits() % 3);
+        soup.vertices.push_back(p);
+    }
+    const auto any = [&] { return static_cast<std::uint32_t>(random.bits() % 300); };
+    for (int i = 0; i < 60; ++i) soup.triangles.push_back({any(), any(), any()});
+    std::vector<Vec<3>> distinct;
+    for (const auto& p : corners(soup))
+        if (std::find(distinct.begin(), distinct.end(), p) == distinct.end()) distinct.push_back(p);
+    const auto once = welded(soup);
+    CHECK(once.vertices.size() == distinct.size());
+    CHECK(corners(once) == corners(soup));
+    const auto twice = welded(once);
+    CHECK(twice.vertices == once.vertices);
+    CHECK(twice.triangles == once.triangles);
+}
+
+TEST_CASE("coordinates come back in millimeters", "[mesh]") {
+    const Folder folder;
+    const auto path = folder.write("a.obj", obj(tetrahedron(), plainCorner));
+    MeshReadOptions options;
+    options.unit = Unit::meter;
+    options.scale = 0.5;
+    CHECK(readMesh(path, options).vertices[1] == Vec<3>{{500, 0, 0}});
+    options.unit = Unit::micrometer;
+    options.scale = 1;
+    CHECK(readMesh(path, options).vertices[1] == Vec<3>{{0.001, 0, 0}});
+    for (const double scale : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(),
+                               std::numeric_limits<double>::infinity()}) {
+        options.scale = scale;
+        CHECK_THROWS_AS(readMesh(path, options), ParameterError);
+    }
+}
+
+TEST_CASE("unusable files are refused with what and where", "[mesh]") {
+    const Folder folder;
+    const auto refusal = [&](const std::string& name, const std::string& content) {
+        const auto path = folder.write(name, content);
+        CHECK_THROWS_AS(readMesh(path), InputError);
+        const auto message = messageOf([&] { readMesh(path); });
+        CHECK_THAT(message, Contains(path));
+        return message;
+    };
+    SECTION("missing, folder, unknown format, empty, no triangles") {
+        CHECK_THROWS_AS(readMesh(folder.file("none.stl")), IoError);
+        CHECK_THAT(messageOf([&] { readMesh(folder.file("none.stl")); }), Contains("No such file"));
+        std::filesystem::create_directory(folder.file("f.stl"));
+        CHECK_THROWS_AS(readMesh(folder.file("f.stl")), IoError);
+        CHECK_THAT(refusal("skull.vtp", "<VTKFile/>"),
+                   Contains("'.vtp'") && Contains(".stl, .obj, .ply or .off"));
+        CHECK_THAT(refusal("noextension", "x"), Contains(".stl"));
+        for (const auto* name : {"e.stl", "e.obj", "e.ply", "e.off"})
+            CHECK_THAT(refusal(name, ""), Contains("is empty"));
+        CHECK_THAT(refusal("n.stl", "solid x\nendsolid x\n"), Contains("no triangles"));
+        CHECK_THAT(refusal("n.stl", binaryStl({})), Contains("no triangles"));
+        CHECK_THAT(refusal("n.obj", "v 0 0 0\n"), Contains("no triangles"));
+        CHECK_THAT(refusal("n.off", "OFF\n1 0 0\n0 0 0\n"), Contains("no triangles"));
+        CHECK_THAT(refusal("n.ply",
+                           "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
+                           "property float y\nproperty float z\nend_header\n0 0 0\n"),
+                   Contains("no faces"));
+    }
+    SECTION("coordinates that are not finite or absurd") {
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nv 0 nan 0\n"),
+                   Contains("line 2") && Contains("not finite"));
+        CHECK_THAT(refusal("a.obj", "v 0 1e999 0\n"), Contains("line 1") && Contains("finite"));
+        CHECK_THAT(refusal("a.obj", "v 0 0 2e9\n"), Contains("line 1") && Contains("unit"));
+        CHECK_THAT(refusal("a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n"),
+                   Contains("line 4"));
+        auto mesh = tetrahedron();
+        mesh.vertices[2][1] = std::numeric_limits<double>::quiet_NaN();
+        CHECK_THAT(refusal("a.stl", binaryStl(mesh)),
+                   Contains("byte 108") && Contains("vertex 1 of triangle 0"));
+        CHECK_THAT(refusal("a.ply", ply(mesh, "binary_big_endian")),
+                   Contains("vertex 2 is not finite"));
+        MeshReadOptions meters;
+        meters.unit = Unit::meter;
+        const auto path = folder.write("m.obj", "v 0 0 0\nv 2e6 0 0\nv 0 1 0\nf 1 2 3\n");
+        CHECK(readMesh(path).vertices.size() == 3);
+        CHECK_THROWS_AS(readMesh(path, meters), InputError);
+    }
+    SECTION("a number too small for double is zero") {
+        const auto path = folder.write("a.obj", "v 1e-999 0 -1E-400\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+        CHECK(readMesh(path).vertices[0] == Vec<3>{});
+    }
+    SECTION("indices out of range") {
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n"),
+                   Contains("line 5") && Contains("vertex 4"));
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 0 1\n"), Contains("line 2"));
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 -2 1\n"), Contains("line 2"));
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 99999999999999 1\n"), Contains("line 2"));
+        CHECK_THAT(refusal("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n"),
+                   Contains("line 6") && Contains("vertex 3"));
+        auto mesh = tetrahedron();
+        mesh.triangles[3][1] = 4;
+        CHECK_THAT(refusal("a.ply", ply(mesh, "binary_little_endian")),
+                   Contains("face 3") && Contains("vertex 4"));
+        CHECK_THAT(refusal("b.ply", ply(mesh, "ascii")), Contains("face 3") && Contains("line"));
+    }
+    SECTION("counts that lie") {
+        auto stl = binaryStl(tetrahedron());
+        stl.replace(80, 4, bytes(std::uint32_t{0xffffffff}));
+        CHECK_THAT(refusal("a.stl", stl), Contains("4294967295"));
+        stl.replace(80, 4, bytes(std::uint32_t{3}));
+        CHECK_THAT(refusal("b.stl", stl), Contains("3 triangles"));
+        CHECK_THAT(refusal("c.stl", "hello"), Contains("no whole STL file"));
+        CHECK_THAT(refusal("a.off", "OFF\n4000000000000000000 1 0\n0 0 0\n"), Contains("too many"));
+        CHECK_THAT(refusal("b.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n"),
+                   Contains("line 7"));
+        CHECK_THAT(refusal("c.off", "OFF\n-3 1 0\n"), Contains("negative"));
+        const std::string head = "ply\nformat binary_little_endian 1.0\nelement vertex ";
+        const std::string xyz = "\nproperty float x\nproperty float y\nproperty float z\n";
+        CHECK_THAT(refusal("a.ply", head + "4000000000" + xyz +
+                                        "element face 1\nproperty list uchar int vertex_indices\n"
+                                        "end_header\n"),
+                   Contains("too many"));
+        CHECK_THAT(refusal("b.ply", head + "1" + xyz +
+                                        "element face 1\nproperty list int int vertex_indices\n"
+                                        "end_header\n" +
+                                        std::string(12, '\0') + bytes(std::int32_t{2000000000})),
+                   Contains("list of 2000000000"));
+        CHECK_THAT(refusal("c.ply", ply(tetrahedron(), "binary_little_endian") + "more"),
+                   Contains("goes on"));
+    }
+    SECTION("text that is none of the format") {
+        CHECK_THAT(refusal("a.obj", "v 0 0 zero\n"), Contains("line 1") && Contains("'zero'"));
+        CHECK_THAT(refusal("a.obj", "v 0 0\n"), Contains("line 1"));
+        CHECK_THAT(refusal("a.obj", "v 0 0 0\nf 1 1\n"), Contains("2 corners"));
+        CHECK_THAT(refusal("a.obj", "v 0,5 0 0\n"), Contains("'0,5'"));
+        CHECK_THAT(refusal("a.obj", std::string("\x01\x02\x03", 3)), Contains("line 1"));
+        CHECK_THAT(refusal("a.off", "OFF BINARY\n"), Contains("binary"));
+        CHECK_THAT(refusal("a.off", "4OFF\n3 1 0\n"), Contains("'4OFF'"));
+        CHECK_THAT(refusal("a.ply", "plyx\n"), Contains("'ply'"));
+        CHECK_THAT(refusal("a.ply", "ply\nformat ascii 1.0\nelement vertex 1\nproperty half x\n"),
+                   Contains("line 4") && Contains("'half'"));
+    }
+}
+
+TEST_CASE("OFF is read with colors, normals and without its first word", "[mesh]") {
+    const Folder folder;
+    CHECK(readMesh(folder.write("a.off",
+                                "COFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 0 0 1 1\n"
+                                "3 0 1 2\n"))
+              .vertices.size() == 3);
+    CHECK(readMesh(folder.write("b.off", "3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2")).vertices.size() ==
+          3);
+    CHECK(readMesh(folder.write("c.off", "OFF 3 1 0\n0 0 0\n# half\n\n1 0 0\n0 1 0\n3 0 1 2"))
+              .vertices.size() == 3);
+}
+
+TEST_CASE("a PLY header of any length is read in proportion", "[mesh]") {
+    const Folder folder;
+    std::string text = "ply\nformat ascii 1.0\n";
+    for (int i = 0; i < 200'000; ++i) text += fmt::format("element e{} 0\n", i);
+    CHECK_THROWS_AS(readMesh(folder.write("a.ply", text + "element e7 0\nend_header\n")),
+                    InputError);
+}
+
+TEST_CASE("lines longer than the buffer are read", "[mesh]") {
+    const Folder folder;
+    std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\n# " + std::string(9'000'000, 'x') + "\nf 1 2";
+    text += std::string(5'000'000, ' ') + "3\n";
+    CHECK(readMesh(folder.write("a.obj", text)).triangles.size() == 1);
+}
+
+}  // namespace
+}  // namespace vdbpack::test
