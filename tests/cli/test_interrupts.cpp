@@ -1,6 +1,9 @@
 // Runs that are asked to stop: what is complete is kept, verified, and soon.
 #include "cli/recipes.h"
+#include "support/paths.h"
+#include "support/process.h"
 #include "support/temporary_folder.h"
+#include "support/tool.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/pack/packer.h"
@@ -9,6 +12,7 @@
 #include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
 
 #include <atomic>
 #include <filesystem>
@@ -17,13 +21,6 @@
 #include <string>
 #include <variant>
 #include <vector>
-
-#if defined(VDBPACK_TOOL)
-#include "support/process.h"
-#include "support/tool.h"
-
-#include <nlohmann/json.hpp>
-#endif
 
 using namespace vdbpack;
 using test::recipeFor;
@@ -158,8 +155,6 @@ TEST_CASE("runs with nothing to keep throw when they are cancelled, and write no
     }
 }
 
-#if defined(VDBPACK_TOOL)
-
 TEST_CASE("an interrupt of the paper's cube stops the packing within half a second", "[.slow]") {
     const TemporaryFolder folder;
     const std::string cube = "box:370,370,370";
@@ -227,7 +222,7 @@ TEST_CASE("a second interrupt ends the run at once and leaves no debris", "[.slo
 TEST_CASE("interrupts of other commands on a bone end them at once, with nothing half written",
           "[.slow]") {
     const TemporaryFolder folder;
-    const std::string bone = VDBPACK_MESHES "/femur.ply";
+    const std::string bone = test::kMeshes + "/femur.ply";
     const std::string given = folder.file("given.vdb");
     REQUIRE(test::vdbPack("pack " + bone + " -o " + given + " --quiet").code == 0);
     std::filesystem::remove(folder.file("given.recipe.toml"));
@@ -265,5 +260,3 @@ TEST_CASE("interrupts of other commands on a bone end them at once, with nothing
             }
         }
 }
-
-#endif

@@ -3,6 +3,7 @@
 #include "support/generators.h"
 #include "support/limited_tool.h"
 #include "support/mesh_file.h"
+#include "support/paths.h"
 #include "support/process.h"
 #include "support/temporary_folder.h"
 
@@ -277,7 +278,8 @@ TEST_CASE("memory that ends at any moment of a run ends it with its exit code", 
     const std::string box = "box:90,90,90";
     REQUIRE(vdbPackWithin(60, {"pack", box, "--radius", "uniform:0.7,1.4", "-o", pack}).code == 0);
     const std::string lines[] = {
-        "pack " VDBPACK_MESHES "/mandible.ply --radius uniform:0.5,1 --voxel 0.3 -o @.vdb -o @.stl",
+        "pack " + test::kMeshes +
+            "/mandible.ply --radius uniform:0.5,1 --voxel 0.3 -o @.vdb -o @.stl",
         "voids " + box + " --voids boolean --void-radius constant:2 --target-bvtv 0.4 -o @.vdb" +
             " -o @.stl",
         "convert " + pack + " --domain " + box + " -o @.vdb -o @.stl -o @.vtp -o @.npz"};

@@ -2,6 +2,7 @@
 #include "cli/recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/mesh/formats/mesh_io.h"
@@ -68,6 +69,6 @@ TEST_CASE("a ball packs as well far away and in meters or micrometers", "[run][p
 
 TEST_CASE("a mandible packs as well far away and in meters or micrometers",
           "[run][precision][.slow]") {
-    const auto mesh = readMesh(VDBPACK_MESHES "/mandible.ply");
+    const auto mesh = readMesh(test::kMeshes + "/mandible.ply");
     checkMoved(mesh, "", 30000, 0.003);
 }

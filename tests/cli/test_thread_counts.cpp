@@ -2,6 +2,7 @@
 #include "cli/recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/rng.h"
@@ -30,7 +31,7 @@ namespace {
 const char* const kBones[] = {"femur", "hip", "irregular", "mandible", "skull"};
 
 std::string boneFile(const std::string& name) {
-    return VDBPACK_MESHES "/" + name + ".ply";
+    return test::kMeshes + "/" + name + ".ply";
 }
 
 std::string bytesOf(const std::string& path) {

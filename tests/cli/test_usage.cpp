@@ -2,6 +2,7 @@
 #include "cli/help.h"
 #include "cli/progress_line.h"
 #include "cli/suggest.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/tool.h"
 
@@ -119,7 +120,7 @@ TEST_CASE("progress tells rate and time left once there is something to tell", "
 
 TEST_CASE("the shell completes commands, options and their words", "[cli]") {
     const auto completed = [](const std::string& words, const std::string& word) {
-        return vdbpack::test::shell("bash -c 'source <(" + std::string(VDBPACK_TOOL) +
+        return vdbpack::test::shell("bash -c 'source <(" + test::kTool +
                                     " completion bash); COMP_WORDS=(vdb_pack " + words + " \"" +
                                     word +
                                     "\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _vdb_pack; echo "
@@ -197,7 +198,7 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
             REQUIRE(from != std::string::npos);
             const std::string word = left.substr(from, left.find('\n', from) - from);
             std::remove(pack.c_str());
-            std::ofstream(folder.file("again")) << VDBPACK_TOOL " pack --json " << word << '\n';
+            std::ofstream(folder.file("again")) << test::kTool + " pack --json " << word << '\n';
             CHECK(hashOf(vdbpack::test::shell("bash " + folder.file("again"))) == given);
             CHECK(textOf(pack) == content);
         }

@@ -1,6 +1,7 @@
 // Outputs of the program where disks are full, folders are read-only and processes are killed: each
 // is whole, or as it was before.
 #include "formats/scratch.h"
+#include "support/paths.h"
 #include "support/process.h"
 #include "support/tool.h"
 
@@ -126,7 +127,7 @@ TEST_CASE("every output survives a limit on the size of files, and its former fi
         for (const std::uintmax_t limit : {std::uintmax_t{0}, largest / 1024, largest / 512 + 1}) {
             CAPTURE(w.output, largest, limit);
             for (const auto& name : w.files) putContent(given.out() + "/" + name, "former");
-            const auto run = shell("ulimit -f " + std::to_string(limit) + "; " VDBPACK_TOOL " " +
+            const auto run = shell("ulimit -f " + std::to_string(limit) + "; " + test::kTool + " " +
                                    given.arguments(w, given.out()));
             CAPTURE(run.text);
             auto names = w.files;
@@ -169,7 +170,7 @@ TEST_CASE("every output survives a full disk", "[.slow][output]") {
                     for (const auto& name : w.files) names += name + " ";
                     return names;
                 }() +
-                "; do printf former > $f; done; " VDBPACK_TOOL " " +
+                "; do printf former > $f; done; " + test::kTool + " " +
                 given.arguments(w, given.out() + "/disk") + "; code=$?; mkdir " + given.out() +
                 "/left; cp -r . " + given.out() + "/left/; exit $code";
             fs::remove_all(given.out() + "/left");
@@ -193,10 +194,9 @@ TEST_CASE("a read-only folder is told before the work, and nothing changes", "[o
     if (!isAllowed(kApart)) return;
     const Given given;
     putContent(given.out() + "/p.csv", "former");
-    const auto run =
-        shell(kApart + " 'mount --bind " + given.out() + " " + given.out() +
-              " && mount -o remount,bind,ro " + given.out() + " && " VDBPACK_TOOL " convert " +
-              given.pack + " -o " + given.out() + "/p.csv'");
+    const auto run = shell(kApart + " 'mount --bind " + given.out() + " " + given.out() +
+                           " && mount -o remount,bind,ro " + given.out() + " && " + test::kTool +
+                           " convert " + given.pack + " -o " + given.out() + "/p.csv'");
     CAPTURE(run.text);
     CHECK(run.code == 4);
     CHECK(contentOf(given.out() + "/p.csv") == "former");
@@ -228,7 +228,7 @@ TEST_CASE("a file that standard output goes to is no output", "[output]") {
     const Given given;
     const std::string file = given.out() + "/log.txt";
     putContent(file, "former\n");
-    const auto run = shell("bash -c '" VDBPACK_TOOL " convert " + given.pack +
+    const auto run = shell("bash -c '" + test::kTool + " convert " + given.pack +
                            " -o yade:/dev/stdout --json >> " + file + " 2> /dev/null'");
     CHECK(run.code == 4);
     CHECK(contentOf(file) == "former\n");
@@ -237,7 +237,7 @@ TEST_CASE("a file that standard output goes to is no output", "[output]") {
 TEST_CASE("of several outputs the first that fails ends the run, and those before it stay",
           "[output]") {
     const Given given;
-    const std::string convert = VDBPACK_TOOL " convert " + given.pack + " -o " + given.out() +
+    const std::string convert = test::kTool + " convert " + given.pack + " -o " + given.out() +
                                 "/a.npz -o " + given.out() + "/b.csv -o " + given.out() + "/c.npz";
     REQUIRE(shell(convert).code == 0);
     const std::string whole = contentOf(given.out() + "/a.npz");
@@ -331,7 +331,7 @@ TEST_CASE("a broken pipe or a full one on standard output is told, and files are
           "[output]") {
     const Given given;
     const std::string file = given.out() + "/p.csv";
-    const std::string convert = VDBPACK_TOOL " convert " + given.pack + " -o " + file;
+    const std::string convert = test::kTool + " convert " + given.pack + " -o " + file;
     CHECK(shell(convert + " > /dev/full").code == 4);
     CHECK(contentOf(file) == contentOf(given.pack));
     fs::remove(file);
@@ -396,9 +396,9 @@ TEST_CASE("a run with too little memory says so, and leaves nothing half written
     const Given given;
     const std::vector<std::string> commands{
         "pack box:60,60,60 --radius uniform:0.5,1 -o " + given.out() + "/p.vdb",
-        "pack " VDBPACK_MESHES "/irregular.ply --target-count 5000 -o " + given.out() + "/p.vtp",
+        "pack " + test::kMeshes + "/irregular.ply --target-count 5000 -o " + given.out() + "/p.vtp",
         "voids box:20,20,20 --voids boolean --void-radius constant:1 -o " + given.out() + "/p.vdb",
-        "verify " + given.pack + " --domain " VDBPACK_MESHES "/irregular.ply",
+        "verify " + given.pack + " --domain " + test::kMeshes + "/irregular.ply",
         "measure " + given.pack + " --domain " + kBall,
         "convert " + given.pack + " --domain " + kBall + " -o " + given.out() + "/p.stl"};
     for (const std::string& command : commands) {
@@ -407,11 +407,11 @@ TEST_CASE("a run with too little memory says so, and leaves nothing half written
         for (int limit = 120000; limit < 1500000; limit = limit * 7 / 4) {
             given.clear();
             CAPTURE(command, limit);
-            const auto run = shell("ulimit -v " + std::to_string(limit) +
-                                   "; timeout 60 " VDBPACK_TOOL
-                                   " --help > /dev/null 2>&1 || "
-                                   "exit 99; timeout 60 " VDBPACK_TOOL " " +
-                                   command + " --threads 2");
+            const auto run =
+                shell("ulimit -v " + std::to_string(limit) + "; timeout 60 " + test::kTool +
+                      " --help > /dev/null 2>&1 || "
+                      "exit 99; timeout 60 " +
+                      test::kTool + " " + command + " --threads 2");
             if (run.code == 99) continue;  // not even the libraries could be loaded
             CAPTURE(run.text);
             refused += run.code == 5;

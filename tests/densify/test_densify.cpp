@@ -1,6 +1,7 @@
 // Densified packs: no overlap, nothing outside, the radii that were given, the same for any
 // threads.
 #include "support/generators.h"
+#include "support/paths.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
@@ -150,7 +151,7 @@ TEMPLATE_TEST_CASE_SIG("overlaps are removed, whoever made them", "[densify]", (
 }
 
 TEST_CASE("a pack that YADE compressed comes apart", "[densify]") {
-    const auto given = readPack("yade:" VDBPACK_YADE_PACK).spheres;
+    const auto given = readPack("yade:" + test::kTests + "/densify/yade_pack.txt").spheres;
     const auto domain = boxDomain<3>({{}, Box<3>::filled(10)});
     REQUIRE(checkOverlap(given).max > 0.02);
     const auto result = densify(*domain, given, {});

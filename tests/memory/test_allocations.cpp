@@ -1,5 +1,6 @@
 // Runs whose memory ends at some allocation, and whose callbacks throw: each leaves as an
 // exception, and no file is left half written.
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
@@ -229,7 +230,7 @@ std::vector<Command> commandsIn(const TemporaryFolder& folder, const std::string
                         }});
     commands.push_back({"pack of a mesh", [=, &folder](const Callbacks& callbacks) {
                             PackRecipe recipe;
-                            recipe.domain.source = VDBPACK_MESHES "/irregular.ply";
+                            recipe.domain.source = test::kMeshes + "/irregular.ply";
                             recipe.targetCount = 500;
                             recipe.threads = 2;
                             recipe.outputs = {folder.file("m.vdb"), folder.file("m.stl")};

@@ -1,6 +1,8 @@
 // The program itself, with what it took of time and memory.
 #pragma once
 
+#include "support/paths.h"
+
 #include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <sys/resource.h>
@@ -25,7 +27,7 @@ struct Measured {
 inline Measured vdbPackWithin(unsigned seconds, const std::vector<std::string>& arguments) {
     int ends[2];
     REQUIRE(::pipe2(ends, O_CLOEXEC) == 0);
-    std::string program = VDBPACK_TOOL;
+    std::string program = kTool;
     std::vector<std::string> words = arguments;
     std::vector<char*> argv{program.data()};
     for (std::string& word : words) argv.push_back(word.data());

@@ -1,6 +1,8 @@
 // The program as a process of its own, to be interrupted and killed by tests.
 #pragma once
 
+#include "support/paths.h"
+
 #include <catch2/catch.hpp>
 #include <fcntl.h>
 #include <signal.h>
@@ -23,7 +25,7 @@ inline void sleepFor(double seconds) {
 class Process {
 public:
     explicit Process(const std::vector<std::string>& arguments) {
-        std::vector<std::string> all{VDBPACK_TOOL};
+        std::vector<std::string> all{kTool};
         all.insert(all.end(), arguments.begin(), arguments.end());
         std::vector<char*> argv;
         for (std::string& a : all) argv.push_back(a.data());

@@ -1,6 +1,8 @@
 // The program itself, run by tests.
 #pragma once
 
+#include "support/paths.h"
+
 #include <catch2/catch.hpp>
 #include <sys/wait.h>
 
@@ -29,7 +31,7 @@ inline Output shell(const std::string& command) {
 
 /// Runs vdb_pack with these arguments.
 inline Output vdbPack(const std::string& arguments) {
-    return shell(std::string(VDBPACK_TOOL) + " " + arguments);
+    return shell(kTool + " " + arguments);
 }
 
 }  // namespace vdbpack::test
