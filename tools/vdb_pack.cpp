@@ -14,11 +14,8 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/mman.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
-#include <array>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -64,61 +61,13 @@ void onSignal(int) {
         "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n");
 }
 
-constexpr char kNoMemory[] =
-    "vdb_pack: not enough memory; ask for larger radii or clip the domain\n";
-
-/// Where a destructor of a library runs out of memory: OpenVDB's and nlohmann-json's take some.
-[[noreturn]] void onTerminate() {
-    removeTemporaryFiles();
-    int code = kIoFailed;
-    try {
-        if (const auto failure = std::current_exception()) std::rethrow_exception(failure);
-    } catch (const std::bad_alloc&) {
-        sayFromHandler(kNoMemory);
-        code = kNoResources;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "vdb_pack: %s\n", e.what());
-        if (isShortage(e)) code = kNoResources;
-    } catch (...) {
-    }
-    ::_exit(code);
-}
-
-/// OpenVDB's trees and contours come apart where memory ends within them, and Blosc does not look
-/// at what it is given: that is told as what it is, and anything else left to end the process as it
-/// would.
-[[maybe_unused]] void onCrash(int number) {
-    constexpr std::size_t kLittle = std::size_t{16} << 20;
-    const bool none = ::mmap(nullptr, kLittle, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS,
-                             -1, 0) == MAP_FAILED;
-    if (none || MemoryReserve::isSpent()) {
-        removeTemporaryFiles();
-        sayFromHandler(kNoMemory);
-        ::_exit(kNoResources);
-    }
-    std::signal(number, SIG_DFL);
-    std::raise(number);
-}
-
-/// Signals that ask to stop, and those that would end the process where writing fails: that is
-/// told by what was called.
+/// Signals that ask to stop, and those that would end the process where writing fails: the call
+/// that writes reports that itself.
 void handleSignals() {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGINT, onSignal);
     std::signal(SIGTERM, onSignal);
-#ifndef VDBPACK_SANITIZED  // which tell of a crash themselves
-    // On a stack of its own: that of the main thread may have no room to grow either.
-    static std::array<char, 65536> stack;
-    stack_t other{};
-    other.ss_sp = stack.data();
-    other.ss_size = stack.size();
-    ::sigaltstack(&other, nullptr);
-    struct sigaction action {};
-    action.sa_handler = onCrash;
-    action.sa_flags = SA_ONSTACK;
-    for (const int number : {SIGSEGV, SIGBUS, SIGABRT}) ::sigaction(number, &action, nullptr);
-#endif
     // A run that is to survive its terminal (nohup) does.
     if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
@@ -295,48 +244,10 @@ int runCommand(const CliOptions& options) {
     return kUsage;
 }
 
-double memoryLimitOf(const CliOptions& options) {
-    switch (options.command) {
-        case CliOptions::Command::pack:
-            return options.pack.memoryLimit;
-        case CliOptions::Command::voids:
-            return options.voids.memoryLimit;
-        case CliOptions::Command::carve:
-            return options.carve.memoryLimit;
-        case CliOptions::Command::densify:
-            return options.densify.memoryLimit;
-        case CliOptions::Command::verify:
-            return options.verify.memoryLimit;
-        case CliOptions::Command::measure:
-            return options.measure.memoryLimit;
-        case CliOptions::Command::convert:
-            return options.convert.memoryLimit;
-        case CliOptions::Command::mesh:
-            break;
-    }
-    return 0;
-}
-
-/// The last net, where nothing asks how much is held: beyond this, allocations fail. It counts what
-/// is asked for and not what is held (up to twice as much while arrays grow), so it is wider than
-/// the limit, and leaves room for the stacks of threads.
-void limitData([[maybe_unused]] double memory) {
-#ifndef VDBPACK_SANITIZED  // whose own tables would count
-    const double most = 2 * memoryLimit(memory) + 1e9;
-    rlimit limit{};
-    if (::getrlimit(RLIMIT_DATA, &limit) != 0 || !(most < 9e18)) return;
-    const auto bytes = static_cast<rlim_t>(most);
-    if (limit.rlim_cur != RLIM_INFINITY && limit.rlim_cur <= bytes) return;
-    limit.rlim_cur = bytes;
-    ::setrlimit(RLIMIT_DATA, &limit);
-#endif
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
     handleSignals();
-    std::set_terminate(onTerminate);
     const auto fail = [](const char* message, int code) {
         try {
             clearProgressLine();
@@ -346,18 +257,10 @@ int main(int argc, char** argv) {
         }
         return code;
     };
-    const MemoryReserve reserve;
-    // What fails where there is no more memory may blame a file for it.
-    const auto unlessShort = [](int code) {
-        return MemoryReserve::isSpent() ? static_cast<int>(kNoResources) : code;
-    };
     try {
         int exitCode = kDone;
         const auto options = parseCommandLine(argc, argv, exitCode);
-        if (options) {
-            limitData(memoryLimitOf(*options));
-            exitCode = runCommand(*options);
-        }
+        if (options) exitCode = runCommand(*options);
         if (interrupted) exitCode = kInterrupted;
         errno = 0;
         if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
@@ -369,16 +272,14 @@ int main(int argc, char** argv) {
     } catch (const ParameterError& e) {
         return fail(e.what(), kUsage);
     } catch (const InputError& e) {
-        return fail(e.what(), unlessShort(kBadInput));
+        return fail(e.what(), kBadInput);
     } catch (const IoError& e) {
-        return fail(e.what(), unlessShort(kIoFailed));
+        return fail(e.what(), kIoFailed);
     } catch (const ResourceError& e) {
         return fail(e.what(), kNoResources);
     } catch (const std::bad_alloc&) {
-        return fail(
-            "no more memory is to be had; ask for larger radii or voxels, clip the domain, or "
-            "raise --memory-limit",
-            kNoResources);
+        return fail("out of memory; choose larger radii or voxels, or clip the domain",
+                    kNoResources);
     } catch (const std::exception& e) {
         return fail(e.what(), isShortage(e) ? kNoResources : kIoFailed);
     }

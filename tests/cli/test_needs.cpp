@@ -4,7 +4,6 @@
 #include "support/limited_tool.h"
 #include "support/mesh_file.h"
 #include "support/paths.h"
-#include "support/process.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
@@ -15,12 +14,9 @@
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <random>
 #include <sstream>
 
 using namespace vdbpack;
@@ -67,27 +63,6 @@ std::pair<double, double> toldAndTaken(const std::string& line, unsigned seconds
     told >> number >> unit;
     const auto report = nlohmann::json::parse(run.text.substr(run.text.find('{')));
     return {parseBytes(number + unit, ""), report["peakMemoryBytes"].get<double>()};
-}
-
-/// Whether the program has begun, not only the libraries it is linked with: it catches SIGBUS, as
-/// Catch does not.
-bool hasBegun(pid_t process) {
-    std::ifstream status("/proc/" + std::to_string(process) + "/status");
-    const std::string key = "SigCgt:";
-    for (std::string line; std::getline(status, line);)
-        if (line.compare(0, key.size(), key) == 0)
-            return (std::stoull(line.substr(key.size()), nullptr, 16) >> (SIGBUS - 1) & 1) != 0;
-    return true;  // it is over
-}
-
-/// Leaves a process `more` bytes of address space besides what it has.
-void leaveRoom(pid_t process, double more) {
-    std::ifstream statm("/proc/" + std::to_string(process) + "/statm");
-    double pages = 0;
-    statm >> pages;
-    const double bytes = pages * static_cast<double>(::sysconf(_SC_PAGESIZE)) + more;
-    const rlimit limit{static_cast<rlim_t>(bytes), static_cast<rlim_t>(bytes)};
-    ::prlimit(process, RLIMIT_AS, &limit, nullptr);
 }
 
 }  // namespace
@@ -269,49 +244,4 @@ TEST_CASE("memory told is memory taken", "[needs][.slow]") {
         // Where the first pack hits the target, no second one is held.
         CHECK(told < (line.find("--target") == std::string::npos ? 1.35 : 1.6) * taken);
     }
-}
-
-TEST_CASE("memory that ends at any moment of a run ends it with its exit code", "[needs][.slow]") {
-    if (kSanitized) return;
-    const TemporaryFolder folder, source;
-    const std::string out = folder.file("o"), pack = source.file("p.vdb");
-    const std::string box = "box:90,90,90";
-    REQUIRE(vdbPackWithin(60, {"pack", box, "--radius", "uniform:0.7,1.4", "-o", pack}).code == 0);
-    const std::string lines[] = {
-        "pack " + test::kMeshes +
-            "/mandible.ply --radius uniform:0.5,1 --voxel 0.3 -o @.vdb -o @.stl",
-        "voids " + box + " --voids boolean --void-radius constant:2 --target-bvtv 0.4 -o @.vdb" +
-            " -o @.stl",
-        "convert " + pack + " --domain " + box + " -o @.vdb -o @.stl -o @.vtp -o @.npz"};
-    std::mt19937 random(20);
-    const auto between = [&](double a, double b) {
-        return std::uniform_real_distribution<double>(a, b)(random);
-    };
-    int refused = 0;
-    for (const std::string& line : lines) {
-        Words words = split(line);
-        for (std::string& word : words)
-            if (word.front() == '@') word.replace(0, 1, out);
-        double whole = 0;
-        {
-            test::Process run(words);
-            REQUIRE(run.wait() == 0);
-            whole = run.seconds();
-        }
-        for (int moment = 0; moment < 30; ++moment) {
-            for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-                std::filesystem::remove(entry.path());
-            test::Process run(words);
-            while (!hasBegun(run.id())) test::sleepFor(0.001);
-            test::sleepFor(between(0, 0.9) * whole);
-            leaveRoom(run.id(), between(0, 1e7));
-            const int code = run.wait();
-            CAPTURE(line, moment, code);
-            CHECK((code == 0 || code == 5));
-            refused += code == 5;
-            for (const auto& entry : std::filesystem::directory_iterator(folder.path()))
-                CHECK_THAT(entry.path().string(), !Contains(".tmp"));
-        }
-    }
-    CHECK(refused > 30);
 }

@@ -11,7 +11,6 @@
 #include <new>
 #include <stdexcept>
 #include <system_error>
-#include <thread>
 #include <utility>
 
 using namespace vdbpack;
@@ -77,42 +76,7 @@ TEST_CASE("what may be cancelled is stopped beyond a limit of memory", "[memory]
     }
 }
 
-TEST_CASE("memory held back is given to the first allocation that fails", "[memory]") {
-    REQUIRE(std::get_new_handler() == nullptr);
-    {
-        const MemoryReserve reserve;
-        const MemoryReserve another;  // does nothing
-        CHECK_FALSE(MemoryReserve::isSpent());
-        CHECK_FALSE(withinMemory({}, 1e15).cancelled());
-        const auto handler = std::get_new_handler();
-        REQUIRE(handler != nullptr);
-        handler();  // as where an allocation fails: tried again
-        CHECK(MemoryReserve::isSpent());
-        CHECK_THROWS_AS(handler(), std::bad_alloc);
-        // Runs that are under way stop, with or without a limit of their own.
-        CHECK_THROWS_WITH(withinMemory({}, 1e15).cancelled(), Contains("no more memory"));
-        CHECK_THROWS_AS(withinMemory({}, std::numeric_limits<double>::infinity()).cancelled(),
-                        ResourceError);
-        // One try for a thread that failed before it was given back.
-        std::thread([&] {
-            handler();
-            CHECK_THROWS_AS(handler(), std::bad_alloc);
-        }).join();
-    }
-    CHECK(std::get_new_handler() == nullptr);
-    CHECK_FALSE(MemoryReserve::isSpent());
-    // A program's own handler stays.
-    const std::new_handler own = [] { throw std::bad_alloc(); };
-    std::set_new_handler(own);
-    {
-        const MemoryReserve reserve;
-        CHECK(std::get_new_handler() == own);
-    }
-    CHECK(std::get_new_handler() == own);
-    std::set_new_handler(nullptr);
-}
-
-TEST_CASE("what says that memory or threads are short is known", "[memory]") {
+TEST_CASE("exceptions that mean too little memory or too few threads are recognized", "[memory]") {
     CHECK(isShortage(std::bad_alloc()));
     CHECK(isShortage(ResourceError("")));
     CHECK(isShortage(std::system_error(EAGAIN, std::generic_category())));

@@ -26,7 +26,7 @@ namespace vdbpack {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// How often the memory held is looked at, s: reading it takes some microseconds.
+/// Seconds between two readings of the memory held; a reading takes some microseconds.
 constexpr double kInterval = 0.05;
 
 /// The first number of a file; infinite for "max" and where there is none.
@@ -36,7 +36,7 @@ double numberIn(const std::string& path) {
     return file >> value ? value : kInfinite;
 }
 
-/// What control groups leave, from that of the process up to the root.
+/// Bytes that the control groups leave, from that of the process up to the root.
 double leftByGroups() {
     double left = kInfinite;
     std::ifstream groups("/proc/self/cgroup");
@@ -52,7 +52,7 @@ double leftByGroups() {
         std::string path = line.substr(second + 1);
         for (;;) {
             const double limit = numberIn(root + path + most);
-            // Version 1 says "no limit" by a number beyond all machines.
+            // Version 1 writes "no limit" as a number beyond any machine.
             if (limit < 1e18) {
                 const double now = numberIn(root + path + held);
                 left = std::min(left, std::max(0.0, limit - (std::isfinite(now) ? now : 0)));
@@ -98,8 +98,8 @@ double leftByLimits() {
 double parseBytes(const std::string& text, const std::string& option) {
     const auto fail = [&] {
         throw ParameterError(fmt::format(
-            "{} '{}': is no size of memory; write a positive number of bytes, or with a unit: 8G, "
-            "500M, 1.5GiB",
+            "{} '{}': not a size of memory. Write a positive number of bytes, or one with a unit: "
+            "8G, 500M, 1.5GiB",
             option, text));
     };
     double value = 0;
@@ -153,72 +153,25 @@ bool isShortage(const std::exception& failure) {
     if (const auto* system = dynamic_cast<const std::system_error*>(&failure))
         return system->code() == std::errc::not_enough_memory ||
                system->code() == std::errc::resource_unavailable_try_again;
-    // TBB tells by the text alone.
+    // TBB throws a std::runtime_error that only its text identifies.
     return dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ||
            dynamic_cast<const ResourceError*>(&failure) != nullptr ||
            std::string_view(failure.what()).find("pthread_create") != std::string_view::npos;
 }
 
-namespace {
-
-std::atomic<void*> forAnotherTry{nullptr}, forTheWayOut{nullptr};
-std::atomic<bool> reserveSpent{false};
-
-void takeReserve() {
-    // Where another thread has just given it back, that is worth a try as well.
-    thread_local bool tried = false;
-    if (void* const held = forAnotherTry.exchange(nullptr)) {
-        ::operator delete(held);
-        reserveSpent = true;
-        tried = true;
-        return;
-    }
-    if (reserveSpent && !std::exchange(tried, true)) return;
-    ::operator delete(forTheWayOut.exchange(nullptr));
-    throw std::bad_alloc();
-}
-
-}  // namespace
-
-MemoryReserve::MemoryReserve(std::size_t bytes) {
-    if (std::get_new_handler() != nullptr) return;
-    reserveSpent = false;
-    forAnotherTry = ::operator new(bytes / 2, std::nothrow);
-    forTheWayOut = ::operator new(bytes / 2, std::nothrow);
-    std::set_new_handler(takeReserve);
-    installed_ = true;
-}
-
-MemoryReserve::~MemoryReserve() {
-    if (!installed_) return;
-    if (std::get_new_handler() == takeReserve) std::set_new_handler(nullptr);
-    ::operator delete(forAnotherTry.exchange(nullptr));
-    ::operator delete(forTheWayOut.exchange(nullptr));
-    reserveSpent = false;
-}
-
-bool MemoryReserve::isSpent() {
-    return reserveSpent;
-}
-
 Callbacks withinMemory(Callbacks callbacks, double limit) {
+    if (!std::isfinite(limit)) return callbacks;
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     const auto next = std::make_shared<std::atomic<double>>(0.0);
-    callbacks.cancelled = [limit, start, next, asked = std::move(callbacks.cancelled),
-                           reserve = std::make_shared<MemoryReserve>()] {
-        if (MemoryReserve::isSpent())
-            throw ResourceError(
-                "no more memory is to be had: stopped, and nothing more is written; ask for larger "
-                "radii, voxels or voids, clip the domain, or raise --memory-limit");
-        if (!std::isfinite(limit)) return asked && asked();
+    callbacks.cancelled = [limit, start, next, asked = std::move(callbacks.cancelled)] {
         const double now = std::chrono::duration<double>(Clock::now() - start).count();
         if (now >= next->load(std::memory_order_relaxed)) {
             next->store(now + kInterval, std::memory_order_relaxed);
             if (const double held = residentMemory(); held > limit)
                 throw ResourceError(fmt::format(
-                    "{} of memory are held, and {} are allowed: stopped, and nothing more is "
-                    "written; ask for larger radii, voxels or voids, clip the domain, or raise "
+                    "stopped: the process holds {} of memory, and {} are allowed. Nothing more is "
+                    "written. Choose larger radii, voxels or voids, clip the domain, or raise "
                     "--memory-limit",
                     bytesText(held), bytesText(limit)));
         }
