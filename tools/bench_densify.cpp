@@ -188,7 +188,7 @@ void runJob(const Job& job, int threads) {
     std::filesystem::remove(file);
     auto sizes = SizeDistribution::parse(job.spec, source.dim());
     if (job.count > 0)
-        sizes = sizes.scaled(std::pow((source.dim() == 3 ? 0.61 : 0.82) * source.measure() /
+        sizes = sizes.scaled(std::pow((source.dim() == 3 ? 0.61 : 0.82) * source.volume() /
                                           sizes.meanBall(source.dim()) / job.count,
                                       1.0 / source.dim()));
     const auto built = source.build(sizes.min(), sizes.max());

@@ -74,7 +74,7 @@ void benchStamp(const Domain<3>& domain, const std::vector<Ellipsoid<3>>& voids)
         "{} ellipsoids of about {} x {} mm in voxels of {} mm: {:.2f} s, {:.1f} us each; "
         "{:.4f} of the mesh is left\n",
         voids.size(), kLong, kShort, kVoxel, stamp, 1e6 * each,
-        1 - stamped->measure() / domain.measure());
+        1 - stamped->volume() / domain.volume());
     fmt::print(
         "csgDifference of {} of them one by one: {:.0f} us each, {:.0f} times as much ({:.0f} us "
         "with making the level set of each)\n",

@@ -43,7 +43,7 @@ void benchWrite(int threads, double side) {
     std::filesystem::create_directories(folder);
     PackWriteOptions write;
     write.pointVoxel =
-        std::min(pointVoxelSize(count, domain->measure(), 3), result.quantum * 0x1p25);
+        std::min(pointVoxelSize(count, domain->volume(), 3), result.quantum * 0x1p25);
     double both = 0;
     for (const std::string format : {"vdb", "vtp", "csv", "npz", "xyz", "data", "ply"}) {
         const std::string file = (folder / ("pack." + format)).string();

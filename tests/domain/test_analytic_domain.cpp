@@ -128,25 +128,25 @@ TEMPLATE_TEST_CASE_SIG("measures agree with random points", "[domain]", ((int Di
                 const double expected = monteCarloDeeperThan(*domain, depth, points);
                 const double whole = domain->bounds().measure();
                 const double sigma = whole / (2 * std::sqrt(points));
-                REQUIRE(std::abs(domain->measureDeeperThan(depth) - expected) < 5 * sigma);
+                REQUIRE(std::abs(domain->volumeDeeperThan(depth) - expected) < 5 * sigma);
             }
-            REQUIRE(domain->measureDeeperThan(0) == Approx(domain->measure()).epsilon(1e-12));
-            REQUIRE(domain->measureDeeperThan(100) == 0);
+            REQUIRE(domain->volumeDeeperThan(0) == Approx(domain->volume()).epsilon(1e-12));
+            REQUIRE(domain->volumeDeeperThan(100) == 0);
         }
 }
 
 TEST_CASE("plain shapes have textbook measures", "[domain]") {
-    REQUIRE(ballDomain<3>(3)->measure() == Approx(36 * kPi));
-    REQUIRE(ballDomain<3>(3)->wallMeasure() == Approx(36 * kPi));
-    REQUIRE(ballDomain<2>(3)->measure() == Approx(9 * kPi));
-    REQUIRE(ballDomain<2>(3)->wallMeasure() == Approx(6 * kPi));
-    REQUIRE(cylinderDomain(2, 5)->measure() == Approx(20 * kPi));
-    REQUIRE(cylinderDomain(2, 5)->wallMeasure() == Approx(28 * kPi));
-    REQUIRE(cylinderDomain(2, 5)->measureDeeperThan(1) == Approx(3 * kPi));
-    REQUIRE(boxDomain<3>({{{0, 0, 0}}, {{1, 2, 3}}})->wallMeasure() == Approx(22));
-    REQUIRE(boxDomain<3>({{{0, 0, 0}}, {{10, 12, 14}}})->measureDeeperThan(2) == Approx(480));
-    REQUIRE(boxDomain<2>({{{0, 0}}, {{4, 2}}})->wallMeasure() == Approx(12));
-    REQUIRE(boxDomain<2>({{{0, 0}}, {{4, 2}}})->measureDeeperThan(1) == 0);
+    REQUIRE(ballDomain<3>(3)->volume() == Approx(36 * kPi));
+    REQUIRE(ballDomain<3>(3)->wallArea() == Approx(36 * kPi));
+    REQUIRE(ballDomain<2>(3)->volume() == Approx(9 * kPi));
+    REQUIRE(ballDomain<2>(3)->wallArea() == Approx(6 * kPi));
+    REQUIRE(cylinderDomain(2, 5)->volume() == Approx(20 * kPi));
+    REQUIRE(cylinderDomain(2, 5)->wallArea() == Approx(28 * kPi));
+    REQUIRE(cylinderDomain(2, 5)->volumeDeeperThan(1) == Approx(3 * kPi));
+    REQUIRE(boxDomain<3>({{{0, 0, 0}}, {{1, 2, 3}}})->wallArea() == Approx(22));
+    REQUIRE(boxDomain<3>({{{0, 0, 0}}, {{10, 12, 14}}})->volumeDeeperThan(2) == Approx(480));
+    REQUIRE(boxDomain<2>({{{0, 0}}, {{4, 2}}})->wallArea() == Approx(12));
+    REQUIRE(boxDomain<2>({{{0, 0}}, {{4, 2}}})->volumeDeeperThan(1) == 0);
 }
 
 TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %", "[domain]") {
@@ -160,17 +160,17 @@ TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %", "[domain
                          {{direction * -2.0,
                            -2 * (dot(direction, center) + length(direction) * (radius - height))}});
     const double expected = kPi * height * height * (radius - height / 3);
-    REQUIRE(cap->measure() == Approx(expected).epsilon(5e-4));
+    REQUIRE(cap->volume() == Approx(expected).epsilon(5e-4));
     const double disc = kPi * height * (2 * radius - height);
     if (height < 20)
-        REQUIRE(cap->wallMeasure() == Approx(2 * kPi * radius * height + disc).epsilon(5e-3));
+        REQUIRE(cap->wallArea() == Approx(2 * kPi * radius * height + disc).epsilon(5e-3));
     REQUIRE(cap->bounds().measure() > expected);
 }
 
 TEST_CASE("a box cut along its axes is a box", "[domain]") {
     const auto box = boxDomain<3>({{{0, 0, 0}}, {{4, 5, 6}}});
     const auto cut = clippedDomain<3>(box, {{{{0, 0, 2}}, 4}, {{{-3, 0, 0}}, -3}});
-    REQUIRE(cut->measure() == Approx(3 * 5 * 2));
+    REQUIRE(cut->volume() == Approx(3 * 5 * 2));
     REQUIRE(cut->bounds().lo == Vec<3>{{1, 0, 0}});
     REQUIRE(cut->bounds().hi == Vec<3>{{4, 5, 2}});
     REQUIRE(cut->facts().kind == "box");
@@ -182,7 +182,7 @@ TEST_CASE("cutting twice equals cutting once with both planes", "[domain]") {
     const auto ball = ballDomain<3>(3);
     const auto once = clippedDomain<3>(ball, {first, second});
     const auto twice = clippedDomain<3>(clippedDomain<3>(ball, {first}), {second});
-    REQUIRE(twice->measure() == Approx(once->measure()).epsilon(1e-6));
+    REQUIRE(twice->volume() == Approx(once->volume()).epsilon(1e-6));
     const auto a = once->sampler();
     const auto b = twice->sampler();
     RandomStream random(7, 7);
@@ -193,12 +193,12 @@ TEST_CASE("cutting twice equals cutting once with both planes", "[domain]") {
 }
 
 TEST_CASE("slices of shapes are shapes", "[domain]") {
-    REQUIRE(sliceDomain(ballDomain<3>(5, {{1, 2, 3}}), 6)->measure() == Approx(16 * kPi));
+    REQUIRE(sliceDomain(ballDomain<3>(5, {{1, 2, 3}}), 6)->volume() == Approx(16 * kPi));
     REQUIRE(sliceDomain(ballDomain<3>(5, {{1, 2, 3}}), 6)->facts().kind == "slice");
-    REQUIRE(sliceDomain(cylinderDomain(2, 5), 1)->measure() == Approx(4 * kPi));
-    REQUIRE(sliceDomain(boxDomain<3>({{{0, 0, 0}}, {{2, 3, 4}}}), 1)->measure() == Approx(6));
+    REQUIRE(sliceDomain(cylinderDomain(2, 5), 1)->volume() == Approx(4 * kPi));
+    REQUIRE(sliceDomain(boxDomain<3>({{{0, 0, 0}}, {{2, 3, 4}}}), 1)->volume() == Approx(6));
     const auto half = clippedDomain<3>(ballDomain<3>(5), {{{{1, 0, 1}}, 3}});
-    REQUIRE(sliceDomain(half, 3)->measure() == Approx(8 * kPi).epsilon(1e-6));
+    REQUIRE(sliceDomain(half, 3)->volume() == Approx(8 * kPi).epsilon(1e-6));
     REQUIRE_THROWS_AS(sliceDomain(half, 4.9), InputError);
     REQUIRE_THROWS_AS(sliceDomain(ballDomain<3>(5), 5), InputError);
     REQUIRE_THROWS_AS(sliceDomain(boxDomain<3>({{{0, 0, 0}}, {{2, 3, 4}}}), -1), InputError);

@@ -88,11 +88,11 @@ TEST_CASE("the field of a ball or box is right within a voxel, better in smaller
         const Errors errors = compare(*domain, *exact, 2 * voxelSize);
         REQUIRE(errors.largest < voxelSize);
         REQUIRE(errors.mean < 0.7 * coarser.mean);
-        REQUIRE(domain->measure() == Approx(exact->measure()).epsilon(0.003));
-        REQUIRE(domain->wallMeasure() == Approx(exact->wallMeasure()).epsilon(0.003));
+        REQUIRE(domain->volume() == Approx(exact->volume()).epsilon(0.003));
+        REQUIRE(domain->wallArea() == Approx(exact->wallArea()).epsilon(0.003));
         for (const double depth : {0.5, 1.0, 2.0})
-            REQUIRE(domain->measureDeeperThan(depth) ==
-                    Approx(exact->measureDeeperThan(depth)).epsilon(0.05 * voxelSize));
+            REQUIRE(domain->volumeDeeperThan(depth) ==
+                    Approx(exact->volumeDeeperThan(depth)).epsilon(0.05 * voxelSize));
         coarser = errors;
     }
 }
@@ -125,8 +125,8 @@ TEST_CASE("a cavity stays empty whichever way its triangles face", "[domain]") {
     auto cavity = test::ballMesh(5, 5);
     if (inward) cavity = test::flipped(cavity);
     const auto domain = meshDomain(test::merged(outer, cavity), options(0.4, 4));
-    REQUIRE(domain->measure() == Approx(3665).epsilon(0.01));
-    REQUIRE(domain->measureDeeperThan(1) ==
+    REQUIRE(domain->volume() == Approx(3665).epsilon(0.01));
+    REQUIRE(domain->volumeDeeperThan(1) ==
             Approx(4.0 / 3 * kPi * (9.0 * 9 * 9 - 6 * 6 * 6)).epsilon(0.01));
     const auto asker = domain->sampler();
     REQUIRE(asker->signedDistance({{0, 0, 0}}) > 0);
@@ -136,7 +136,7 @@ TEST_CASE("a cavity stays empty whichever way its triangles face", "[domain]") {
     REQUIRE(asker->signedDistance({{0, 0, -7.5}}) == Approx(-2.5).margin(0.2));
     REQUIRE(asker->signedDistance({{0, 11, 0}}) > 0);
     const auto slice = sliceDomain(domain, 3);
-    REQUIRE(slice->measure() == Approx(kPi * (91 - 16)).epsilon(0.01));
+    REQUIRE(slice->volume() == Approx(kPi * (91 - 16)).epsilon(0.01));
 }
 
 TEST_CASE("shells nest to any depth", "[domain]") {
@@ -148,8 +148,8 @@ TEST_CASE("shells nest to any depth", "[domain]") {
         volume += (i % 2 == 0 ? 1 : -1) * Measure<3>::ball(radius);
     }
     const auto domain = meshDomain(mesh, options(0.3, 1));
-    REQUIRE(domain->measure() == Approx(volume).epsilon(0.01));
-    REQUIRE(domain->measureDeeperThan(1e-9) == Approx(domain->measure()).epsilon(0.01));
+    REQUIRE(domain->volume() == Approx(volume).epsilon(0.01));
+    REQUIRE(domain->volumeDeeperThan(1e-9) == Approx(domain->volume()).epsilon(0.01));
     const auto asker = domain->sampler();
     for (int i = 0; i < 5; ++i)
         REQUIRE((asker->signedDistance({{9.0 - 2 * i, 0, 0}}) < 0) == (i % 2 == 0));
@@ -158,7 +158,7 @@ TEST_CASE("shells nest to any depth", "[domain]") {
 TEST_CASE("pieces side by side are one domain", "[domain]") {
     const auto mesh = test::merged(test::ballMesh(4, 4), test::ballMesh(3, 4, {{9, 0, 0}}));
     const auto domain = meshDomain(mesh, options(0.3));
-    REQUIRE(domain->measure() == Approx(Measure<3>::ball(4) + Measure<3>::ball(3)).epsilon(0.01));
+    REQUIRE(domain->volume() == Approx(Measure<3>::ball(4) + Measure<3>::ball(3)).epsilon(0.01));
     REQUIRE(domain->sampler()->signedDistance({{9, 0, 0}}) < 0);
     REQUIRE(domain->sampler()->signedDistance({{5, 0, 0}}) > 0);
 }
@@ -169,8 +169,8 @@ TEST_CASE("a bone far from the origin or in another place on the lattice is the 
     const auto home = meshDomain(mesh, options(0.4));
     const Vec<3> shift{{1e4 + 1.0 / 3, -7e3, 123.456}};
     const auto away = meshDomain(test::translated(mesh, shift), options(0.4));
-    REQUIRE(away->measure() == Approx(home->measure()).epsilon(1e-9));
-    REQUIRE(away->measureDeeperThan(1) == Approx(home->measureDeeperThan(1)).epsilon(1e-4));
+    REQUIRE(away->volume() == Approx(home->volume()).epsilon(1e-9));
+    REQUIRE(away->volumeDeeperThan(1) == Approx(home->volumeDeeperThan(1)).epsilon(1e-4));
     const auto a = home->sampler();
     const auto b = away->sampler();
     RandomStream random(2, 2);
@@ -188,16 +188,16 @@ TEST_CASE("inverted normals change nothing", "[domain]") {
     const auto mesh = test::ballMesh(5, 4);
     const auto a = meshDomain(mesh, options(0.4));
     const auto b = meshDomain(test::flipped(mesh), options(0.4));
-    REQUIRE(a->measure() == Approx(b->measure()));
+    REQUIRE(a->volume() == Approx(b->volume()));
     REQUIRE(compare(*b, *a, 1.0).largest < 0.05);
-    REQUIRE(sliceDomain(b, 1)->measure() == Approx(sliceDomain(a, 1)->measure()));
+    REQUIRE(sliceDomain(b, 1)->volume() == Approx(sliceDomain(a, 1)->volume()));
 }
 
 TEST_CASE("a wall thinner than a voxel is still inside where it is", "[domain]") {
     // A plate of 20 x 20 x 0.3 in voxels of 0.5, then as one may ask.
     const auto mesh = test::boxMesh({{0, 0, 0}}, {{20, 20, 0.3}});
     const auto domain = meshDomain(mesh, options(0, 0.5));
-    REQUIRE(domain->measure() == Approx(120));
+    REQUIRE(domain->volume() == Approx(120));
     const auto asker = domain->sampler();
     RandomStream random(4, 2);
     for (int i = 0; i < 500; ++i) {
@@ -248,7 +248,7 @@ TEST_CASE("a hole much smaller than a voxel is a warning", "[domain]") {
     REQUIRE_THAT(warnings[0], Contains("3 boundary edges") && Contains("first at vertex"));
     REQUIRE(warningsOf(test::ballMesh(10, 3), options(1.0)).empty());
     const auto domain = meshDomain(mesh, options(1.0));
-    REQUIRE(domain->measure() == Approx(Measure<3>::ball(10)).epsilon(0.01));
+    REQUIRE(domain->volume() == Approx(Measure<3>::ball(10)).epsilon(0.01));
     REQUIRE(domain->facts().boundaryEdges == 3);
 }
 
@@ -263,7 +263,7 @@ TEST_CASE("copies of triangles do not count twice", "[domain]") {
     auto mesh = test::ballMesh(6, 4);
     for (std::size_t i = 0; i < 60; i += 3) mesh.triangles.push_back(mesh.triangles[i]);
     const auto domain = meshDomain(mesh, options(0.4));
-    REQUIRE(domain->measure() == Approx(Measure<3>::ball(6)).epsilon(0.01));
+    REQUIRE(domain->volume() == Approx(Measure<3>::ball(6)).epsilon(0.01));
     REQUIRE(warningsOf(mesh, options(0.4)).size() == 1);
 }
 
@@ -285,7 +285,7 @@ TEST_CASE("a field is the same for any number of threads", "[domain]") {
     };
     const auto one = build(1);
     const auto many = build(8);
-    REQUIRE(one->measureDeeperThan(0.7) == many->measureDeeperThan(0.7));
+    REQUIRE(one->volumeDeeperThan(0.7) == many->volumeDeeperThan(0.7));
     const auto a = one->sampler();
     RandomStream random(6, 9);
     std::vector<Vec<3>> points;
@@ -304,9 +304,9 @@ TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
     const auto slice = sliceDomain(domain, height);
     const auto disc = ballDomain<2>(radius, {{700, -30}});
     REQUIRE(slice->facts().kind == "slice");
-    REQUIRE(slice->measure() == Approx(disc->measure()).epsilon(0.01));
-    REQUIRE(slice->wallMeasure() == Approx(disc->wallMeasure()).epsilon(0.01));
-    REQUIRE(slice->measureDeeperThan(1) == Approx(disc->measureDeeperThan(1)).epsilon(0.02));
+    REQUIRE(slice->volume() == Approx(disc->volume()).epsilon(0.01));
+    REQUIRE(slice->wallArea() == Approx(disc->wallArea()).epsilon(0.01));
+    REQUIRE(slice->volumeDeeperThan(1) == Approx(disc->volumeDeeperThan(1)).epsilon(0.02));
     const auto a = slice->sampler();
     const auto b = disc->sampler();
     RandomStream random(1, 5);
@@ -327,11 +327,11 @@ TEST_CASE("a slice of a mesh is the outline of its triangles", "[domain]") {
 TEST_CASE("vertices exactly on the slice's plane do no harm", "[domain]") {
     // The equator of this ball is a ring of vertices, the box has faces and edges in the plane.
     const auto ball = meshDomain(test::uvBallMesh(10, 16, 32), options(0.4));
-    REQUIRE(sliceDomain(ball, 0)->measure() == Approx(16 * 100 * std::sin(kPi / 16)).epsilon(1e-6));
+    REQUIRE(sliceDomain(ball, 0)->volume() == Approx(16 * 100 * std::sin(kPi / 16)).epsilon(1e-6));
     const auto box = meshDomain(test::boxMesh({{0, 0, 0}}, {{3, 4, 5}}), options(0.2));
-    REQUIRE(sliceDomain(box, 5)->measure() == Approx(12));
-    REQUIRE(sliceDomain(box, 2.5)->measure() == Approx(12));
-    REQUIRE(sliceDomain(box, 2.5)->wallMeasure() == Approx(14));
+    REQUIRE(sliceDomain(box, 5)->volume() == Approx(12));
+    REQUIRE(sliceDomain(box, 2.5)->volume() == Approx(12));
+    REQUIRE(sliceDomain(box, 2.5)->wallArea() == Approx(14));
     REQUIRE_THROWS_AS(sliceDomain(box, 0), InputError);
     REQUIRE_THROWS_WITH(sliceDomain(box, 6), Contains("misses") && Contains("0 to 5"));
 }
@@ -340,15 +340,15 @@ TEST_CASE("a clipped mesh has the volume of its half", "[domain]") {
     const auto ball = meshDomain(test::ballMesh(10, 5), options(0.4));
     const auto half = clippedDomain<3>(ball, {{{{0, 0, 1}}, 2}});
     const double expected = kPi * 144 * (10 - 4);
-    REQUIRE(half->measure() == Approx(expected).epsilon(0.005));
-    REQUIRE(half->wallMeasure() == Approx(2 * kPi * 10 * 12 + kPi * 96).epsilon(0.03));
+    REQUIRE(half->volume() == Approx(expected).epsilon(0.005));
+    REQUIRE(half->wallArea() == Approx(2 * kPi * 10 * 12 + kPi * 96).epsilon(0.03));
     const auto asker = half->sampler();
     REQUIRE(asker->signedDistance({{0, 0, 1.5}}) == Approx(-0.5));
     REQUIRE(asker->signedDistance({{0, 0, 2.5}}) > 0);
     WallPoint<3> wall;
     REQUIRE(asker->nearestWall({{1, 1, 1.5}}, 1, wall));
     REQUIRE(wall.point == Vec<3>{{1, 1, 2}});
-    REQUIRE(sliceDomain(half, 1)->measure() == Approx(kPi * 99).epsilon(0.01));
+    REQUIRE(sliceDomain(half, 1)->volume() == Approx(kPi * 99).epsilon(0.01));
     REQUIRE_THROWS_AS(sliceDomain(half, 3), InputError);
 }
 

@@ -77,7 +77,7 @@ TEST_CASE("a level set written and read is the same domain", "[domain]") {
 
     const auto again = levelSetDomain(path, "", 1, options(0.4));
     REQUIRE(again->facts().kind == "levelset");
-    REQUIRE(again->measure() == Approx(first->measure()).epsilon(0.01));
+    REQUIRE(again->volume() == Approx(first->volume()).epsilon(0.01));
     const auto asker = again->sampler();
     REQUIRE(asker->signedDistance(center) > 0);
     REQUIRE(asker->signedDistance(center + Vec<3>{{6, 0, 0}}) < -1);

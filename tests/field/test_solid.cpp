@@ -287,7 +287,7 @@ TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]"
             if (exact || truth < 0)
                 REQUIRE(std::fabs(d - std::clamp(truth, -3 * h, 3 * h)) < 1e-5 * h + 1e-5);
         }
-        CHECK(static_cast<double>(inside) * h * h * h == Approx(domain->measure()).epsilon(0.01));
+        CHECK(static_cast<double>(inside) * h * h * h == Approx(domain->volume()).epsilon(0.01));
         CHECK(deep > 100);
     }
 }
@@ -321,6 +321,6 @@ TEST_CASE("the surface of a mesh is known in voxels of any size", "[domain]") {
                 if (wall.distance < h) REQUIRE(std::fabs(d + wall.distance) < 0.1 * h);
             }
             CHECK(static_cast<double>(inside) * h * h * h ==
-                  Approx(domain->measure()).epsilon(0.01));
+                  Approx(domain->volume()).epsilon(0.01));
         }
 }

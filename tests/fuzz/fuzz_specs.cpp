@@ -47,8 +47,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         } else if (kind == "domain") {
             const auto shape = parseShape(text);
             if (!shape) return 0;
-            const double measure = shape->space ? shape->space->measure() : shape->plane->measure();
-            if (!(measure > 0) || !std::isfinite(measure)) fuzz::report("a shape without a volume");
+            const double volume = shape->space ? shape->space->volume() : shape->plane->volume();
+            if (!(volume > 0) || !std::isfinite(volume)) fuzz::report("a shape without a volume");
         } else if (kind == "clip") {
             if (parseClip(text).empty()) fuzz::report("a clip without a plane");
         } else if (kind == "slice") {

@@ -20,11 +20,9 @@ class ShallowBall : public Domain<3> {
 public:
     ShallowBall(double radius, double known) : ball_(ballDomain<3>(radius)), known_(known) {}
     Box<3> bounds() const override { return ball_->bounds(); }
-    double measure() const override { return ball_->measure(); }
-    double wallMeasure() const override { return ball_->wallMeasure(); }
-    double measureDeeperThan(double depth) const override {
-        return ball_->measureDeeperThan(depth);
-    }
+    double volume() const override { return ball_->volume(); }
+    double wallArea() const override { return ball_->wallArea(); }
+    double volumeDeeperThan(double depth) const override { return ball_->volumeDeeperThan(depth); }
     double fieldDepth() const override { return known_; }
     DomainFacts facts() const override { return ball_->facts(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
@@ -203,12 +201,12 @@ TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[me
     double volume = 0;
     for (std::size_t b = 0; b < 40; ++b)
         volume += fine.fraction[b] *
-                  (domain->measureDeeperThan(0.25 * static_cast<double>(b)) -
-                   domain->measureDeeperThan(std::min(10.0, 0.25 * static_cast<double>(b + 1))));
+                  (domain->volumeDeeperThan(0.25 * static_cast<double>(b)) -
+                   domain->volumeDeeperThan(std::min(10.0, 0.25 * static_cast<double>(b + 1))));
     CHECK(volume ==
           Approx(static_cast<double>(spheres.size()) * Measure<Dim>::ball(1)).epsilon(1e-6));
     // The first bin: caps of height 0.25, where no second wall is near.
-    const double edge = domain->measureDeeperThan(0) - domain->measureDeeperThan(0.25);
+    const double edge = domain->volumeDeeperThan(0) - domain->volumeDeeperThan(0.25);
     const double cap = Dim == 3 ? kPi * 0.25 * 0.25 * (3 - 0.25) / 3
                                 : std::acos(0.75) - 0.75 * std::sqrt(1 - 0.75 * 0.75);
     const double caps = (Dim == 3 ? 6 * 100 : 4 * 10) * cap;

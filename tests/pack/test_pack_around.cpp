@@ -27,7 +27,7 @@ template <int Dim>
 double fraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
     double sum = 0;
     for (const auto& s : spheres) sum += Measure<Dim>::ball(s.radius);
-    return sum / domain.measure();
+    return sum / domain.volume();
 }
 
 /// The smallest gap between a sphere of `a` and another one of `b`.

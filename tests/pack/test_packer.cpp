@@ -49,7 +49,7 @@ template <int Dim>
 double solidFraction(const Pack<Dim>& pack, const Domain<Dim>& domain) {
     double sum = 0;
     for (const auto& s : pack.spheres) sum += Measure<Dim>::ball(s.radius);
-    return sum / domain.measure();
+    return sum / domain.volume();
 }
 
 /// Kolmogorov-Smirnov distance of the radii to a continuous distribution.
@@ -71,11 +71,9 @@ public:
     explicit MistakenBall(double radius) : ball_(ballDomain<3>(radius)) {}
 
     Box<3> bounds() const override { return ball_->bounds(); }
-    double measure() const override { return ball_->measure(); }
-    double wallMeasure() const override { return ball_->wallMeasure(); }
-    double measureDeeperThan(double depth) const override {
-        return ball_->measureDeeperThan(depth);
-    }
+    double volume() const override { return ball_->volume(); }
+    double wallArea() const override { return ball_->wallArea(); }
+    double volumeDeeperThan(double depth) const override { return ball_->volumeDeeperThan(depth); }
     double fieldDepth() const override { return 8; }
     DomainFacts facts() const override {
         DomainFacts facts = ball_->facts();

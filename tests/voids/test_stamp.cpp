@@ -152,7 +152,7 @@ TEMPLATE_TEST_CASE_SIG("stamping is the same for any number of threads and any o
     const auto values = [&](const StampedVoids<Dim>& stamped) {
         typename StampedVoids<Dim>::Sampler distance(stamped);
         RandomStream random(10, Dim);
-        std::vector<double> all{stamped.measure(), static_cast<double>(stamped.activeVoxels())};
+        std::vector<double> all{stamped.volume(), static_cast<double>(stamped.activeVoxels())};
         for (int i = 0; i < 50000; ++i)
             all.push_back(distance(voxelAt(pointIn(cube<Dim>(10.3), random), scene.options)));
         return all;
@@ -182,7 +182,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
     }
     const double share = static_cast<double>(inside) / kPoints;
     const double error = std::sqrt(share * (1 - share) / kPoints);
-    CHECK(scene.stamp()->measure() / volumeOf(cube<Dim>(10 - shell)) ==
+    CHECK(scene.stamp()->volume() / volumeOf(cube<Dim>(10 - shell)) ==
           Approx(share).margin(4 * error + 5e-4));
 }
 
@@ -195,12 +195,12 @@ TEMPLATE_TEST_CASE_SIG("voids that touch no voxel, or lie outside, measure nothi
     far.center = Box<Dim>::filled(30);
     const auto options = stampOptions(*domain, 0.25);
     const auto stamped = stampVoids<Dim>({far}, *domain, options);
-    CHECK(stamped->measure() == 0);
+    CHECK(stamped->volume() == 0);
     CHECK(stamped->activeVoxels() == 0);
     typename StampedVoids<Dim>::Sampler distance(*stamped);
     CHECK(distance({}) == Approx(0.75));
     CHECK(distance(Box<Dim>::filled(1e300)) == Approx(0.75));
-    CHECK(stampVoids<Dim>({}, *domain, options)->measure() == 0);
+    CHECK(stampVoids<Dim>({}, *domain, options)->volume() == 0);
     const auto refuse = [&](const Ellipsoid<Dim>& e, const StampOptions<Dim>& o) {
         return messageOf<ParameterError>([&] { stampVoids<Dim>({far, e}, *domain, o); });
     };
@@ -277,7 +277,7 @@ void checkShell(const Domain<Dim>& domain, double voxelSize, double shell, doubl
     CHECK(flaws.missing == 0);
     CHECK(flaws.shallow == 0);
     CHECK(flaws.voids > 0);
-    CHECK(stamped->measure() == Approx(flaws.voids * std::pow(voxelSize, Dim)).epsilon(1e-12));
+    CHECK(stamped->volume() == Approx(flaws.voids * std::pow(voxelSize, Dim)).epsilon(1e-12));
 }
 
 std::shared_ptr<const MeshDomain> fieldOf(TriangleMesh mesh, double voxelSize, double depth) {
@@ -371,7 +371,7 @@ TEST_CASE("a wide reach for culling leaves the level set as it is", "[voids][sta
     auto wide = scene.options;
     wide.reach = 3;
     const auto narrow = scene.stamp(), far = stampVoids(scene.voids, *scene.domain, wide);
-    CHECK(narrow->measure() == far->measure());
+    CHECK(narrow->volume() == far->volume());
     const auto a = sampleLevelSet(*narrow->grid(), cube<3>(10)),
                b = sampleLevelSet(*far->grid(), cube<3>(10));
     CHECK(a.distance == b.distance);

@@ -56,7 +56,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][f
     const auto voids =
         booleanVoids<Dim>({*domain}, shape, seed, -std::log(share) / shape.meanMeasure());
     const auto stamped = stampVoids(voids, *domain, stampOptions(*domain, 0.25));
-    const double solid = 1 - stamped->measure() / domain->measure();
+    const double solid = 1 - stamped->volume() / domain->volume();
     INFO("solid fraction " << solid << " for " << share << ", off by " << solid - share);
     CHECK(std::fabs(solid - share) < 0.01);
 }
@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE_SIG("voids of many sizes leave the share exp(-n v) of their m
     const auto voids = booleanVoids<Dim>(region, shape, 4, -std::log(0.2) / shape.meanMeasure());
     const auto stamped = stampVoids(voids, *domain, stampOptions(*domain, 0.25, shell));
     // As thin next to the shell as in the middle: centers lie beyond it, too.
-    CHECK(1 - stamped->measure() / region.measure() == Approx(0.2).margin(0.01));
+    CHECK(1 - stamped->volume() / region.volume() == Approx(0.2).margin(0.01));
 }
 
 TEMPLATE_TEST_CASE_SIG("voids are drawn the same by any number of threads", "[voids][field]",
@@ -102,7 +102,7 @@ TEMPLATE_TEST_CASE_SIG("no void is listed that cannot reach below the shell", "[
     const auto check = [&](const Domain<Dim>& domain) {
         CAPTURE(domain.facts().kind, shell);
         const auto shape = shapeOf<Dim>("uniform:0.5,0.8", "uniform:1,2", domain.bounds());
-        const auto voids = booleanVoids<Dim>({domain, shell}, shape, 3, 2000 / domain.measure());
+        const auto voids = booleanVoids<Dim>({domain, shell}, shape, 3, 2000 / domain.volume());
         REQUIRE(voids.size() > 1000);
         const auto sampler = domain.sampler();
         for (const auto& e : voids) {
@@ -159,7 +159,7 @@ TEMPLATE_TEST_CASE_SIG("an ellipse fills each box that a matrix selects", "[void
     }
     // The holes cover what the ellipses do: they lie apart.
     const auto stamped = stampVoids(voids, *domain, stampOptions(*domain, 0.1));
-    CHECK(stamped->measure() == Approx(sum).epsilon(0.01));
+    CHECK(stamped->volume() == Approx(sum).epsilon(0.01));
 }
 
 TEMPLATE_TEST_CASE_SIG("boxes are taken by chance, fewer of them being among more",
@@ -180,7 +180,7 @@ TEMPLATE_TEST_CASE_SIG("boxes are taken by chance, fewer of them being among mor
         double sum = 0;
         for (const auto& e : voids) sum += e.measure();
         if (p > 0)
-            CHECK(stampVoids(voids, *domain, stampOptions(*domain, h))->measure() ==
+            CHECK(stampVoids(voids, *domain, stampOptions(*domain, h))->volume() ==
                   Approx(sum).epsilon(0.01));
         before = voids;
         if (before.size() > 1000) before.resize(1000);

@@ -93,7 +93,7 @@ public:
               const DensifyOptions& options, const Callbacks& callbacks)
         : options_(options),
           callbacks_(callbacks),
-          volume_(domain.measure()),
+          volume_(domain.volume()),
           shell_(0.5 * options.gap) {
         if (!(options.gap >= 0) || !std::isfinite(options.gap))
             throw ParameterError(fmt::format("gap {} mm: must be 0 or more", options.gap));

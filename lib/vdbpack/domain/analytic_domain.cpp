@@ -92,8 +92,8 @@ public:
           half_(box.size() * 0.5) {}
 
     Box<Dim> bounds() const override { return box_; }
-    double measure() const override { return box_.measure(); }
-    double wallMeasure() const override {
+    double volume() const override { return box_.measure(); }
+    double wallArea() const override {
         double sum = 0;
         for (int i = 0; i < Dim; ++i) {
             double face = 2;
@@ -103,7 +103,7 @@ public:
         }
         return sum;
     }
-    double measureDeeperThan(double depth) const override { return box_.grown(-depth).measure(); }
+    double volumeDeeperThan(double depth) const override { return box_.grown(-depth).measure(); }
 
     bool chord(const Vec<Dim>& x, double depth, double& lo, double& hi) const override {
         for (int i = 0; i + 1 < Dim; ++i)
@@ -171,11 +171,11 @@ public:
         : ConvexShape<Dim>(std::move(kind)), radius_(radius), center_(center) {}
 
     Box<Dim> bounds() const override { return Box<Dim>{center_, center_}.grown(radius_); }
-    double measure() const override { return Measure<Dim>::ball(radius_); }
-    double wallMeasure() const override {
+    double volume() const override { return Measure<Dim>::ball(radius_); }
+    double wallArea() const override {
         return Dim == 3 ? 4 * kPi * radius_ * radius_ : 2 * kPi * radius_;
     }
-    double measureDeeperThan(double depth) const override {
+    double volumeDeeperThan(double depth) const override {
         return Measure<Dim>::ball(std::max(0.0, radius_ - depth));
     }
 
@@ -239,9 +239,9 @@ public:
     Box<3> bounds() const override {
         return {{{-radius_, -radius_, -half_}}, {{radius_, radius_, half_}}};
     }
-    double measure() const override { return kPi * radius_ * radius_ * 2 * half_; }
-    double wallMeasure() const override { return 2 * kPi * radius_ * (radius_ + 2 * half_); }
-    double measureDeeperThan(double depth) const override {
+    double volume() const override { return kPi * radius_ * radius_ * 2 * half_; }
+    double wallArea() const override { return 2 * kPi * radius_ * (radius_ + 2 * half_); }
+    double volumeDeeperThan(double depth) const override {
         const double r = std::max(0.0, radius_ - depth);
         return kPi * r * r * 2 * std::max(0.0, half_ - depth);
     }

@@ -152,28 +152,27 @@ public:
           convex_(dynamic_cast<const ConvexShape<Dim>*>(base_.get())),
           planes_(std::move(planes)),
           bounds_(cutBounds(base_->bounds(), planes_)),
-          measure_(measureDeeperThan(0)) {}
+          volume_(volumeDeeperThan(0)) {}
 
     const std::shared_ptr<const Domain<Dim>>& base() const { return base_; }
     const std::vector<HalfSpace<Dim>>& planes() const { return planes_; }
 
     Box<Dim> bounds() const override { return bounds_; }
-    double measure() const override { return measure_; }
+    double volume() const override { return volume_; }
 
-    /// The rate at which the measure falls as the wall moves inward, by a one-sided difference
+    /// The rate at which the volume falls as the wall moves inward, by a one-sided difference
     /// of second order.
-    double wallMeasure() const override {
+    double wallArea() const override {
         const Vec<Dim> size = bounds_.size();
         double step = size[0];
         for (int i = 1; i < Dim; ++i) step = std::min(step, size[i]);
         step *= 0.01;
         const double voxel = base_->facts().voxelSize;
         if (voxel > 0) step = std::clamp(step, 0.5 * voxel, 0.4 * base_->fieldDepth());
-        return (3 * measure_ - 4 * measureDeeperThan(step) + measureDeeperThan(2 * step)) /
-               (2 * step);
+        return (3 * volume_ - 4 * volumeDeeperThan(step) + volumeDeeperThan(2 * step)) / (2 * step);
     }
 
-    double measureDeeperThan(double depth) const override {
+    double volumeDeeperThan(double depth) const override {
         return convex_ ? measureByChords(depth) : measureBySamples(depth);
     }
 
@@ -266,7 +265,7 @@ private:
     const ConvexShape<Dim>* convex_;
     std::vector<HalfSpace<Dim>> planes_;
     Box<Dim> bounds_;
-    double measure_;
+    double volume_;
 };
 
 class SliceableClipped : public ClippedDomain<3>, public Sliceable {
@@ -338,7 +337,7 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
         result = std::make_shared<SliceableClipped>(std::move(domain), std::move(unit));
     else
         result = std::make_shared<ClippedDomain<Dim>>(std::move(domain), std::move(unit));
-    if (!(result->measure() > 0)) throw nothingLeft();
+    if (!(result->volume() > 0)) throw nothingLeft();
     return result;
 }
 

@@ -78,12 +78,12 @@ public:
     /// A box that holds the domain, mm.
     virtual Box<Dim> bounds() const = 0;
     /// Volume (2D: area), mm^Dim.
-    virtual double measure() const = 0;
-    /// Area of the wall (2D: its length), mm^(Dim-1).
-    virtual double wallMeasure() const = 0;
+    virtual double volume() const = 0;
+    /// Area of the wall (2D: its length, the perimeter), mm^(Dim-1).
+    virtual double wallArea() const = 0;
     /// Volume (2D: area) of the part farther than `depth` >= 0 from the wall, mm^Dim.
     /// Exact for plain shapes, else from the field (`depth` within its width).
-    virtual double measureDeeperThan(double depth) const = 0;
+    virtual double volumeDeeperThan(double depth) const = 0;
     /// Largest depth up to which `signedDistance` is not clamped, mm; infinity for shapes.
     virtual double fieldDepth() const = 0;
     virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;

@@ -62,10 +62,10 @@ public:
         }
         return box;
     }
-    double measure() const override { return outer_.measure(); }
-    double wallMeasure() const override { return outer_.wallMeasure(); }
-    double measureDeeperThan(double depth) const override {
-        return outer_.measureDeeperThan(depth + inset_);
+    double volume() const override { return outer_.volume(); }
+    double wallArea() const override { return outer_.wallArea(); }
+    double volumeDeeperThan(double depth) const override {
+        return outer_.volumeDeeperThan(depth + inset_);
     }
     double fieldDepth() const override { return outer_.fieldDepth() - inset_; }
     std::unique_ptr<DomainSampler<Dim>> sampler() const override {

@@ -165,9 +165,9 @@ public:
           bounds_(parts_.mesh.bounds()) {}
 
     Box<3> bounds() const override { return bounds_; }
-    double measure() const override { return parts_.volume; }
-    double wallMeasure() const override { return parts_.area; }
-    double measureDeeperThan(double depth) const override {
+    double volume() const override { return parts_.volume; }
+    double wallArea() const override { return parts_.area; }
+    double volumeDeeperThan(double depth) const override {
         return depth > 0 ? parts_.field->volumeDeeperThan(depth) : parts_.volume;
     }
     double fieldDepth() const override { return parts_.field->depth(); }

@@ -86,9 +86,9 @@ public:
     }
 
     Box<2> bounds() const override { return bounds_; }
-    double measure() const override { return area_; }
-    double wallMeasure() const override { return length_; }
-    double measureDeeperThan(double depth) const override {
+    double volume() const override { return area_; }
+    double wallArea() const override { return length_; }
+    double volumeDeeperThan(double depth) const override {
         return depth > 0 ? areaDeeperThan(depth) : area_;
     }
     double fieldDepth() const override { return depth_; }
@@ -245,7 +245,7 @@ std::shared_ptr<const Domain<2>> meshSlice(std::shared_ptr<const MeshDomain> dom
     if (!segments.empty())
         slice =
             std::make_shared<SliceDomain>(*domain, std::move(segments), !facing.empty(), height);
-    if (!slice || !(slice->measure() > 0)) {
+    if (!slice || !(slice->volume() > 0)) {
         const Box<3> bounds = domain->bounds();
         throw InputError(
             fmt::format("slice z={}: the plane misses the domain, which spans z = {:.6g} to {:.6g} "

@@ -55,11 +55,11 @@ double totalMeasure(const std::vector<Sphere<Dim>>& spheres) {
 
 template <int Dim>
 double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
-    const double measure = domain.measure();
-    if (!(measure > 0))
+    const double volume = domain.volume();
+    if (!(volume > 0))
         throw InputError(fmt::format("domain: its {} is {} {}; give a domain with an inside",
-                                     Measure<Dim>::kVolume, measure, Measure<Dim>::kVolumeUnit));
-    return totalMeasure(spheres) / measure;
+                                     Measure<Dim>::kVolume, volume, Measure<Dim>::kVolumeUnit));
+    return totalMeasure(spheres) / volume;
 }
 
 template <int Dim>
@@ -72,8 +72,8 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
                         "the depth of the field; make the field deeper",
                         depth, known));
     requireUsable(spheres);
-    const double measure = domain.measureDeeperThan(depth);
-    if (!(measure > 1e-9 * domain.measure())) return std::nullopt;
+    const double volume = domain.volumeDeeperThan(depth);
+    if (!(volume > 1e-9 * domain.volume())) return std::nullopt;
 
     // A field that ends at `depth` says no more than "at least": the ulp must not decide.
     const double deep = depth * (1 - 1e-6);
@@ -126,7 +126,7 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
             return sum;
         },
         std::plus<>());
-    return covered / measure;
+    return covered / volume;
 }
 
 template <int Dim>
@@ -137,14 +137,14 @@ PlaceCheck<Dim> findPlaces(const std::vector<Sphere<Dim>>& spheres, const Domain
     if (samplePoints == 0) throw ParameterError("places: 0 sample points see nothing; give some");
     requireUsable(spheres);
     const Box<Dim> bounds = domain.bounds();
-    const double measure = domain.measure();
+    const double volume = domain.volume();
     PlaceCheck<Dim> none;
-    if (bounds.empty() || !(measure > 0) || !(bounds.measure() > 0)) return none;
+    if (bounds.empty() || !(volume > 0) || !(bounds.measure() > 0)) return none;
 
     // Points are spread block by block, so that those asked about together are near each other.
     constexpr double kBlockPoints = 4096;
     const double wanted =
-        static_cast<double>(samplePoints) * std::clamp(bounds.measure() / measure, 1.0, 1e4);
+        static_cast<double>(samplePoints) * std::clamp(bounds.measure() / volume, 1.0, 1e4);
     const double edge =
         std::pow(bounds.measure() * std::min(1.0, kBlockPoints / wanted), 1.0 / Dim);
     std::array<std::size_t, static_cast<std::size_t>(Dim)> count{};
@@ -327,13 +327,13 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
         });
     DensityProfile profile;
     profile.width = width;
-    double outer = domain.measureDeeperThan(0);
+    double outer = domain.volumeDeeperThan(0);
     for (std::size_t b = 0; b < count; ++b) {
         const double inner =
-            domain.measureDeeperThan(std::min(static_cast<double>(b + 1) * width, known));
+            domain.volumeDeeperThan(std::min(static_cast<double>(b + 1) * width, known));
         const double part = outer - inner;
         outer = inner;
-        if (!(part > 1e-9 * domain.measure())) break;
+        if (!(part > 1e-9 * domain.volume())) break;
         const bool any = !sum.covered.empty();
         profile.volume.push_back(part);
         profile.fraction.push_back(any ? sum.covered[b] / part : 0);

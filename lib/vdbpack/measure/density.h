@@ -39,7 +39,7 @@ struct DensityProfile {
 ///
 /// Spheres are sampled by 16 to 1000 low-discrepancy points each, twelve million together; the
 /// errors are those of as many independent points, which are larger. The volume of each bin is
-/// `Domain::measureDeeperThan`'s.
+/// `Domain::volumeDeeperThan`'s.
 /// @param deepest  mm, at most `domain.fieldDepth()`.
 /// @throws ParameterError for other widths and depths; InputError for an unusable sphere.
 template <int Dim>

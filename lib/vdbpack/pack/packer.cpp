@@ -129,7 +129,7 @@ public:
         for (const Species& species : options.species)
             hasSpecies_ = hasSpecies_ || species.probability > 0;
         cancelled_ = [this] { return isStopped(); };
-        expected_ = 0.6 * domain.measure() / settings_.meanBall;
+        expected_ = 0.6 * domain.volume() / settings_.meanBall;
     }
 
     PackResult<Dim> run() {
@@ -388,7 +388,7 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     std::unique_ptr<Domain<Dim>> inset;
     if (options.gap > 0) inset = insetDomain(outer, 0.5 * options.gap);
     const Domain<Dim>& domain = inset ? *inset : outer;
-    const double expected = domain.measure() / options.sizes.meanBall(Dim);
+    const double expected = domain.volume() / options.sizes.meanBall(Dim);
     if (!(expected < 2e9))
         throw ResourceError(fmt::format(
             "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: ask for larger "
@@ -493,7 +493,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
             fmt::format("target count {}: must be a number of spheres, 1 or more", count));
     const double shell = 0.5 * options.gap;
     const double guess = Dim == 3 ? 0.58 : 0.8;
-    const double most = guess * domain.measure() / ballWithShell<Dim>(options.sizes, 0, shell);
+    const double most = guess * domain.volume() / ballWithShell<Dim>(options.sizes, 0, shell);
     if (!(count < most))
         throw ParameterError(
             fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
@@ -502,7 +502,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
                         count, Measure<Dim>::kSpheres, options.gap, most));
     // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {
-        const double ball = fraction * domain.measure() / n;
+        const double ball = fraction * domain.volume() / n;
         double lo = 0, hi = std::pow(ball / options.sizes.meanBall(Dim), 1.0 / Dim);
         for (int i = 0; shell > 0 && i < 100; ++i) {
             const double middle = 0.5 * (lo + hi);
@@ -519,14 +519,14 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
         const auto result = packSpheres(domain, trial, quiet, existing);
         double sum = 0;
         for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius + shell);
-        return sum / domain.measure();
+        return sum / domain.volume();
     };
     // Room beside what stands already.
     double taken = 0;
     const auto sampler = domain.sampler();
     for (const auto& s : existing)
         if (sampler->signedDistance(s.center) < 0) taken += Measure<Dim>::ball(s.radius + shell);
-    const double room = guess * std::max(0.05, 1 - taken / domain.measure());
+    const double room = guess * std::max(0.05, 1 - taken / domain.volume());
     // Solid fraction against the scale: f = a - b s, since a layer as thick as the radii is
     // packed worse along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
     const double coarse = scaleFor(room, std::max(count / 20, 50.0));

@@ -129,9 +129,9 @@ int DomainSource::dim() const {
     return plane_ || slice_ ? 2 : 3;
 }
 
-double DomainSource::measure() const {
-    if (plane_ || slice_) return build(0, 0).plane->measure();
-    if (space_) return build(0, 0).space->measure();
+double DomainSource::volume() const {
+    if (plane_ || slice_) return build(0, 0).plane->volume();
+    if (space_) return build(0, 0).space->volume();
     return std::fabs(fileVolume_);
 }
 

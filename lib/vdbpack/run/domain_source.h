@@ -62,8 +62,8 @@ public:
     /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
     explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
 
-    int dim() const;         ///< 2 for rect, disc and slices
-    double measure() const;  ///< estimate before the field is made, mm^dim
+    int dim() const;        ///< 2 for rect, disc and slices
+    double volume() const;  ///< estimate before the field is made, mm^dim
     bool isFile() const { return mesh_.has_value(); }
     const Box<3>& fileBounds() const { return fileBounds_; }
 

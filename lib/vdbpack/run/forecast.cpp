@@ -67,8 +67,8 @@ Trial<Dim> tryOut(const PackRecipe& recipe, const DomainSource& source,
     const DomainFacts facts = domain->facts();
     trial.voxels = static_cast<double>(facts.activeVoxels);
     trial.voxelSize = facts.voxelSize;
-    trial.volume = domain->measure();
-    trial.area = domain->wallMeasure();
+    trial.volume = domain->volume();
+    trial.area = domain->wallArea();
     const Pack<Dim> existing = readExisting<Dim>(recipe, built.sliceHeight);
     clock.lap();
     auto result = packSpheres(*domain, options, quiet, existing.spheres);
@@ -76,12 +76,12 @@ Trial<Dim> tryOut(const PackRecipe& recipe, const DomainSource& source,
     trial.pack = clock.lap();
     trial.count = static_cast<double>(result.pack.spheres.size());
     for (const auto& s : result.pack.spheres) trial.fraction += Measure<Dim>::ball(s.radius);
-    trial.fraction /= domain->measure();
+    trial.fraction /= domain->volume();
     trial.standing = static_cast<double>(existing.spheres.size());
     const auto sampler = domain->sampler();
     for (const auto& s : existing.spheres)
         if (sampler->contains(s.center))
-            trial.standingFraction += Measure<Dim>::ball(s.radius) / domain->measure();
+            trial.standingFraction += Measure<Dim>::ball(s.radius) / domain->volume();
     clock.lap();
     Report report;
     measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
@@ -149,7 +149,7 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     RequestedSizes requested = requestedSizes(recipe, Dim);
     Forecast f;
     f.dim = Dim;
-    f.volume = source.measure();
+    f.volume = source.volume();
     // Radii times `unit` fill the domain with about `expected` spheres.
     const double guess = Dim == 3 ? 0.6 : 0.82;
     double expected = guess * f.volume / requested.sizes.meanBall(Dim), unit = 1;

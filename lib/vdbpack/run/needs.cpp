@@ -278,8 +278,8 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
     e.field = source.plan(detail, reach, voxelSize);
     if (!source.isFile()) {
         const auto built = source.build(0, 0);
-        e.domainVolume = built.space ? built.space->measure() : built.plane->measure();
-        e.domainArea = built.space ? built.space->wallMeasure() : built.plane->wallMeasure();
+        e.domainVolume = built.space ? built.space->volume() : built.plane->volume();
+        e.domainArea = built.space ? built.space->wallArea() : built.plane->wallArea();
     } else if (e.dim == 2) {
         // The slice is not known yet: no more than its rectangle.
         const Vec<3> size = source.fileBounds().size();
@@ -397,7 +397,7 @@ void requireResources(const PackRecipe& recipe, const DomainSource& source) {
     const double limit = memoryLimit(recipe.memoryLimit);
     Extent extent = extentOf(recipe, source);
     if (extent.dim == 2 && source.isFile() && needsOf(extent).memory() > limit) {
-        const double share = source.measure() / extent.domainVolume;
+        const double share = source.volume() / extent.domainVolume;
         extent.domainVolume *= share;
         if (!extent.searching) extent.count *= share;
         extent.voids *= share;

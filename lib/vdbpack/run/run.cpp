@@ -202,7 +202,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     if constexpr (Dim == 2) write.frame = domain.bounds();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     write.pointVoxel =
-        std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
+        std::min(pointVoxelSize(static_cast<double>(report.count), domain.volume(), Dim),
                  result.quantum * 0x1p25);
     // Interrupted before the first block was complete: nothing is worth replacing a file.
     if (!report.interrupted || report.count > 0)

@@ -73,7 +73,7 @@ void densifyGiven(const DensifyRecipe& recipe, const DomainSource& source, Pack<
     if constexpr (Dim == 2) write.frame = domain.bounds();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     write.pointVoxel =
-        std::min(pointVoxelSize(static_cast<double>(report.count), domain.measure(), Dim),
+        std::min(pointVoxelSize(static_cast<double>(report.count), domain.volume(), Dim),
                  std::exp2(std::floor(std::log2(radius.mean))) * 8);
     report.files = writeOutputs(recipe.outputs, have, callbacks);
     try {

@@ -165,8 +165,8 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     pack.contacts.clear();
     if (domain) {
         report.domain = domain->facts();
-        report.volume = domain->measure();
-        report.area = domain->wallMeasure();
+        report.volume = domain->volume();
+        report.area = domain->wallArea();
         report.protrusion = source->protrusion(pack.spheres);
         report.solidFractionTotal = solidFraction(pack.spheres, *domain);
         // Only what is inside counts.
@@ -197,7 +197,7 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
     FieldRadii radii;
     if (requested.targetCount > 0) {
         // Half full is the lowest that is to be expected: the field is deep and fine enough.
-        const double guess = source.measure() / (requested.targetCount * sizes.meanBall(dim));
+        const double guess = source.volume() / (requested.targetCount * sizes.meanBall(dim));
         radii.scale = std::pow((dim == 3 ? 0.58 : 0.8) * guess, 1.0 / dim);
     }
     radii.detail = fieldDetail(sizes.min(), sizes.mean()) * radii.scale;
@@ -254,7 +254,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         const double reach = diameters * result.meanDiameter;
         if (!domain || reach > known) continue;
         result.pairCorrelation =
-            pairCorrelation(pack.spheres, pack.depth, reach, domain->measureDeeperThan(reach),
+            pairCorrelation(pack.spheres, pack.depth, reach, domain->volumeDeeperThan(reach),
                             static_cast<int>(diameters * kPairBins));
         if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
     }
@@ -265,7 +265,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
                 "--shell {} mm: the field knows depths up to {:.4g} mm; give a thinner shell",
                 shell, known));
         result.shell = shell;
-        const double all = domain->measure(), core = domain->measureDeeperThan(shell);
+        const double all = domain->volume(), core = domain->volumeDeeperThan(shell);
         const auto inner = interiorFraction(pack.spheres, *domain, shell);
         const double coreSolid = inner ? *inner * core : 0;
         result.regions.push_back({"cortical", all - core,

@@ -56,8 +56,8 @@ void voidsOf(const VoidsRecipe& recipe, const DomainSource& source, RunResult& r
     const Domain<Dim>& domain = *ofDim<Dim>(built);
     report.dim = Dim;
     report.domain = domain.facts();
-    report.volume = domain.measure();
-    report.area = domain.wallMeasure();
+    report.volume = domain.volume();
+    report.area = domain.wallArea();
     report.seconds.domain = clock.lap();
     callbacks.stopIfCancelled();
     const VoidSetting<Dim> setting{recipe.voids, domain, built.sliceHeight,

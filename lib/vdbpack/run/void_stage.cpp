@@ -101,7 +101,7 @@ VoidShape<Dim> shapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chos
 
 template <int Dim>
 double coreOf(const VoidSetting<Dim>& s) {
-    return regionOf(s).measure();
+    return regionOf(s).volume();
 }
 
 /// Stamps a list, and cuts it where pieces are to be dropped; sets BV/TV.
@@ -116,7 +116,7 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
     made.report.totalVolume = coreOf(s);
-    made.report.bvtv = std::max(0.0, 1 - made.stamped->measure() / made.report.totalVolume);
+    made.report.bvtv = std::max(0.0, 1 - made.stamped->volume() / made.report.totalVolume);
 }
 
 /// The level sets of space; what is dropped of the solid is taken off BV/TV.
@@ -131,7 +131,7 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
     made.report.solidAttached = made.solid.attached;
     made.report.solidPieces = made.solid.pieces;
     made.report.bvtv =
-        std::max(0.0, 1 - (made.stamped->measure() + made.solid.dropped) / made.report.totalVolume);
+        std::max(0.0, 1 - (made.stamped->volume() + made.solid.dropped) / made.report.totalVolume);
 }
 void cut(const VoidSetting<2>&, MadeVoids<2>&) {}
 
@@ -333,7 +333,7 @@ void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
 template <int Dim>
 void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = coreOf(s);
-    if (!(core > 1e-9 * s.domain.measure()))
+    if (!(core > 1e-9 * s.domain.volume()))
         throw InputError(fmt::format(
             "--shell {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
             "place lies {:.4g} mm below the wall); give a thinner shell",

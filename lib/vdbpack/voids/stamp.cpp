@@ -337,7 +337,7 @@ double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
     const double entries = entriesIn(domain.bounds().grown(reach), reach, side);
     // No more leaves than the domain has.
     const double leaves =
-        std::min(entries, domain.measure() / tile + 2 * domain.wallMeasure() * side / tile + 27);
+        std::min(entries, domain.volume() / tile + 2 * domain.wallArea() * side / tile + 27);
     return entries * kBytesPerEntry + leaves * kBytesPerLeaf * kLevelSets;
 }
 
@@ -358,7 +358,7 @@ struct StampedVoids<Dim>::Impl {
     FloatGrid::Ptr grid = FloatGrid::create();
     Vec<Dim> origin;
     double voxelSize = 0;
-    double measure = 0;
+    double volume = 0;
     double inside = 0, outside = 0;  // widths of the band, mm
     std::optional<TileLattice<Dim>> lattice;
     std::vector<std::uint64_t> tiles;  // that voids reach into, rising
@@ -375,8 +375,8 @@ double StampedVoids<Dim>::voxelSize() const {
     return impl_->voxelSize;
 }
 template <int Dim>
-double StampedVoids<Dim>::measure() const {
-    return impl_->measure;
+double StampedVoids<Dim>::volume() const {
+    return impl_->volume;
 }
 template <int Dim>
 std::uint64_t StampedVoids<Dim>::activeVoxels() const {
@@ -474,7 +474,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
             tree.addTile(1, lattice.coordOf(entries[starts[n]].tile), -inside, false);
     }
     openvdb::tools::prune(tree);
-    impl.measure = static_cast<double>(voxels) * std::pow(h, Dim);
+    impl.volume = static_cast<double>(voxels) * std::pow(h, Dim);
     impl.grid->setName("voids");
     impl.grid->setGridClass(openvdb::GRID_LEVEL_SET);
     const auto transform = openvdb::math::Transform::createLinearTransform(h);

@@ -36,7 +36,7 @@ public:
     double voxelSize() const;
     /// Volume (2D: area) of the voids inside the domain and deeper than the shell, mm^Dim: the
     /// voxels whose centers lie there. Shares of voxels would make too little of thin walls.
-    double measure() const;
+    double volume() const;
     /// Voxels in the band.
     std::uint64_t activeVoxels() const;
     /// Whether a point lies in one of the ellipsoids, by their own inequality. Those that may hold

@@ -32,9 +32,7 @@ template <int Dim>
 struct VoidRegion {
     const Domain<Dim>& domain;
     double shell = 0;  ///< mm
-    double measure() const {
-        return shell > 0 ? domain.measureDeeperThan(shell) : domain.measure();
-    }
+    double volume() const { return shell > 0 ? domain.volumeDeeperThan(shell) : domain.volume(); }
 };
 
 /// Ellipsoids at independent random places, uniform over the box around the domain grown by the
