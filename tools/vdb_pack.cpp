@@ -1,4 +1,5 @@
 // vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
+#include "cli/option_names.h"
 #include "cli/options.h"
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
@@ -82,7 +83,8 @@ Callbacks makeCallbacks(bool quiet) {
     Callbacks callbacks;
     callbacks.warning = [](const std::string& text) {
         clearProgressLine();
-        tell(fmt::format("{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO), text));
+        tell(fmt::format("{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO),
+                         withOptionNames(text)));
     };
     callbacks.cancelled = [] { return interrupted.load(); };
     std::shared_ptr<ProgressLine> line;
@@ -94,9 +96,14 @@ Callbacks makeCallbacks(bool quiet) {
     return callbacks;
 }
 
+void printText(const std::string& text) {
+    fmt::print("{}", withOptionNames(text));
+}
+
 /// Bytes of names that are no UTF-8 show as the replacement character.
 void printJson(const nlohmann::ordered_json& json) {
-    fmt::print("{}\n", json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+    fmt::print("{}\n", withOptionNames(json.dump(
+                           2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
 }
 
 /// A pack for each of several seeds.
@@ -108,7 +115,7 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
         for (const auto& report : result.reports) all.push_back(toJson(report));
         printJson(all);
     } else if (!options.quiet) {
-        fmt::print("{}", summary(result));
+        printText(summary(result));
         if (!options.table.empty() && !result.reports.empty())
             fmt::print("written    {}\n", options.table);
     }
@@ -123,7 +130,7 @@ int printed(const RunResult& run, const CliOptions& options) {
     if (options.json)
         printJson(toJson(run));
     else if (!options.quiet)
-        fmt::print("{}", summary(run.report));
+        printText(summary(run.report));
     return kDone;
 }
 
@@ -176,7 +183,7 @@ int runCommand(const CliOptions& options) {
                 if (options.json)
                     printJson(toJson(forecast));
                 else
-                    fmt::print("{}", summary(forecast));
+                    printText(summary(forecast));
                 std::fflush(stdout);
                 requireResources(forecast.needs, memoryLimit(options.pack.memoryLimit));
                 return kDone;
@@ -202,7 +209,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 printJson(toJson(run));
             else
-                fmt::print("{}", summary(run.report));
+                printText(summary(run.report));
             if (run.places && !options.json)
                 fmt::print(
                     "places     {} of {} points have room for {:.5g} mm (1.02 mean radii); "
@@ -219,7 +226,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 printJson(toJson(result));
             else
-                fmt::print("{}", summary(result));
+                printText(summary(result));
             return kDone;
         }
         case CliOptions::Command::convert: {
@@ -228,7 +235,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 printJson(toJson(result));
             else if (!options.quiet)
-                fmt::print("{}", summary(result));
+                printText(summary(result));
             return kDone;
         }
         case CliOptions::Command::mesh: {
@@ -237,7 +244,7 @@ int runCommand(const CliOptions& options) {
             if (options.json)
                 printJson(toJson(result));
             else
-                fmt::print("{}", summary(result));
+                printText(summary(result));
             return kDone;
         }
     }
@@ -251,7 +258,8 @@ int main(int argc, char** argv) {
     const auto fail = [](const char* message, int code) {
         try {
             clearProgressLine();
-            tell(fmt::format("{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO), message));
+            tell(fmt::format("{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO),
+                             withOptionNames(message)));
         } catch (const std::exception&) {  // no memory even for that
             std::fputs(message, stderr);
         }

@@ -72,7 +72,7 @@ TEST_CASE("what may be cancelled is stopped beyond a limit of memory", "[memory]
         PackOptions options(SizeDistribution::parse("constant:1", 3));
         options.threads = threads;
         CHECK_THROWS_WITH(packSpheres(*domain, options, withinMemory({}, 1), {}),
-                          Contains("are allowed") && Contains("--memory-limit"));
+                          Contains("are allowed") && Contains("memoryLimit"));
     }
 }
 

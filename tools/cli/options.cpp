@@ -3,6 +3,7 @@
 #include "cli/completion.h"
 #include "cli/help.h"
 #include "cli/option_groups.h"
+#include "cli/option_names.h"
 #include "cli/recipe.h"
 #include "cli/terminal.h"
 #include "cli/usage_error.h"
@@ -330,7 +331,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     const auto refuse = [&](const std::string& message) {
-        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), message);
+        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), withOptionNames(message));
         exitCode = 2;
     };
     try {

@@ -1,4 +1,4 @@
-// The errors that the library throws. A message says what, where, which value and the remedy.
+// Errors: what, where, value, remedy. Parameters stand in backquotes by their fields: `voxelSize`.
 #pragma once
 
 #include <stdexcept>

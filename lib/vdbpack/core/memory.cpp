@@ -172,7 +172,7 @@ Callbacks withinMemory(Callbacks callbacks, double limit) {
                 throw ResourceError(fmt::format(
                     "stopped: the process holds {} of memory, and {} are allowed. Nothing more is "
                     "written. Choose larger radii, voxels or voids, clip the domain, or raise "
-                    "--memory-limit",
+                    "`memoryLimit`",
                     bytesText(held), bytesText(limit)));
         }
         return asked && asked();

@@ -1,0 +1,93 @@
+#include "cli/option_names.h"
+
+#include <algorithm>
+#include <iterator>
+#include <string_view>
+
+namespace {
+
+struct OptionName {
+    std::string_view parameter, option;
+};
+
+/// Fields of the library's recipes and options. Names that several of them share are qualified.
+constexpr OptionName kOptionNames[] = {
+    {"cell", "--void-cell"},
+    {"clips", "--clip"},
+    {"contactTolerance", "--contact-tol"},
+    {"cull", "--cull"},
+    {"deleteFraction", "--delete-fraction"},
+    {"densify", "--densify"},
+    {"density", "--density"},
+    {"domain", "--domain"},
+    {"effort", "--effort"},
+    {"existing", "--existing"},
+    {"gap", "--gap"},
+    {"gridName", "--grid"},
+    {"keepConnected", "--keep-connected"},
+    {"matrix", "--void-matrix"},
+    {"maxCount", "--max-count"},
+    {"memoryLimit", "--memory-limit"},
+    {"order", "--order"},
+    {"orientation.angles", "--void-angles"},
+    {"orientation.axis", "--void-axis"},
+    {"orientation.field", "--void-field"},
+    {"outUnit", "--out-unit"},
+    {"outputs", "--output"},
+    {"packGrid", "--grid"},
+    {"packUnit", "--pack-unit"},
+    {"placeSamples", "--places"},
+    {"preview.color", "--preview-color"},
+    {"preview.cut", "--preview-cut"},
+    {"preview.file", "--preview"},
+    {"preview.height", "--preview-size"},
+    {"preview.width", "--preview-size"},
+    {"radius", "--radius"},
+    {"repair", "--repair"},
+    {"repairVoxel", "--repair-voxel"},
+    {"reportFile", "--report"},
+    {"scale", "--scale"},
+    {"seed", "--seed"},
+    {"shell", "--shell"},
+    {"shells", "--shells"},
+    {"slices", "--slice"},
+    {"table", "--table"},
+    {"targetBvtv", "--target-bvtv"},
+    {"targetCount", "--target-count"},
+    {"targetTbth", "--target-tbth"},
+    {"threads", "--threads"},
+    {"unit", "--unit"},
+    {"voids", "--voids"},
+    {"voids.aspect", "--void-aspect"},
+    {"voids.count", "--void-count"},
+    {"voids.probability", "--void-probability"},
+    {"voids.radius", "--void-radius"},
+    {"voids.shell", "--shell"},
+    {"voids.voxelSize", "--void-voxel"},
+    {"voxelSize", "--voxel"},
+    {"weightBy", "--weight-by"},
+};
+
+}  // namespace
+
+std::string withOptionNames(const std::string& message) {
+    std::string text;
+    std::size_t at = 0;
+    for (;;) {
+        const std::size_t open = message.find('`', at);
+        const std::size_t close = open == std::string::npos ? open : message.find('`', open + 1);
+        if (close == std::string::npos) return text + message.substr(at);
+        text += message.substr(at, open - at);
+        const std::string_view name = std::string_view(message).substr(open + 1, close - open - 1);
+        const auto* const known =
+            std::find_if(std::begin(kOptionNames), std::end(kOptionNames),
+                         [&](const OptionName& o) { return o.parameter == name; });
+        if (known == std::end(kOptionNames)) {  // another use of backquotes
+            text += '`';
+            at = open + 1;
+            continue;
+        }
+        text += known->option;
+        at = close + 1;
+    }
+}
