@@ -1,52 +1,192 @@
-// Eight floats at a time.
+// Eight numbers at a time, in one register where the processor has one that wide.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <experimental/simd>
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
 
 namespace vdbpack {
 
-namespace stdx = std::experimental;
-
-/// Eight lanes on every machine, in one register where there is one: the same result everywhere.
+// Vectors of the compiler (GCC, Clang): arithmetic and comparisons go lane by lane, a scalar
+// operand applies to all lanes, a comparison is an Int8 of -1 (true) and 0. Every operation is
+// rounded as IEEE 754 requires, so that results are the same on any processor.
 inline constexpr std::size_t kLanes = 8;
-using Lanes = stdx::simd<float, stdx::simd_abi::deduce_t<float, kLanes>>;
+using Float8 [[gnu::vector_size(32)]] = float;
+using Int8 [[gnu::vector_size(32)]] = std::int32_t;
+using Word8 [[gnu::vector_size(32)]] = std::uint32_t;
 
-inline Lanes load(const float* p) {
-    return Lanes(p, stdx::element_aligned);
-}
+#define VDBPACK_INLINE [[gnu::always_inline]] inline
 
 /// `n` rounded up to whole lanes.
 inline constexpr std::size_t padded(std::size_t n) {
     return (n + kLanes - 1) / kLanes * kLanes;
 }
 
-/// Calls `visit(lane)` for the lanes that are set, by rising number.
-template <class Visit>
-[[gnu::always_inline]] inline void forEachSet(const Lanes::mask_type& mask, Visit visit) {
-    bool set[kLanes];
-    mask.copy_to(set, stdx::element_aligned);
-#if defined(__BYTE_ORDER__) && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__
-    static_assert(sizeof set == sizeof(std::uint64_t));
-    std::uint64_t bits;
-    std::memcpy(&bits, set, sizeof bits);
-    for (; bits != 0; bits &= bits - 1) visit(static_cast<std::size_t>(__builtin_ctzll(bits)) / 8);
+template <class To, class From>
+VDBPACK_INLINE To bitsAs(From from) {
+    static_assert(sizeof(To) == sizeof(From));
+    To to;
+    std::memcpy(&to, &from, sizeof to);
+    return to;
+}
+
+VDBPACK_INLINE Float8 everyLane(float v) {
+    return Float8{v, v, v, v, v, v, v, v};
+}
+/// Eight numbers in a row; no alignment required.
+VDBPACK_INLINE Float8 load(const float* from) {
+    Float8 v;
+    std::memcpy(&v, from, sizeof v);
+    return v;
+}
+template <class Number, class Octet>
+VDBPACK_INLINE void store(Number* to, Octet from) {
+    static_assert(sizeof(Octet) == kLanes * sizeof(Number));
+    std::memcpy(to, &from, sizeof from);
+}
+
+// For one number and for eight, so that a formula can be written once for both.
+
+VDBPACK_INLINE float squareRoot(float v) {
+    return std::sqrt(v);
+}
+VDBPACK_INLINE Float8 squareRoot(Float8 v) {
+#if defined(__AVX2__)
+    return _mm256_sqrt_ps(v);
 #else
-    for (std::size_t l = 0; l < kLanes; ++l)
-        if (set[l]) visit(l);
+    for (std::size_t l = 0; l < kLanes; ++l) v[l] = std::sqrt(v[l]);
+    return v;
 #endif
 }
 
-/// `yes` where the mask is set, else `no`.
-[[gnu::always_inline]] inline Lanes choose(const Lanes::mask_type& mask, Lanes yes,
-                                           const Lanes& no) {
-    where(!mask, yes) = no;
-    return yes;
+/// `a` where it is larger, else `b`.
+VDBPACK_INLINE float larger(float a, float b) {
+    return a > b ? a : b;
 }
-inline float choose(bool mask, float yes, float no) {
+VDBPACK_INLINE Float8 larger(Float8 a, Float8 b) {
+#if defined(__AVX2__)
+    return _mm256_max_ps(a, b);
+#else
+    return a > b ? a : b;
+#endif
+}
+VDBPACK_INLINE Float8 larger(Float8 a, float b) {
+    return larger(a, everyLane(b));
+}
+
+/// `a` where it is smaller, else `b`.
+VDBPACK_INLINE float smaller(float a, float b) {
+    return a < b ? a : b;
+}
+VDBPACK_INLINE Float8 smaller(Float8 a, Float8 b) {
+#if defined(__AVX2__)
+    return _mm256_min_ps(a, b);
+#else
+    return a < b ? a : b;
+#endif
+}
+VDBPACK_INLINE Float8 smaller(Float8 a, float b) {
+    return smaller(a, everyLane(b));
+}
+
+VDBPACK_INLINE Float8 absolute(Float8 v) {
+    return bitsAs<Float8>(bitsAs<Int8>(v) & 0x7fffffff);
+}
+
+/// |v| with the sign of `sign`.
+VDBPACK_INLINE float withSign(float v, float sign) {
+    return std::copysign(v, sign);
+}
+VDBPACK_INLINE Float8 withSign(Float8 v, Float8 sign) {
+    return bitsAs<Float8>((bitsAs<Int8>(v) & 0x7fffffff) | (bitsAs<Int8>(sign) & ~0x7fffffff));
+}
+
+/// `yes` where the mask is set, else `no`.
+VDBPACK_INLINE float choose(bool mask, float yes, float no) {
     return mask ? yes : no;
+}
+VDBPACK_INLINE Float8 choose(Int8 mask, Float8 yes, Float8 no) {
+    return mask ? yes : no;
+}
+VDBPACK_INLINE Float8 choose(Int8 mask, float yes, Float8 no) {
+    return choose(mask, everyLane(yes), no);
+}
+VDBPACK_INLINE Float8 choose(Int8 mask, Float8 yes, float no) {
+    return choose(mask, yes, everyLane(no));
+}
+/// `v` where the mask is set, else 0.
+VDBPACK_INLINE Float8 where8(Int8 mask, Float8 v) {
+    return bitsAs<Float8>(bitsAs<Int8>(v) & mask);
+}
+
+/// One bit a lane, the lowest of lane 0.
+VDBPACK_INLINE unsigned bitsOf(Int8 mask) {
+#if defined(__AVX2__)
+    return static_cast<unsigned>(_mm256_movemask_ps(bitsAs<__m256>(mask)));
+#else
+    unsigned bits = 0;
+    for (std::size_t l = 0; l < kLanes; ++l) bits |= (mask[l] != 0 ? 1u : 0u) << l;
+    return bits;
+#endif
+}
+VDBPACK_INLINE bool noneOf(Int8 mask) {
+#if defined(__AVX2__)
+    return _mm256_testz_ps(bitsAs<__m256>(mask), bitsAs<__m256>(mask)) != 0;
+#else
+    return bitsOf(mask) == 0;
+#endif
+}
+
+/// Calls `visit(lane)` for the lanes that are set, by rising number.
+template <class Visit>
+VDBPACK_INLINE void forEachSet(Int8 mask, Visit visit) {
+    for (unsigned bits = bitsOf(mask); bits != 0; bits &= bits - 1)
+        visit(static_cast<std::size_t>(__builtin_ctz(bits)));
+}
+
+/// For each set of lanes the numbers of those in it, one a byte, the lowest first.
+inline constexpr auto kLanesOf = [] {
+    std::array<std::uint64_t, 256> lanes{};
+    for (unsigned bits = 0; bits < 256; ++bits) {
+        unsigned at = 0;
+        for (std::uint64_t l = 0; l < kLanes; ++l)
+            if ((bits >> l & 1u) != 0) lanes[bits] |= l << 8 * at++;
+    }
+    return lanes;
+}();
+
+/// Writes the lanes that are set in `bits` one after the other; whole eights are written.
+/// @return how many they are.
+VDBPACK_INLINE unsigned writeLanes(std::uint32_t* to, Word8 from, unsigned bits) {
+#if defined(__AVX2__)
+    const __m256i lanes =
+        _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kLanesOf[bits])));
+    store(to, bitsAs<Word8>(_mm256_permutevar8x32_epi32(bitsAs<__m256i>(from), lanes)));
+#else
+    std::uint64_t lanes = kLanesOf[bits];
+    for (std::size_t l = 0; l < kLanes; ++l, lanes >>= 8) to[l] = from[lanes & 7u];
+#endif
+    return static_cast<unsigned>(__builtin_popcount(bits));
+}
+
+/// The sum, in the same order on every machine.
+VDBPACK_INLINE float sum(Float8 v) {
+    return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+VDBPACK_INLINE float smallest(Float8 v) {
+    v = smaller(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = smaller(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    return smaller(v[0], v[1]);
+}
+VDBPACK_INLINE float largest(Float8 v) {
+    v = larger(v, __builtin_shufflevector(v, v, 4, 5, 6, 7, 0, 1, 2, 3));
+    v = larger(v, __builtin_shufflevector(v, v, 2, 3, 0, 1, 6, 7, 4, 5));
+    return larger(v[0], v[1]);
 }
 
 }  // namespace vdbpack

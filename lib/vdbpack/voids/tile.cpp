@@ -89,31 +89,31 @@ struct Form {
 
     /// Where points lie: along the axis, across it, and on the ellipsoid with half-axes f a, f b.
     struct Place {
-        Lanes along, across2, f;
+        Float8 along, across2, f;
     };
-    [[gnu::always_inline]] Place place(const std::array<Lanes, Dim>& x) const {
-        Place p{0.0f, 0.0f, 0.0f};
+    [[gnu::always_inline]] Place place(const std::array<Float8, Dim>& x) const {
+        Place p{};
         for (std::size_t d = 0; d < Dim; ++d) p.along += x[d] * axis[d];
         for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes part = x[d] - p.along * axis[d];
+            const Float8 part = x[d] - p.along * axis[d];
             p.across2 += part * part;
         }
-        const Lanes u = p.along * inverseA;
-        p.f = stdx::sqrt(u * u + p.across2 * (inverseB * inverseB));
+        const Float8 u = p.along * inverseA;
+        p.f = squareRoot(u * u + p.across2 * (inverseB * inverseB));
         return p;
     }
 
     /// The void's surface is at least that far away, since f is convex: f - 1 <= |grad f| d;
     /// inside, at most as deep below it as the way out across the axis is long.
-    [[gnu::always_inline]] Lanes lower(const Place& p) const {
-        const Lanes u = p.along * inverseA;
-        const Lanes steep = stdx::sqrt(u * u * (inverseA * inverseA) +
-                                       p.across2 * (inverseB * inverseB * (inverseB * inverseB)));
+    [[gnu::always_inline]] Float8 lower(const Place& p) const {
+        const Float8 u = p.along * inverseA;
+        const Float8 steep = squareRoot(u * u * (inverseA * inverseA) +
+                                        p.across2 * (inverseB * inverseB * (inverseB * inverseB)));
         const auto within = p.f < 1.0f;
-        const Lanes cut = choose(within, 1.0f - u * u, Lanes(0.0f));
-        const Lanes out = b * stdx::sqrt(cut) - stdx::sqrt(p.across2);
-        return choose(within, -stdx::min(out, Lanes(shorter)),
-                      (p.f - 1.0f) * p.f / choose(within, Lanes(1.0f), steep));
+        const Float8 cut = choose(within, 1.0f - u * u, 0.0f);
+        const Float8 out = b * squareRoot(cut) - squareRoot(p.across2);
+        return choose(within, -smaller(out, shorter),
+                      (p.f - 1.0f) * p.f / choose(within, 1.0f, steep));
     }
 };
 
@@ -143,44 +143,44 @@ struct Tile<Dim>::Stamp {
     /// Distance to the surface, as Ellipsoid::signedDistance finds it: the circle of curvature at
     /// the last foot (a tx, b ty) gives the next.
     /// @param far  places that take more rounds; the others are left as they are without these.
-    Lanes distance(const Place& p, const Lanes::mask_type& far) const {
-        const Lanes x = stdx::fabs(p.along), y = stdx::sqrt(p.across2);
+    Float8 distance(const Place& p, Int8 far) const {
+        const Float8 x = absolute(p.along), y = squareRoot(p.across2);
         // To begin with, the foot on the way to the center, which is right for balls and near the
         // ellipse; inside, where it may be the farthest one, what is right on both axes as well.
         const float longer = std::max(a, b), shorter = form.shorter;
-        const Lanes deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
-        Lanes tl = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
-        tl = choose(tl < 1.0f, tl, Lanes(1.0f));
-        const Lanes ts = stdx::sqrt(1.0f - tl * tl);
-        Lanes tx = a < b ? ts : tl, ty = a < b ? tl : ts;
+        const Float8 deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
+        Float8 tl = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
+        tl = choose(tl < 1.0f, tl, 1.0f);
+        const Float8 ts = squareRoot(1.0f - tl * tl);
+        Float8 tx = a < b ? ts : tl, ty = a < b ? tl : ts;
         for (int round = 0; round < rounds; ++round) step(x, y, tx, ty);
-        const Lanes distance = toFoot(x, y, tx, ty);
-        if (none_of(far)) return distance;
+        const Float8 distance = toFoot(x, y, tx, ty);
+        if (noneOf(far)) return distance;
         for (int round = rounds; round < kFarRounds; ++round) step(x, y, tx, ty);
         return choose(far, toFoot(x, y, tx, ty), distance);
     }
 
-    void step(const Lanes& x, const Lanes& y, Lanes& tx, Lanes& ty) const {
+    void step(const Float8& x, const Float8& y, Float8& tx, Float8& ty) const {
         const float tiny = 1e-12f * a * a;
-        const Lanes ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
-        const Lanes rx = a * tx - ex, ry = b * ty - ey;
-        const Lanes qx = x - ex, qy = y - ey;
-        const Lanes q2 = qx * qx + qy * qy;
-        const Lanes ratio = stdx::sqrt((rx * rx + ry * ry) / choose(q2 > tiny, q2, Lanes(tiny)));
+        const Float8 ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
+        const Float8 rx = a * tx - ex, ry = b * ty - ey;
+        const Float8 qx = x - ex, qy = y - ey;
+        const Float8 q2 = qx * qx + qy * qy;
+        const Float8 ratio = squareRoot((rx * rx + ry * ry) / choose(q2 > tiny, q2, tiny));
         tx = (qx * ratio + ex) * form.inverseA;
         ty = (qy * ratio + ey) * form.inverseB;
-        tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, Lanes(1.0f)), Lanes(0.0f));
-        ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, Lanes(1.0f)), Lanes(0.0f));
-        const Lanes square = tx * tx + ty * ty;
+        tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, 1.0f), 0.0f);
+        ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, 1.0f), 0.0f);
+        const Float8 square = tx * tx + ty * ty;
         // The middle of a ball: every foot is as near.
         const auto lost = square < 1e-12f;
-        const Lanes inverse = 1.0f / stdx::sqrt(choose(lost, Lanes(1.0f), square));
-        tx = choose(lost, Lanes(a < b ? 1.0f : 0.0f), tx * inverse);
-        ty = choose(lost, Lanes(a < b ? 0.0f : 1.0f), ty * inverse);
+        const Float8 inverse = 1.0f / squareRoot(choose(lost, 1.0f, square));
+        tx = choose(lost, a < b ? 1.0f : 0.0f, tx * inverse);
+        ty = choose(lost, a < b ? 0.0f : 1.0f, ty * inverse);
     }
-    Lanes toFoot(const Lanes& x, const Lanes& y, const Lanes& tx, const Lanes& ty) const {
-        const Lanes dx = a * tx - x, dy = b * ty - y;
-        return stdx::sqrt(dx * dx + dy * dy);
+    Float8 toFoot(const Float8& x, const Float8& y, const Float8& tx, const Float8& ty) const {
+        const Float8 dx = a * tx - x, dy = b * ty - y;
+        return squareRoot(dx * dx + dy * dy);
     }
 
     Form<Dim, float> form;
@@ -215,10 +215,10 @@ struct Tile<Dim>::Batch {
     /// No point of the ball about `x`, from the tile's first voxel, is nearer to each void.
     /// @return the void with the least bound, the first of equals.
     std::size_t lowerBounds(const std::array<float, Dim>& x, float radius, Row& bounds) const {
-        Lanes least = kTaken;
+        Float8 least = everyLane(kTaken);
         for (std::size_t i = 0; i < whole; i += kLanes) {
-            Form<Dim, Lanes> form;
-            std::array<Lanes, Dim> place;
+            Form<Dim, Float8> form;
+            std::array<Float8, Dim> place;
             for (std::size_t d = 0; d < Dim; ++d) {
                 form.axis[d] = load(&axis[d][i]);
                 place[d] = load(&start[d][i]) + x[d];
@@ -227,12 +227,12 @@ struct Tile<Dim>::Batch {
             form.shorter = load(&shorter[i]);
             form.inverseA = load(&inverseA[i]);
             form.inverseB = load(&inverseB[i]);
-            const Lanes bound = form.lower(form.place(place)) - radius;
-            bound.copy_to(&bounds[i], stdx::element_aligned);
-            least = stdx::min(least, bound);
+            const Float8 bound = form.lower(form.place(place)) - radius;
+            store(&bounds[i], bound);
+            least = smaller(least, bound);
         }
         for (std::size_t i = count; i < whole; ++i) bounds[i] = kTaken;
-        const float nearest = stdx::hmin(least);
+        const float nearest = smallest(least);
         std::size_t at = 0;
         while (at + 1 < count && bounds[at] != nearest) ++at;
         return at;
@@ -296,7 +296,7 @@ template <int Dim>
 void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count) {
     const Blocks<Dim>& blocks = Blocks<Dim>::get();
     const auto h = static_cast<float>(voxelSize_);
-    std::array<Lanes, Dim> lane, x;
+    std::array<Float8, Dim> lane, x;
     for (std::size_t d = 0; d < Dim; ++d) lane[d] = load(blocks.lane[d].data());
     const auto placeOf = [&](const Pair& pair) {
         const Stamp& stamp = batch.stamps[pair.ellipsoid];
@@ -307,24 +307,23 @@ void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, s
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Pair pair = pairs[i];
-        const Lanes least = batch.stamps[pair.ellipsoid].form.lower(placeOf(pair));
+        const Float8 least = batch.stamps[pair.ellipsoid].form.lower(placeOf(pair));
         pairs[left] = pair;
-        left += any_of(least < load(&values_[pair.block * kLanes]));
+        left += noneOf(least < load(&values_[pair.block * kLanes])) ? 0 : 1;
     }
     for (std::size_t i = 0; i < left; ++i) {
         const Pair pair = pairs[i];
         const Stamp& stamp = batch.stamps[pair.ellipsoid];
         const auto place = placeOf(pair);
         // Beyond the band of the level set, if what lies there is wanted at all.
-        const auto far =
-            outside_ > inside_ ? stamp.form.lower(place) > inside_ : Lanes::mask_type(false);
-        const Lanes distance = stamp.distance(place, far);
-        Lanes here = choose(place.f < 1.0f, -distance, distance);
-        here = choose(here < -inside_, Lanes(-inside_), here);
+        const auto far = outside_ > inside_ ? stamp.form.lower(place) > inside_ : Int8{};
+        const Float8 distance = stamp.distance(place, far);
+        Float8 here = choose(place.f < 1.0f, -distance, distance);
+        here = choose(here < -inside_, -inside_, here);
         float* const values = &values_[pair.block * kLanes];
-        const Lanes value = stdx::min(load(values), here);
-        value.copy_to(values, stdx::element_aligned);
-        blockMax_[pair.block] = hmax(value);
+        const Float8 value = smaller(load(values), here);
+        store(values, value);
+        blockMax_[pair.block] = largest(value);
     }
 }
 

@@ -825,17 +825,17 @@ int BlockFront<Dim>::Work::planesOf(std::uint32_t sphere) const {
 /// Decides in double whether a sphere at `center` overlaps one of `around_`.
 template <int Dim>
 bool BlockFront<Dim>::Work::overlaps(const Vec<Dim>& center, double radius) const {
-    const Lanes r = static_cast<float>(radius * (1 + 1e-4));  // more than lanes are off by
+    const auto r = static_cast<float>(radius * (1 + 1e-4));  // more than lanes are off by
     const auto& near = around_.spheres;
     for (std::size_t i = 0; i < near.count; i += kLanes) {
-        Lanes square = 0.0f;
+        Float8 square{};
         for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = load(&near.to[d][i]);
+            const Float8 to = load(&near.to[d][i]);
             square += to * to;
         }
-        const Lanes least = load(&near.radius[i]) * (1 + 1e-6f) + r;
-        const auto close = square < least * least;
-        if (none_of(close)) continue;
+        const Float8 least = load(&near.radius[i]) * (1 + 1e-6f) + r;
+        const Int8 close = square < least * least;
+        if (noneOf(close)) continue;
         bool disjoint = true;
         forEachSet(close, [&](std::size_t l) {
             const Sphere<Dim>& s = sphere(near.index[i + l]);

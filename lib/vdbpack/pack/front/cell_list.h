@@ -60,7 +60,7 @@ public:
     /// all that do, and some that miss it by rounding. `visit` returns false to stop.
     template <class Visit>
     bool near(const Vec<Dim>& x, double reach, Visit visit) const {
-        return forEachChunk(x, reach, [&](const Chunk& c, const auto&, auto inside) {
+        return forEachChunk(x, reach, [&](const Chunk& c, const auto&, Int8 inside) {
             bool on = true;
             forEachSet(inside, [&](std::size_t l) { on = on && visit(c.index[l]); });
             return on;
@@ -105,10 +105,10 @@ public:
     /// The spheres that `near` finds, but for sphere `except`.
     void collect(const Vec<Dim>& x, double reach, std::uint32_t except, Around& around) const {
         around.count = 0;
-        forEachChunk(x, reach, [&](const Chunk& c, const std::array<Lanes, Dim>& to, auto inside) {
+        forEachChunk(x, reach, [&](const Chunk& c, const std::array<Float8, Dim>& to, Int8 inside) {
             around.resize(around.count + 2 * kLanes);
             float away[Dim][kLanes];
-            for (std::size_t d = 0; d < Dim; ++d) to[d].copy_to(away[d], stdx::element_aligned);
+            for (std::size_t d = 0; d < Dim; ++d) store(away[d], to[d]);
             forEachSet(inside, [&](std::size_t l) {
                 const std::size_t n = around.count;
                 for (std::size_t d = 0; d < Dim; ++d) around.to[d][n] = away[d][l];
@@ -165,7 +165,7 @@ private:
     /// Calls `visit(chunk, centers from x, which are in reach)` until it returns false.
     template <class Visit>
     bool forEachChunk(const Vec<Dim>& x, double reach, Visit visit) const {
-        std::array<Lanes, Dim> at;
+        std::array<float, Dim> at;
         for (int d = 0; d < Dim; ++d) at[static_cast<std::size_t>(d)] = static_cast<float>(x[d]);
         for (std::size_t l = 0; l < used_; ++l) {
             const Level& level = levels_[l];
@@ -175,17 +175,17 @@ private:
                 from[d] = coordinate(level, x[d] - far, d);
                 to[d] = coordinate(level, x[d] + far, d);
             }
-            const Lanes r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + level.maxRadius));
+            const auto r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + level.maxRadius));
             const auto look = [&](const Chunk& c) {
-                std::array<Lanes, Dim> away;
-                Lanes square = 0.0f;
+                std::array<Float8, Dim> away;
+                Float8 square{};
                 for (std::size_t d = 0; d < Dim; ++d) {
                     away[d] = load(c.x[d].data()) - at[d];
                     square += away[d] * away[d];
                 }
-                const Lanes limit = stdx::max(load(c.radius.data()) + r, Lanes(0.0f));
-                const auto inside = square < limit * limit;
-                return none_of(inside) || visit(c, away, inside);
+                const Float8 limit = larger(load(c.radius.data()) + r, 0.0f);
+                const Int8 inside = square < limit * limit;
+                return noneOf(inside) || visit(c, away, inside);
             };
             for (int k = from[2]; k <= to[2]; ++k)
                 for (int j = from[1]; j <= to[1]; ++j) {

@@ -61,8 +61,7 @@ void PlaceSearch<Dim>::stampSpheres() {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
     const double inverse = 1 / step_;
     const int most = steps_[0] - 1;
-    Lanes count;
-    for (std::size_t l = 0; l < kLanes; ++l) count[l] = static_cast<float>(l);
+    const Float8 count = {0, 1, 2, 3, 4, 5, 6, 7};
     for (const auto& s : state_->spheres) {
         // Less by more than floats are off by.
         const double reach = (s.radius + mostRoom_ - corner) * inverse * (1 - 1e-5) -
@@ -82,14 +81,13 @@ void PlaceSearch<Dim>::stampSpheres() {
         for (int k = from[2]; k <= to[2]; ++k) {
             const auto layer = static_cast<float>(reach * reach - (k - c[2]) * (k - c[2]));
             for (int j = from[1]; j <= to[1]; j += static_cast<int>(kLanes)) {
-                const Lanes dy = count + static_cast<float>(j - c[1]);
-                const Lanes square = layer - dy * dy;
-                Lanes half = sqrt(stdx::max(square, Lanes(0.0f)));
-                where(square <= 0.0f, half) = -1.0f;  // none of that row
+                const Float8 dy = count + static_cast<float>(j - c[1]);
+                const Float8 square = layer - dy * dy;
+                Float8 half = squareRoot(larger(square, 0.0f));
+                half = choose(square <= 0.0f, -1.0f, half);  // none of that row
                 float first[kLanes], last[kLanes];
-                stdx::max(x - half, Lanes(0.0f)).copy_to(first, stdx::element_aligned);
-                stdx::min(x + half, Lanes(static_cast<float>(most)))
-                    .copy_to(last, stdx::element_aligned);
+                store(first, larger(x - half, 0.0f));
+                store(last, smaller(x + half, static_cast<float>(most)));
                 std::uint64_t* words = row(j, k);
                 const int rows = std::min(static_cast<int>(kLanes), to[1] - j + 1);
                 for (int l = 0; l < rows; ++l, words += rowWords_)

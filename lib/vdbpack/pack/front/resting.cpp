@@ -16,25 +16,6 @@ constexpr float kNoBound = 1e15f;
 /// Padding of collected spheres lies farther away than this, squared.
 constexpr float kFarAway = 1e30f;
 
-inline float copySign(float x, float sign) {
-    return std::copysign(x, sign);
-}
-[[gnu::always_inline]] inline Lanes copySign(const Lanes& x, const Lanes& sign) {
-    return stdx::copysign(x, sign);
-}
-inline float squareRoot(float x) {
-    return std::sqrt(x);
-}
-[[gnu::always_inline]] inline Lanes squareRoot(const Lanes& x) {
-    return stdx::sqrt(x);
-}
-inline float larger(float a, float b) {
-    return std::max(a, b);
-}
-[[gnu::always_inline]] inline Lanes larger(const Lanes& a, const Lanes& b) {
-    return stdx::max(a, b);
-}
-
 template <class N>
 N along(const std::array<float, 3>& a, const std::array<N, 3>& x) {
     return a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
@@ -51,8 +32,7 @@ namespace {
 /// See firstHit in the header; N is float or lanes of floats.
 template <class N, int Dim>
 [[gnu::always_inline]] inline N hit(const Track<float, Dim>& track, const std::array<N, Dim>& to,
-                                    const N& level, const N& slope, float tolerance,
-                                    const N& most) {
+                                    const N& level, const N& slope, float tolerance, float most) {
     // Off the body while u(t) - g sqrt(extent(t)) >= 0 with u linear: a hit is a root of
     // u² - g² extent where u and g have one sign; of the two roots, the slopes tell which one
     // leads into the body. Bodies that the track rests on have u = g = 0 but for rounding.
@@ -69,16 +49,16 @@ template <class N, int Dim>
     const N qb = 2.0f * u0 * u1 - gg * track.extent1;
     const N qc = u0 * u0 - gg * track.extent0;
     const N disc = qb * qb - 4.0f * qa * qc;
-    const N q = -0.5f * (qb + copySign(squareRoot(larger(disc, N(0.0f))), qb));
+    const N q = -0.5f * (qb + withSign(squareRoot(larger(disc, 0.0f)), qb));
     const auto same = qb * g > 0.0f;
     const N t = choose(same, q, qc) / choose(same, qa, q);
-    const auto found = disc >= 0.0f && t > -tolerance && (u0 + u1 * t) * g >= 0.0f && t < most;
-    return larger(choose(found, t, most), N(0.0f));
+    const auto found = (disc >= 0.0f) & (t > -tolerance) & ((u0 + u1 * t) * g >= 0.0f) & (t < most);
+    return larger(choose(found, t, most), 0.0f);
 }
 
 /// One of eight tracks.
 template <int Dim>
-Track<float, Dim> laneOf(const Track<Lanes, Dim>& tracks, std::size_t l) {
+Track<float, Dim> laneOf(const Track<Float8, Dim>& tracks, std::size_t l) {
     Track<float, Dim> t;
     for (std::size_t d = 0; d < Dim; ++d) {
         t.a[d] = tracks.a[d][l];
@@ -141,34 +121,34 @@ bool Surroundings<Dim>::reach(float pivotRadius, float probe) {
     near_.count = far_.count = 0;
     tolerance_ = kTouching * (pivotRadius + probe);
     pivotReach_ = pivotRadius + 2 * probe;
-    const Lanes own = pivotRadius, rolling = pivotRadius + probe;
+    const float rolling = pivotRadius + probe;
     bool allOpen = true;
     for (std::size_t i = 0; i < size; i += kLanes) {
-        Lanes square = 0.0f;
+        Float8 square{};
         for (std::size_t d = 0; d < Dim; ++d) {
-            const Lanes to = load(&spheres.to[d][i]);
+            const Float8 to = load(&spheres.to[d][i]);
             square += to * to;
         }
-        const Lanes radius = load(&spheres.radius[i]);
-        Lanes slope = own - radius;
-        Lanes level = 0.5f * (square + slope * (own + radius)) + probe * slope;
-        Lanes open = sqrt(square) - radius;
+        const Float8 radius = load(&spheres.radius[i]);
+        Float8 slope = pivotRadius - radius;
+        Float8 level = 0.5f * (square + slope * (pivotRadius + radius)) + probe * slope;
+        Float8 open = squareRoot(square) - radius;
         for (const auto& [at, body] : planes_) {
             if (at / kLanes != i / kLanes) continue;
             level[at % kLanes] = body.level + probe * body.slope;
             slope[at % kLanes] = body.slope;
             open[at % kLanes] = body.level;
         }
-        const Lanes bound = rolling * rolling * square;
-        const Lanes signedSquare = level * stdx::abs(level);
-        const auto used = square < kFarAway;
-        const auto near = used && signedSquare < bound;
-        allOpen = allOpen && none_of(used && signedSquare <= -bound);
+        const Float8 bound = rolling * rolling * square;
+        const Float8 signedSquare = level * absolute(level);
+        const Int8 used = square < kFarAway;
+        const Int8 near = used & (signedSquare < bound);
+        allOpen = allOpen && noneOf(used & (signedSquare <= -bound));
         float levels[kLanes], slopes[kLanes], squares[kLanes], opens[kLanes];
-        level.copy_to(levels, stdx::element_aligned);
-        slope.copy_to(slopes, stdx::element_aligned);
-        square.copy_to(squares, stdx::element_aligned);
-        open.copy_to(opens, stdx::element_aligned);
+        store(levels, level);
+        store(slopes, slope);
+        store(squares, square);
+        store(opens, open);
         const auto put = [&](Group& group, std::size_t l) {
             const std::size_t n = group.count++;
             for (std::size_t d = 0; d < Dim; ++d) group.to[d][n] = spheres.to[d][i + l];
@@ -179,7 +159,7 @@ bool Surroundings<Dim>::reach(float pivotRadius, float probe) {
             group.index[n] = static_cast<std::uint32_t>(i + l);
         };
         forEachSet(near, [&](std::size_t l) { put(near_, l); });
-        forEachSet(used && !near, [&](std::size_t l) { put(far_, l); });
+        forEachSet(used & ~near, [&](std::size_t l) { put(far_, l); });
     }
     near_.pad();
     far_.pad();
@@ -204,16 +184,16 @@ void Surroundings<Dim>::findPairs(float rolling, std::uint32_t only) {
                 if (spheres.index[near_.index[i]] != only) continue;
                 from = 0;
             }
-            const Lanes x = near_.to[0][i], y = near_.to[1][i], z = near_.to[2][i];
-            const Lanes aa = near_.square[i], ca = near_.level[i];
+            const float x = near_.to[0][i], y = near_.to[1][i], z = near_.to[2][i];
+            const float aa = near_.square[i], ca = near_.level[i];
             for (std::size_t j = from / kLanes * kLanes; j < count; j += kLanes) {
-                const Lanes ab = x * load(&near_.to[0][j]) + y * load(&near_.to[1][j]) +
-                                 z * load(&near_.to[2][j]);
-                const Lanes bb = load(&near_.square[j]), cb = load(&near_.level[j]);
-                const Lanes area = aa * bb - ab * ab;
-                const Lanes extent =
+                const Float8 ab = x * load(&near_.to[0][j]) + y * load(&near_.to[1][j]) +
+                                  z * load(&near_.to[2][j]);
+                const Float8 bb = load(&near_.square[j]), cb = load(&near_.level[j]);
+                const Float8 area = aa * bb - ab * ab;
+                const Float8 extent =
                     rolling * rolling * area - (ca * ca * bb - 2.0f * ca * cb * ab + cb * cb * aa);
-                forEachSet(extent > 0.0f && area > kParallel * aa * bb, [&](std::size_t l) {
+                forEachSet((extent > 0.0f) & (area > kParallel * aa * bb), [&](std::size_t l) {
                     if (j + l >= from && j + l != i)
                         pairs_[pairCount_++] = {static_cast<std::uint32_t>(i),
                                                 static_cast<std::uint32_t>(j + l)};
@@ -246,44 +226,44 @@ void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::ui
                 gathered[n][Dim + 1][l] = near_.slope[i];
             }
         }
-        std::array<Body<Lanes, Dim>, Dim - 1> bodies;
+        std::array<Body<Float8, Dim>, Dim - 1> bodies;
         for (std::size_t n = 0; n < Dim - 1; ++n) {
             for (std::size_t d = 0; d < Dim; ++d) bodies[n].to[d] = load(gathered[n][d]);
             bodies[n].level = load(gathered[n][Dim]);
             bodies[n].slope = load(gathered[n][Dim + 1]);
         }
         // Levels are those at the start already.
-        Track<Lanes, Dim> tracks;
+        Track<Float8, Dim> tracks;
         tracks.set(rolling, 0.0f, bodies, 1.0f);
         // The two places of a pair are middle + side and middle - side.
-        std::array<Lanes, Dim> middle, side;
-        const Lanes out = sqrt(stdx::max(tracks.middle(0.0f, middle), Lanes(0.0f))) * tracks.side;
+        std::array<Float8, Dim> middle, side;
+        const Float8 out = squareRoot(larger(tracks.middle(0.0f, middle), 0.0f)) * tracks.side;
         for (std::size_t d = 0; d < Dim; ++d) side[d] = out * tracks.w[d];
-        Lanes up = slack, down = slack;  // least room to any body, so far
+        Float8 up = everyLane(slack), down = up;  // least room to any body, so far
         if (region) {
             for (std::size_t d = 0; d < Dim; ++d) {
-                const Lanes lo = region->lo[d], hi = region->hi[d];
-                const Lanes above = middle[d] + side[d], below = middle[d] - side[d];
-                where(above < lo || above > hi, up) = -1.0f;
-                where(below < lo || below > hi, down) = -1.0f;
+                const float lo = region->lo[d], hi = region->hi[d];
+                const Float8 above = middle[d] + side[d], below = middle[d] - side[d];
+                up = choose((above < lo) | (above > hi), -1.0f, up);
+                down = choose((below < lo) | (below > hi), -1.0f, down);
             }
-            if (none_of(stdx::max(up, down) >= 0.0f)) continue;
+            if (noneOf(larger(up, down) >= 0.0f)) continue;
         }
         const auto takeOff = [&](std::size_t k, float level, const auto& from, const auto& by) {
-            Lanes room = level + slack;
-            Lanes tilt = 0.0f;
+            Float8 room = everyLane(level + slack);
+            Float8 tilt{};
             for (std::size_t d = 0; d < Dim; ++d) {
                 room -= from[d] * near_.to[d][k];
                 tilt += by[d] * near_.to[d][k];
             }
-            up = stdx::min(up, room - tilt);
-            down = stdx::min(down, room + tilt);
+            up = smaller(up, room - tilt);
+            down = smaller(down, room + tilt);
         };
         for (std::size_t k = 0; k < count; ++k) {
             takeOff(k, near_.level[k], middle, side);
-            if ((k & 1) && none_of(stdx::max(up, down) >= 0.0f)) break;
+            if ((k & 1) && noneOf(larger(up, down) >= 0.0f)) break;
         }
-        const auto emit = [&](std::size_t l, float sign) {
+        const auto emit = [&](std::size_t l, float sign) __attribute__((always_inline)) {
             const auto& pair = pairs_[p + l];
             sites.emplace_back();
             Site& site = sites.back();
@@ -307,27 +287,28 @@ void Surroundings<Dim>::findSites(float pivotRadius, const Radii& radii, std::ui
             const float outward = site.track.side * std::sqrt(extent);
             for (std::size_t d = 0; d < Dim; ++d) site.end[d] += outward * site.track.w[d];
         };
-        auto live = stdx::max(up, down) >= 0.0f;
-        if (none_of(live)) continue;
+        Int8 live = larger(up, down) >= 0.0f;
+        if (noneOf(live)) continue;
         // Most that end before the least radius are blocked at it as well.
         if (radii.least > probe) {
             const float t = radii.least - probe;
-            std::array<Lanes, Dim> middleThen, sideThen;
-            const Lanes extent = tracks.middle(t, middleThen);
-            const Lanes outThen = sqrt(stdx::max(extent, Lanes(0.0f))) * tracks.side;
+            std::array<Float8, Dim> middleThen, sideThen;
+            const Float8 extent = tracks.middle(t, middleThen);
+            const Float8 outThen = squareRoot(larger(extent, 0.0f)) * tracks.side;
             for (std::size_t d = 0; d < Dim; ++d) sideThen[d] = outThen * tracks.w[d];
-            where(extent < 0.0f, up) = -1.0f;
-            where(extent < 0.0f, down) = -1.0f;
+            up = choose(extent < 0.0f, -1.0f, up);
+            down = choose(extent < 0.0f, -1.0f, down);
             for (std::size_t k = 0; k < count; ++k)
                 takeOff(k, near_.level[k] + t * near_.slope[k], middleThen, sideThen);
-            live = stdx::max(up, down) >= 0.0f;
-            if (none_of(live)) continue;
+            live = larger(up, down) >= 0.0f;
+            if (noneOf(live)) continue;
         }
-        forEachSet(live, [&](std::size_t l) {
-            if (l >= used) return;
-            if (up[l] >= 0.0f) emit(l, 1.0f);
-            if (down[l] >= 0.0f) emit(l, -1.0f);
-        });
+        forEachSet(
+            live, [&](std::size_t l) __attribute__((always_inline)) {
+                if (l >= used) return;
+                if (up[l] >= 0.0f) emit(l, 1.0f);
+                if (down[l] >= 0.0f) emit(l, -1.0f);
+            });
     }
 }
 
@@ -335,11 +316,11 @@ template <int Dim>
 float Surroundings<Dim>::growth(const Group& group, const Track<float, Dim>& track,
                                 float most) const {
     for (std::size_t k = 0; k < group.count; k += kLanes) {
-        if (none_of(load(&group.open[k]) < pivotReach_ + 2 * most)) continue;
-        std::array<Lanes, Dim> to;
+        if (noneOf(load(&group.open[k]) < pivotReach_ + 2 * most)) continue;
+        std::array<Float8, Dim> to;
         for (std::size_t d = 0; d < Dim; ++d) to[d] = load(&group.to[d][k]);
-        most = std::min(most, stdx::hmin(hit<Lanes, Dim>(track, to, load(&group.level[k]),
-                                                         load(&group.slope[k]), tolerance_, most)));
+        most = std::min(most, smallest(hit<Float8, Dim>(track, to, load(&group.level[k]),
+                                                        load(&group.slope[k]), tolerance_, most)));
     }
     return most;
 }

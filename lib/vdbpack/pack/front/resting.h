@@ -58,13 +58,14 @@ struct Track {
     /// @param rolling  pivot radius + start.
     /// @param bodies   Dim - 1 of them.
     /// @param sign     +1 or -1: the side of the bodies on which the sphere rests.
-    void set(const T& rolling, const T& start, const std::array<Body<T, Dim>, Dim - 1>& bodies,
-             const T& sign) {
-        const T two(2);
+    template <class Scalar>
+    void set(Scalar rolling, Scalar start, const std::array<Body<T, Dim>, Dim - 1>& bodies,
+             Scalar sign) {
+        const Scalar two = 2;
         const Body<T, Dim>& first = bodies[0];
         a = first.to;
         const T ca = first.level + start * first.slope, ma = first.slope;
-        T aa(0);
+        T aa{};
         for (std::size_t d = 0; d < Dim; ++d) aa += a[d] * a[d];
         T area;
         if constexpr (Dim == 3) {
@@ -75,7 +76,7 @@ struct Track {
             const T ab = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
             area = aa * bb - ab * ab;
             w = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-            const T inverse = T(1) / area;
+            const T inverse = Scalar(1) / area;
             alpha0 = (ca * bb - cb * ab) * inverse;
             beta0 = (cb * aa - ca * ab) * inverse;
             alpha1 = (ma * bb - mb * ab) * inverse;
@@ -86,11 +87,11 @@ struct Track {
             extent2 = area - (ma * ma * bb - two * ma * mb * ab + mb * mb * aa);
             side = sign * inverse;
         } else {
-            b.fill(T(0));
+            b.fill(T{});
             area = aa;
             w = {-a[1], a[0]};
             alpha0 = ca / aa, alpha1 = ma / aa;
-            beta0 = beta1 = T(0);
+            beta0 = beta1 = T{};
             extent0 = rolling * rolling * area - ca * ca;
             extent1 = two * (rolling * area - ca * ma);
             extent2 = area - ma * ma;
@@ -123,7 +124,8 @@ struct Track {
     }
 
     /// The middle between the two places after growing by `t`. @return the extent there.
-    T middle(const T& t, std::array<T, Dim>& x) const {
+    template <class Scalar>
+    T middle(Scalar t, std::array<T, Dim>& x) const {
         const T alpha = alpha0 + t * alpha1, beta = beta0 + t * beta1;
         for (std::size_t d = 0; d < Dim; ++d) x[d] = alpha * a[d] + beta * b[d];
         return extent0 + t * (extent1 + t * extent2);
