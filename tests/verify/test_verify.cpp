@@ -176,7 +176,7 @@ TEST_CASE("atoms of a distribution are met by ties", "[measure]") {
 }
 
 TEST_CASE("the hash is that of the documented formula", "[measure]") {
-    // Computed by numpy with the lines that the README shows.
+    // Computed by numpy with the lines that assets/guides/files.md shows.
     Pack<3> pack;
     pack.spheres = {
         {{{0.0, -0.0, 1.5}}, 1.0}, {{{-12.25, 3e5, 0.1}}, 0.3}, {{{1.0 / 3, -2.0 / 3, 7.0}}, 2.5}};

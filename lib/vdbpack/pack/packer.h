@@ -65,7 +65,7 @@ struct PackResult {
 /// radius fits nowhere (with the largest place), the domain is empty, or one of `existing` is no
 /// usable number or lies in more than 2000 others that are no copies. ResourceError if the count
 /// would be absurd. Source: front advancing after Feng, Han, Owen (2003), doi:10.1002/nme.583;
-/// sites, pools and wavefront as described in the README.
+/// sites, pools and wavefront as described in assets/guides/how-it-works.md.
 template <int Dim>
 PackResult<Dim> packSpheres(const Domain<Dim>& domain, const PackOptions& options,
                             const Callbacks& callbacks = {},

@@ -192,7 +192,7 @@ std::string again(const ReportPage& page) {
         "<p>Its hash is <code>{}</code>, whatever the order of the {}: "
         "<code>vdb_pack verify FILE --json</code> tells that of any file in mm but .ply, and the "
         "ten "
-        "lines of numpy in the README compute it without this program.</p>\n",
+        "lines of numpy in assets/guides/files.md compute it without this program.</p>\n",
         hashText(r.hash), r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres);
     return out + "</div>\n";
 }

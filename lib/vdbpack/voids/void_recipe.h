@@ -8,7 +8,7 @@
 
 namespace vdbpack {
 
-/// Ways to make voids; the numbers are those of the paper that the README names.
+/// Ways to make voids; the numbers are those of the paper that assets/figures/README.md names.
 enum class VoidMethod {
     none,
     grid,        ///< 1: an ellipse in each box of a lattice that a matrix or chance selects
