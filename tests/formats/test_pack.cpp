@@ -22,12 +22,7 @@ Pack<3> asSpheres(const Pack<2>& pack) {
     Pack<3> out;
     for (const auto& s : pack.spheres)
         out.spheres.push_back({{{s.center[0], s.center[1], pack.sliceHeight}}, s.radius});
-    out.id = pack.id;
-    out.region = pack.region;
-    out.order = pack.order;
-    out.depth = pack.depth;
-    out.contacts = pack.contacts;
-    out.columns = pack.columns;
+    static_cast<PackAttributes&>(out) = pack;
     return out;
 }
 

@@ -82,18 +82,10 @@ inline void requireSound(const Pack<3>& pack) {
     for (const auto& s : pack.spheres)
         if (!isFinite(s.center) || !(s.radius > 0) || !std::isfinite(s.radius))
             report("a sphere is not finite or has no radius");
-    const auto fits = [n](std::size_t size) {
-        if (size != 0 && size != n) report("an attribute has not one value a sphere");
-    };
-    fits(pack.id.size());
-    fits(pack.region.size());
-    fits(pack.order.size());
-    fits(pack.depth.size());
-    fits(pack.contacts.size());
-    for (const auto& column : pack.columns) {
-        fits(column.numbers.size());
-        fits(column.texts.size());
-    }
+    forEachAttribute(pack, [n](std::string_view, const auto& values) {
+        if (!values.empty() && values.size() != n)
+            report("an attribute has not one value a sphere");
+    });
 }
 
 }  // namespace vdbpack::fuzz

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace vdbpack {
@@ -17,19 +18,49 @@ struct Column {
     std::vector<std::string> texts;  ///< one a sphere, or empty
 };
 
-/// Spheres (2D: circles) in mm, as arrays of equal length.
+/// What is known about each sphere of a pack.
 ///
-/// Every attribute is either empty or has one value a sphere, in the order of `spheres`.
-template <int Dim>
-struct Pack {
-    std::vector<Sphere<Dim>> spheres;
+/// Every attribute is either empty or has one value a sphere, in the order of the spheres.
+struct PackAttributes {
     std::vector<std::int64_t> id;        ///< name of the sphere in files; empty: its index
     std::vector<std::int32_t> region;    ///< 0 cortical, 1 trabecular
     std::vector<std::int64_t> order;     ///< when the sphere was placed, counted from 0
     std::vector<float> depth;            ///< distance of the center to the wall, mm
     std::vector<std::int32_t> contacts;  ///< touching spheres and walls
     std::vector<Column> columns;         ///< whatever else the file held
-    double sliceHeight = 0;              ///< 2D: the z written for every circle, mm
 };
+
+/// Spheres (2D: circles) in mm.
+template <int Dim>
+struct Pack : PackAttributes {
+    std::vector<Sphere<Dim>> spheres;
+    double sliceHeight = 0;  ///< 2D: the z written for every circle, mm
+};
+
+/// Calls `visit(name, values)` for each attribute but the id, empty or not, in the order in which
+/// files list them. The only list of the attributes: what handles all of them goes through here.
+///
+/// @param attributes  a `Pack` or `PackAttributes`, const or not.
+/// @param visit       takes a `std::string_view` and a vector of any of the types above: floats
+///                    are lengths in mm, doubles and strings are further columns (of each, both
+///                    vectors are visited).
+template <class Attributes, class Visit>
+void forEachAttributeButId(Attributes& attributes, const Visit& visit) {
+    visit(std::string_view("region"), attributes.region);
+    visit(std::string_view("order"), attributes.order);
+    visit(std::string_view("depth"), attributes.depth);
+    visit(std::string_view("contacts"), attributes.contacts);
+    for (auto& column : attributes.columns) {
+        visit(std::string_view(column.name), column.numbers);
+        visit(std::string_view(column.name), column.texts);
+    }
+}
+
+/// The same for all attributes, the id first.
+template <class Attributes, class Visit>
+void forEachAttribute(Attributes& attributes, const Visit& visit) {
+    visit(std::string_view("id"), attributes.id);
+    forEachAttributeButId(attributes, visit);
+}
 
 }  // namespace vdbpack

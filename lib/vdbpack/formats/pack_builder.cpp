@@ -10,6 +10,7 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
@@ -22,9 +23,24 @@ std::string lowered(std::string text) {
     return text;
 }
 
-template <typename T>
-bool fits(std::int64_t value) {
-    return value >= std::numeric_limits<T>::min() && value <= std::numeric_limits<T>::max();
+/// Puts a value into a cell. @return false if the cell cannot hold it.
+bool put(double& cell, double value) {
+    cell = value;
+    return true;
+}
+bool put(float& cell, double value) {
+    // Beyond float's range the conversion is undefined.
+    if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) return false;
+    cell = static_cast<float>(value);
+    return true;
+}
+bool put(std::int64_t& cell, std::int64_t value) {
+    cell = value;
+    return true;
+}
+bool put(std::int32_t& cell, std::int64_t value) {
+    cell = static_cast<std::int32_t>(value);
+    return cell == value;
 }
 
 }  // namespace
@@ -36,7 +52,7 @@ void dropDefaultIds(Pack<3>& pack) {
 }
 
 PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit)
-    : file_(std::move(file)), unit_(unit), names_(names), roles_(names.size()) {
+    : file_(std::move(file)), unit_(unit), names_(names), columns_(names.size()) {
     std::vector<std::string> low;
     low.reserve(names.size());
     for (const auto& name : names) low.push_back(lowered(name));
@@ -48,20 +64,22 @@ PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names
         throw InputError(
             fmt::format("{}: column '{}' appears twice; rename one of them", file_, *twice));
 
-    const auto claim = [&](Role role, std::initializer_list<const char*> synonyms) {
-        for (const char* synonym : synonyms) {
+    std::vector<bool> claimed(names.size(), false);
+    const auto claim = [&](Target target, std::initializer_list<std::string_view> synonyms) {
+        for (const std::string_view synonym : synonyms) {
             const auto at = std::find(low.begin(), low.end(), synonym);
             if (at == low.end()) continue;
-            roles_[static_cast<std::size_t>(at - low.begin())].role = role;
+            columns_[static_cast<std::size_t>(at - low.begin())] = target;
+            claimed[static_cast<std::size_t>(at - low.begin())] = true;
             return true;
         }
         return false;
     };
-    const bool complete =
-        claim(Role::x, {"x", "points:0", "points_0"}) &&
-        claim(Role::y, {"y", "points:1", "points_1"}) &&
-        claim(Role::z, {"z", "points:2", "points_2"}) &&
-        (claim(Role::radius, {"radius", "r", "pscale"}) || claim(Role::diameter, {"diameter"}));
+    const bool complete = claim(SphereNumber::x, {"x", "points:0", "points_0"}) &&
+                          claim(SphereNumber::y, {"y", "points:1", "points_1"}) &&
+                          claim(SphereNumber::z, {"z", "points:2", "points_2"}) &&
+                          (claim(SphereNumber::radius, {"radius", "r", "pscale"}) ||
+                           claim(SphereNumber::diameter, {"diameter"}));
     if (!complete) {
         std::string known;
         for (std::size_t i = 0; i < std::min<std::size_t>(names.size(), 20); ++i)
@@ -71,149 +89,93 @@ PackBuilder::PackBuilder(std::string file, const std::vector<std::string>& names
             "the columns",
             file_, known.empty() ? "none" : known));
     }
-    claim(Role::id, {"id"});
-    claim(Role::region, {"region"});
-    claim(Role::order, {"order"});
-    claim(Role::depth, {"depth"});
-    claim(Role::contacts, {"contacts"});
-    for (std::size_t i = 0; i < roles_.size(); ++i) {
-        if (roles_[i].role != Role::further) continue;
-        roles_[i].index = pack_.columns.size();
-        pack_.columns.push_back({names[i], {}, {}});
-    }
+    forEachAttribute(pack_,
+                     [&claim](std::string_view name, auto& values) { claim(&values, {name}); });
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (!claimed[i]) pack_.columns.push_back({names[i], {}, {}});
+    // From here on the vector of columns does not move.
+    auto further = pack_.columns.begin();
+    for (std::size_t i = 0; i < names.size(); ++i)
+        if (!claimed[i]) columns_[i] = &(further++)->numbers;
 }
 
 bool PackBuilder::isWhole(std::size_t column) const {
-    switch (roles_[column].role) {
-        case Role::id:
-        case Role::region:
-        case Role::order:
-        case Role::contacts:
-            return true;
-        default:
-            return false;
-    }
+    return std::holds_alternative<std::vector<std::int32_t>*>(columns_[column]) ||
+           std::holds_alternative<std::vector<std::int64_t>*>(columns_[column]);
+}
+
+void PackBuilder::makeText(std::size_t column) {
+    const auto further = std::find_if(pack_.columns.begin(), pack_.columns.end(),
+                                      [numbers = std::get<Numbers>(columns_[column])](
+                                          const Column& c) { return &c.numbers == numbers; });
+    columns_[column] = &further->texts;
 }
 
 void PackBuilder::reserve(std::size_t rows) {
     pack_.spheres.reserve(rows);
-    for (const auto& r : roles_) {
-        switch (r.role) {
-            case Role::id:
-                pack_.id.reserve(rows);
-                break;
-            case Role::region:
-                pack_.region.reserve(rows);
-                break;
-            case Role::order:
-                pack_.order.reserve(rows);
-                break;
-            case Role::depth:
-                pack_.depth.reserve(rows);
-                break;
-            case Role::contacts:
-                pack_.contacts.reserve(rows);
-                break;
-            case Role::further:
-                if (!r.text) pack_.columns[r.index].numbers.reserve(rows);
-                break;
-            default:
-                break;
-        }
-    }
+    for (const Target& target : columns_)
+        std::visit(
+            [rows](auto values) {
+                if constexpr (std::is_pointer_v<decltype(values)>) values->reserve(rows);
+            },
+            target);
 }
 
 void PackBuilder::addRow() {
     pack_.spheres.emplace_back();
-    for (const auto& r : roles_) {
-        switch (r.role) {
-            case Role::id:
-                pack_.id.push_back(0);
-                break;
-            case Role::region:
-                pack_.region.push_back(0);
-                break;
-            case Role::order:
-                pack_.order.push_back(0);
-                break;
-            case Role::depth:
-                pack_.depth.push_back(0);
-                break;
-            case Role::contacts:
-                pack_.contacts.push_back(0);
-                break;
-            case Role::further:
-                if (r.text)
-                    pack_.columns[r.index].texts.emplace_back();
-                else
-                    pack_.columns[r.index].numbers.push_back(0);
-                break;
-            default:
-                break;
-        }
+    for (const Target& target : columns_)
+        std::visit(
+            [](auto values) {
+                if constexpr (std::is_pointer_v<decltype(values)>) values->emplace_back();
+            },
+            target);
+}
+
+void PackBuilder::setSphere(SphereNumber which, double value) {
+    Sphere<3>& sphere = pack_.spheres.back();
+    switch (which) {
+        case SphereNumber::x:
+        case SphereNumber::y:
+        case SphereNumber::z:
+            sphere.center[static_cast<int>(which)] = toMillimeters(value, unit_);
+            break;
+        case SphereNumber::radius:
+            sphere.radius = toMillimeters(value, unit_);
+            break;
+        case SphereNumber::diameter:
+            sphere.radius = toMillimeters(value / 2, unit_);
+            break;
     }
 }
 
 bool PackBuilder::set(std::size_t column, double value) {
-    const auto& r = roles_[column];
-    switch (r.role) {
-        case Role::x:
-            pack_.spheres.back().center[0] = toMillimeters(value, unit_);
-            return true;
-        case Role::y:
-            pack_.spheres.back().center[1] = toMillimeters(value, unit_);
-            return true;
-        case Role::z:
-            pack_.spheres.back().center[2] = toMillimeters(value, unit_);
-            return true;
-        case Role::radius:
-            pack_.spheres.back().radius = toMillimeters(value, unit_);
-            return true;
-        case Role::diameter:
-            pack_.spheres.back().radius = toMillimeters(value / 2, unit_);
-            return true;
-        case Role::depth:
-            value = toMillimeters(value, unit_);
-            // Beyond float's range the conversion is undefined.
-            if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max()))
-                return false;
-            pack_.depth.back() = static_cast<float>(value);
-            return true;
-        case Role::further:
-            pack_.columns[r.index].numbers.back() = value;
-            return true;
-        default: {
-            std::int64_t whole = 0;
-            return wholeNumber(value, whole) && set(column, whole);
-        }
+    if (isWhole(column)) {
+        std::int64_t whole = 0;
+        return wholeNumber(value, whole) && set(column, whole);
     }
+    if (const auto* number = std::get_if<SphereNumber>(&columns_[column])) {
+        setSphere(*number, value);
+        return true;
+    }
+    if (const auto* lengths = std::get_if<std::vector<float>*>(&columns_[column]))
+        return put((*lengths)->back(), toMillimeters(value, unit_));
+    return put(std::get<Numbers>(columns_[column])->back(), value);
 }
 
 bool PackBuilder::set(std::size_t column, std::int64_t value) {
-    switch (roles_[column].role) {
-        case Role::id:
-            pack_.id.back() = value;
-            return true;
-        case Role::order:
-            pack_.order.back() = value;
-            return true;
-        case Role::region:
-            pack_.region.back() = static_cast<std::int32_t>(value);
-            return fits<std::int32_t>(value);
-        case Role::contacts:
-            pack_.contacts.back() = static_cast<std::int32_t>(value);
-            return fits<std::int32_t>(value);
-        default:
-            return set(column, static_cast<double>(value));
-    }
+    if (const auto* wide = std::get_if<std::vector<std::int64_t>*>(&columns_[column]))
+        return put((*wide)->back(), value);
+    if (const auto* narrow = std::get_if<std::vector<std::int32_t>*>(&columns_[column]))
+        return put((*narrow)->back(), value);
+    return set(column, static_cast<double>(value));
 }
 
 void PackBuilder::setText(std::size_t column, std::string_view value) {
-    pack_.columns[roles_[column].index].texts.back() = value;
+    std::get<Texts>(columns_[column])->back() = value;
 }
 
 bool PackBuilder::parse(std::size_t column, std::string_view text) {
-    if (roles_[column].text) {
+    if (isText(column)) {
         setText(column, text);
         return true;
     }

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 namespace vdbpack {
@@ -23,15 +24,21 @@ public:
     /// @param unit  of lengths in the file.
     /// @throws InputError without a column for x, y, z or the radius, or with two of one name.
     PackBuilder(std::string file, const std::vector<std::string>& names, Unit unit);
+    PackBuilder(const PackBuilder&) = delete;
+    PackBuilder& operator=(const PackBuilder&) = delete;
 
-    std::size_t columns() const { return roles_.size(); }
+    std::size_t columns() const { return columns_.size(); }
     /// Whether the column holds whole numbers: set those with the integer form of `set`.
     bool isWhole(std::size_t column) const;
     /// Whether the column is none of those that the pack knows by name.
-    bool isFurther(std::size_t column) const { return roles_[column].role == Role::further; }
+    bool isFurther(std::size_t column) const {
+        return std::holds_alternative<Numbers>(columns_[column]) || isText(column);
+    }
     /// Makes a further column one of texts; before the first row.
-    void makeText(std::size_t column) { roles_[column].text = true; }
-    bool isText(std::size_t column) const { return roles_[column].text; }
+    void makeText(std::size_t column);
+    bool isText(std::size_t column) const {
+        return std::holds_alternative<Texts>(columns_[column]);
+    }
 
     void reserve(std::size_t rows);
     void addRow();
@@ -56,17 +63,19 @@ public:
     Pack<3> finish();
 
 private:
-    enum class Role { x, y, z, radius, diameter, id, region, order, depth, contacts, further };
-    struct ColumnRole {
-        Role role = Role::further;
-        std::size_t index = 0;  ///< of the further column
-        bool text = false;
-    };
+    enum class SphereNumber { x, y, z, radius, diameter };
+    using Numbers = std::vector<double>*;
+    using Texts = std::vector<std::string>*;
+    /// What a column fills: a number of the spheres, or values in the pack.
+    using Target = std::variant<Numbers, Texts, SphereNumber, std::vector<std::int32_t>*,
+                                std::vector<std::int64_t>*, std::vector<float>*>;
+
+    void setSphere(SphereNumber which, double value);
 
     std::string file_;
     Unit unit_;
     std::vector<std::string> names_;
-    std::vector<ColumnRole> roles_;
+    std::vector<Target> columns_;
     Pack<3> pack_;
 };
 

@@ -120,21 +120,12 @@ Target targetToWrite(const std::string& file, int dim) {
 template <int Dim>
 void checkPack(const Pack<Dim>& pack) {
     const std::size_t n = pack.spheres.size();
-    const auto check = [n](const std::string& name, std::size_t size) {
-        if (size != 0 && size != n)
+    forEachAttribute(pack, [n](std::string_view name, const auto& values) {
+        if (!values.empty() && values.size() != n)
             throw ParameterError(fmt::format(
                 "pack attribute '{}' has {} values for {} spheres; give one each, or none", name,
-                size, n));
-    };
-    check("id", pack.id.size());
-    check("region", pack.region.size());
-    check("order", pack.order.size());
-    check("depth", pack.depth.size());
-    check("contacts", pack.contacts.size());
-    for (const auto& column : pack.columns) {
-        check(column.name, column.numbers.size());
-        check(column.name, column.texts.size());
-    }
+                values.size(), n));
+    });
     for (std::size_t i = 0; i < n; ++i) {
         const auto& s = pack.spheres[i];
         // Float holds no more, in any unit.
@@ -285,12 +276,7 @@ Pack<2> asCircles(const Pack<3>& pack) {
                 i, s.center[2], circles.sliceHeight));
         circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
     }
-    circles.id = pack.id;
-    circles.region = pack.region;
-    circles.order = pack.order;
-    circles.depth = pack.depth;
-    circles.contacts = pack.contacts;
-    circles.columns = pack.columns;
+    static_cast<PackAttributes&>(circles) = pack;
     return circles;
 }
 
@@ -331,9 +317,9 @@ std::string asUtf8(const std::string& text) {
 
 }  // namespace
 
-std::string escapedXml(const std::string& text) {
+std::string escapedXml(std::string_view text) {
     std::string out;
-    for (const char c : asUtf8(oneLine(text))) {
+    for (const char c : asUtf8(oneLine(std::string(text)))) {
         switch (c) {
             case '&':
                 out += "&amp;";

@@ -55,7 +55,7 @@ void writeRows(OutputFile& out, std::size_t rows,
 std::string oneLine(std::string text);
 
 /// The same as text or attribute of an XML file.
-std::string escapedXml(const std::string& text);
+std::string escapedXml(std::string_view text);
 
 /// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
 /// @return false if it names a unit that is not known.

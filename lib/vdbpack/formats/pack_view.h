@@ -8,6 +8,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <string_view>
+#include <type_traits>
 #include <vector>
 
 namespace vdbpack {
@@ -26,6 +29,10 @@ inline double toMillimeters(double value, Unit unit) {
     return unit == Unit::micrometer ? value / 1000.0 : value * millimetersPer(unit);
 }
 
+/// The type of the values of a vector, by the type of a reference to it.
+template <class Vector>
+using ValueOf = typename std::decay_t<Vector>::value_type;
+
 /// Reads a pack without copying it; must not outlive the pack.
 class PackView {
 public:
@@ -34,12 +41,7 @@ public:
         : size_(pack.spheres.size()),
           unit_(unit),
           height_(fromMillimeters(pack.sliceHeight, unit)),
-          id_(&pack.id),
-          region_(&pack.region),
-          order_(&pack.order),
-          depth_(&pack.depth),
-          contacts_(&pack.contacts),
-          columns_(&pack.columns) {
+          attributes_(&pack) {
         if constexpr (Dim == 2)
             circles_ = pack.spheres.data();
         else
@@ -75,18 +77,34 @@ public:
         return size_ > 0 ? box : Box<3>{{{0, 0, 0}}, {{1, 1, 1}}};
     }
     std::int64_t id(std::size_t i) const {
-        return id_->empty() ? static_cast<std::int64_t>(i) : (*id_)[i];
+        return attributes_->id.empty() ? static_cast<std::int64_t>(i) : attributes_->id[i];
     }
-    double depth(std::size_t i) const {
-        return fromMillimeters(static_cast<double>((*depth_)[i]), unit_);
-    }
+    /// Empty or with one value a sphere.
+    const std::vector<std::int32_t>& region() const { return attributes_->region; }
+    const std::vector<Column>& columns() const { return attributes_->columns; }
 
-    /// Each empty or with one value a sphere.
-    const std::vector<std::int32_t>& region() const { return *region_; }
-    const std::vector<std::int64_t>& order() const { return *order_; }
-    const std::vector<std::int32_t>& contacts() const { return *contacts_; }
-    bool hasDepth() const { return !depth_->empty(); }
-    const std::vector<Column>& columns() const { return *columns_; }
+    /// For each attribute that has values, but for the id: calls `numbers(name, values)` or
+    /// `texts(name, values)`. The vectors are those of the pack; `value` converts their numbers.
+    template <class Numbers, class Texts>
+    void forEachAttribute(const Numbers& numbers, const Texts& texts) const {
+        forEachAttributeButId(*attributes_, [&](std::string_view name, const auto& values) {
+            if (values.empty()) return;
+            if constexpr (std::is_same_v<decltype(values), const std::vector<std::string>&>)
+                texts(name, values);
+            else
+                numbers(name, values);
+        });
+    }
+    /// Number `i` of an attribute, lengths in the unit that is written: an int64 or a double.
+    template <class T>
+    auto value(const std::vector<T>& numbers, std::size_t i) const {
+        if constexpr (std::is_integral_v<T>)
+            return std::int64_t{numbers[i]};
+        else if constexpr (std::is_same_v<T, float>)
+            return fromMillimeters(static_cast<double>(numbers[i]), unit_);
+        else
+            return numbers[i];
+    }
 
 private:
     std::size_t size_ = 0;
@@ -94,12 +112,7 @@ private:
     double height_ = 0;
     const Sphere<2>* circles_ = nullptr;
     const Sphere<3>* spheres_ = nullptr;
-    const std::vector<std::int64_t>* id_;
-    const std::vector<std::int32_t>* region_;
-    const std::vector<std::int64_t>* order_;
-    const std::vector<float>* depth_;
-    const std::vector<std::int32_t>* contacts_;
-    const std::vector<Column>* columns_;
+    const PackAttributes* attributes_;
 };
 
 }  // namespace vdbpack

@@ -17,6 +17,8 @@
 #include <functional>
 #include <limits>
 #include <set>
+#include <string_view>
+#include <type_traits>
 
 namespace vdbpack {
 
@@ -39,19 +41,21 @@ void appendLittleEndian(std::string& bytes, T value) {
 /// A field of the records: its numpy type, and how the value of a sphere is added.
 struct Field {
     std::string name;
-    const char* type;
+    std::string type;
     std::function<void(std::string&, std::size_t)> append;
 };
 
 template <typename T, typename Get>
-Field field(const std::string& name, const char* type, const Get& get) {
-    return {name, type, [get](std::string& bytes, std::size_t i) {
+Field field(std::string_view name, const Get& get) {
+    return {std::string(name),
+            fmt::format("<{}{}", std::is_floating_point_v<T> ? 'f' : 'i', sizeof(T)),
+            [get](std::string& bytes, std::size_t i) {
                 appendLittleEndian(bytes, static_cast<T>(get(i)));
             }};
 }
 
 /// Whether a name is a plain word: it stands between quotes, and in Blender's nodes.
-bool isPlainName(const std::string& name) {
+bool isPlainName(std::string_view name) {
     return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                c == '_';
@@ -62,31 +66,19 @@ std::vector<Field> fieldsOf(const PackView& pack, const std::array<double, 3>& c
     std::vector<Field> fields;
     const char* const axes[] = {"x", "y", "z"};
     for (std::size_t d = 0; d < 3; ++d)
-        fields.push_back(field<float>(axes[d], "<f4", [&pack, d, c = center[d]](std::size_t i) {
-            return pack.position(i)[d] - c;
-        }));
-    fields.push_back(
-        field<float>("radius", "<f4", [&pack](std::size_t i) { return pack.radius(i); }));
-    fields.push_back(
-        field<std::int64_t>("id", "<i8", [&pack](std::size_t i) { return pack.id(i); }));
-    if (!pack.region().empty())
-        fields.push_back(field<std::int32_t>("region", "<i4",
-                                             [&pack](std::size_t i) { return pack.region()[i]; }));
-    if (!pack.order().empty())
-        fields.push_back(field<std::int64_t>("order", "<i8",
-                                             [&pack](std::size_t i) { return pack.order()[i]; }));
-    if (pack.hasDepth())
-        fields.push_back(
-            field<float>("depth", "<f4", [&pack](std::size_t i) { return pack.depth(i); }));
-    if (!pack.contacts().empty())
-        fields.push_back(field<std::int32_t>(
-            "contacts", "<i4", [&pack](std::size_t i) { return pack.contacts()[i]; }));
-    std::set<std::string> used;
+        fields.push_back(field<float>(
+            axes[d], [&pack, d, c = center[d]](std::size_t i) { return pack.position(i)[d] - c; }));
+    fields.push_back(field<float>("radius", [&pack](std::size_t i) { return pack.radius(i); }));
+    fields.push_back(field<std::int64_t>("id", [&pack](std::size_t i) { return pack.id(i); }));
+    std::set<std::string, std::less<>> used;
     for (const Field& f : fields) used.insert(f.name);
-    for (const Column& column : pack.columns())
-        if (!column.numbers.empty() && isPlainName(column.name) && used.insert(column.name).second)
-            fields.push_back(field<double>(column.name, "<f8",
-                                           [&column](std::size_t i) { return column.numbers[i]; }));
+    pack.forEachAttribute(
+        [&](std::string_view name, const auto& numbers) {
+            if (isPlainName(name) && used.emplace(name).second)
+                fields.push_back(field<ValueOf<decltype(numbers)>>(
+                    name, [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); }));
+        },
+        [](std::string_view, const auto&) {});  // Blender has no attributes of texts
     return fields;
 }
 

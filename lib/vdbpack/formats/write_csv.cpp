@@ -20,7 +20,7 @@ namespace vdbpack {
 namespace {
 
 /// A cell as RFC 4180 wants it: in quotes where it holds a comma, a quote or a line end.
-void appendCell(std::string& text, const std::string& cell) {
+void appendCell(std::string& text, std::string_view cell) {
     if (cell.find_first_of(",;\"\t\r\n") == std::string::npos) {
         text += cell;
         return;
@@ -135,14 +135,13 @@ Header findHeader(InputFile& file) {
 
 void writeCsv(const PackView& pack, OutputFile& out) {
     std::string header = "id,x,y,z,radius";
-    if (!pack.region().empty()) header += ",region";
-    if (!pack.order().empty()) header += ",order";
-    if (pack.hasDepth()) header += ",depth";
-    if (!pack.contacts().empty()) header += ",contacts";
-    for (const auto& column : pack.columns()) {
-        header += ',';
-        appendCell(header, column.name);
-    }
+    const auto name = [&header](std::string_view column, const auto&) {
+        appendCell(header += ',', column);
+    };
+    pack.forEachAttribute(name, name);
+    // A table without rows names its further columns all the same.
+    if (pack.size() == 0)
+        for (const Column& column : pack.columns()) name(column.name, column);
     header += '\n';
     out.write(header);
 
@@ -150,17 +149,11 @@ void writeCsv(const PackView& pack, OutputFile& out) {
         appendNumber(text, pack.id(i));
         for (const double c : pack.position(i)) appendNumber(text += ',', c);
         appendNumber(text += ',', pack.radius(i));
-        if (!pack.region().empty()) appendNumber(text += ',', std::int64_t{pack.region()[i]});
-        if (!pack.order().empty()) appendNumber(text += ',', pack.order()[i]);
-        if (pack.hasDepth()) appendNumber(text += ',', pack.depth(i));
-        if (!pack.contacts().empty()) appendNumber(text += ',', std::int64_t{pack.contacts()[i]});
-        for (const auto& column : pack.columns()) {
-            text += ',';
-            if (!column.texts.empty())
-                appendCell(text, column.texts[i]);
-            else if (!column.numbers.empty())
-                appendNumber(text, column.numbers[i]);
-        }
+        pack.forEachAttribute(
+            [&](std::string_view, const auto& numbers) {
+                appendNumber(text += ',', pack.value(numbers, i));
+            },
+            [&](std::string_view, const auto& texts) { appendCell(text += ',', texts[i]); });
         text += '\n';
     });
 }

@@ -220,6 +220,13 @@ void addTexts(Zip& zip, const std::string& name, const std::vector<std::string>&
     zip.add(name, arrayHeader(fmt::format("<U{}", longest), shape), bytes);
 }
 
+/// A name for a member of the archive, which is a file to the programs that unpack it.
+std::string memberName(std::string_view attribute) {
+    std::string name = oneLine(std::string(attribute)).substr(0, 1000);
+    std::replace(name.begin(), name.end(), '/', '_');
+    return name;
+}
+
 // ---- reading -----------------------------------------------------------------------------------
 
 /// Numbers of a header, which ends before none of them.
@@ -623,20 +630,17 @@ void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile&
     };
     reals("radii", [&](std::size_t i) { return pack.radius(i); });
     wholes("id", [&](std::size_t i) { return pack.id(i); });
-    if (!pack.region().empty()) wholes("region", [&](std::size_t i) { return pack.region()[i]; });
-    if (!pack.order().empty()) wholes("order", [&](std::size_t i) { return pack.order()[i]; });
-    if (pack.hasDepth()) reals("depth", [&](std::size_t i) { return pack.depth(i); });
-    if (!pack.contacts().empty())
-        wholes("contacts", [&](std::size_t i) { return pack.contacts()[i]; });
-    for (const Column& column : pack.columns()) {
-        std::string name = oneLine(column.name).substr(0, 1000);
-        // Members of the archive are files to the programs that unpack it.
-        std::replace(name.begin(), name.end(), '/', '_');
-        if (!column.numbers.empty())
-            reals(name, [&](std::size_t i) { return column.numbers[i]; });
-        else if (!column.texts.empty())
-            addTexts(zip, name, column.texts, shape);
-    }
+    pack.forEachAttribute(
+        [&](std::string_view name, const auto& numbers) {
+            const auto get = [&](std::size_t i) { return pack.value(numbers, i); };
+            if constexpr (std::is_integral_v<ValueOf<decltype(numbers)>>)
+                wholes(memberName(name), get);
+            else
+                reals(memberName(name), get);
+        },
+        [&](std::string_view name, const auto& texts) {
+            addTexts(zip, memberName(name), texts, shape);
+        });
     addTexts(zip, kUnitKey, {unitName(options.unit)}, "()");
     if (!options.generator.empty()) addTexts(zip, kGeneratorKey, {options.generator}, "()");
     zip.finish();

@@ -166,7 +166,7 @@ double chooseVoxel(const PackView& pack, double wanted) {
 /// Names that OpenVDB accepts for attributes, each of them once.
 class AttributeNames {
 public:
-    std::string unique(const std::string& name) {
+    std::string unique(std::string_view name) {
         std::string clean;
         for (const char c : name) {
             const bool valid = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
@@ -198,7 +198,8 @@ Attribute attribute(const std::string& name, const Get& get) {
             [get](points::AttributeArray& array, const std::vector<std::size_t>& spheres) {
                 auto& typed = Plain<T>::cast(array);
                 typed.expand(false);
-                for (openvdb::Index k = 0; k < spheres.size(); ++k) typed.set(k, get(spheres[k]));
+                for (openvdb::Index k = 0; k < spheres.size(); ++k)
+                    typed.set(k, static_cast<T>(get(spheres[k])));
                 // One value in the whole leaf is kept once.
                 typed.compact();
             }};
@@ -213,9 +214,7 @@ Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& 
         narrow = value >= std::numeric_limits<std::int32_t>::min() &&
                  value <= std::numeric_limits<std::int32_t>::max();
     }
-    if (narrow)
-        return attribute<std::int32_t>(
-            name, [get](std::size_t i) { return static_cast<std::int32_t>(get(i)); });
+    if (narrow) return attribute<std::int32_t>(name, get);
     return attribute<std::int64_t>(name, get);
 }
 
@@ -236,9 +235,7 @@ Attribute columnAttribute(const std::string& name, const std::vector<double>& nu
         return wholeAttribute(name, numbers.size(), [&numbers](std::size_t i) {
             return static_cast<std::int64_t>(numbers[i]);
         });
-    if (single)
-        return attribute<float>(
-            name, [&numbers](std::size_t i) { return static_cast<float>(numbers[i]); });
+    if (single) return attribute<float>(name, [&numbers](std::size_t i) { return numbers[i]; });
     return attribute<double>(name, [&numbers](std::size_t i) { return numbers[i]; });
 }
 
@@ -264,30 +261,24 @@ std::vector<Attribute> attributesOf(const PackView& pack, openvdb::MetaMap& tabl
     AttributeNames names;
     std::vector<Attribute> list;
     names.unique("P");
-    list.push_back(attribute<float>(names.unique("pscale"), [&pack](std::size_t i) {
-        return static_cast<float>(pack.radius(i));
-    }));
+    list.push_back(attribute<float>(names.unique("pscale"),
+                                    [&pack](std::size_t i) { return pack.radius(i); }));
     list.push_back(wholeAttribute(names.unique("id"), pack.size(),
                                   [&pack](std::size_t i) { return pack.id(i); }));
-    if (!pack.region().empty())
-        list.push_back(attribute<std::int32_t>(
-            names.unique("region"), [&pack](std::size_t i) { return pack.region()[i]; }));
-    if (!pack.order().empty())
-        list.push_back(wholeAttribute(names.unique("order"), pack.size(),
-                                      [&pack](std::size_t i) { return pack.order()[i]; }));
-    if (pack.hasDepth())
-        list.push_back(attribute<float>(names.unique("depth"), [&pack](std::size_t i) {
-            return static_cast<float>(pack.depth(i));
-        }));
-    if (!pack.contacts().empty())
-        list.push_back(attribute<std::int32_t>(
-            names.unique("contacts"), [&pack](std::size_t i) { return pack.contacts()[i]; }));
-    for (const auto& column : pack.columns()) {
-        if (!column.numbers.empty())
-            list.push_back(columnAttribute(names.unique(column.name), column.numbers));
-        else if (!column.texts.empty())
-            list.push_back(textAttribute(names.unique(column.name), column.texts, table));
-    }
+    pack.forEachAttribute(
+        [&](std::string_view name, const auto& numbers) {
+            using T = ValueOf<decltype(numbers)>;
+            const auto get = [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); };
+            if constexpr (std::is_integral_v<T>)
+                list.push_back(wholeAttribute(names.unique(name), pack.size(), get));
+            else if constexpr (std::is_same_v<T, float>)
+                list.push_back(attribute<float>(names.unique(name), get));
+            else
+                list.push_back(columnAttribute(names.unique(name), numbers));
+        },
+        [&](std::string_view name, const auto& texts) {
+            list.push_back(textAttribute(names.unique(name), texts, table));
+        });
     return list;
 }
 
@@ -511,15 +502,7 @@ void sortById(Pack<3>& pack) {
         return pack.id[a] != pack.id[b] ? pack.id[a] < pack.id[b] : a < b;
     });
     permute(pack.spheres, order);
-    permute(pack.region, order);
-    permute(pack.order, order);
-    permute(pack.depth, order);
-    permute(pack.contacts, order);
-    for (auto& column : pack.columns) {
-        permute(column.numbers, order);
-        permute(column.texts, order);
-    }
-    permute(pack.id, order);
+    forEachAttribute(pack, [&order](std::string_view, auto& values) { permute(values, order); });
 }
 
 /// The pack that a point grid holds; lengths in its unit.

@@ -49,7 +49,7 @@ Block block(std::size_t count, const Get& get) {
                 std::vector<T> part;
                 part.reserve(std::min<std::size_t>(count, 1 << 15));
                 for (std::size_t i = 0; i < count; ++i) {
-                    part.push_back(get(i));
+                    part.push_back(static_cast<T>(get(i)));
                     if (part.size() < part.capacity() && i + 1 < count) continue;
                     out.write(part.data(), part.size() * sizeof(T));
                     part.clear();
@@ -69,9 +69,24 @@ public:
         blocks_.push_back(std::move(data));
     }
     template <typename T, typename Get>
-    void numbers(const char* type, const std::string& name, std::size_t count, const Get& get) {
-        array("DataArray", fmt::format("type=\"{}\" Name=\"{}\"", type, escapedXml(name)),
+    void numbers(std::string_view name, std::size_t count, const Get& get) {
+        constexpr const char* kType = std::is_floating_point_v<T> ? "Float" : "Int";
+        array("DataArray",
+              fmt::format("type=\"{}{}\" Name=\"{}\"", kType, 8 * sizeof(T), escapedXml(name)),
               block<T>(count, get));
+    }
+    void texts(std::string_view name, const std::vector<std::string>& list) {
+        // Each text ends with a 0, so it holds none itself.
+        Block data;
+        for (const auto& t : list) data.bytes += oneLine(t).size() + 1;
+        data.write = [&list](OutputFile& file) {
+            for (const auto& t : list) {
+                const std::string clean = oneLine(t);
+                file.write(clean.c_str(), clean.size() + 1);
+            }
+        };
+        array("Array", fmt::format("type=\"String\" Name=\"{}\"", escapedXml(name)),
+              std::move(data));
     }
     void finish() {
         out_.write(std::string("  <AppendedData encoding=\"raw\">\n   _"));
@@ -783,38 +798,14 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
                     n));
 
     xml.line("      <PointData Scalars=\"radius\">");
-    xml.numbers<double>("Float64", "radius", n, [&pack](std::size_t i) { return pack.radius(i); });
-    xml.numbers<std::int64_t>("Int64", "id", n, [&pack](std::size_t i) { return pack.id(i); });
-    if (!pack.region().empty())
-        xml.numbers<std::int32_t>("Int32", "region", n,
-                                  [&pack](std::size_t i) { return pack.region()[i]; });
-    if (!pack.order().empty())
-        xml.numbers<std::int64_t>("Int64", "order", n,
-                                  [&pack](std::size_t i) { return pack.order()[i]; });
-    if (pack.hasDepth())
-        xml.numbers<float>("Float32", "depth", n,
-                           [&pack](std::size_t i) { return static_cast<float>(pack.depth(i)); });
-    if (!pack.contacts().empty())
-        xml.numbers<std::int32_t>("Int32", "contacts", n,
-                                  [&pack](std::size_t i) { return pack.contacts()[i]; });
-    for (const auto& column : pack.columns()) {
-        if (!column.numbers.empty()) {
-            xml.numbers<double>("Float64", column.name, n,
-                                [&column](std::size_t i) { return column.numbers[i]; });
-        } else if (!column.texts.empty()) {
-            // Each text ends with a 0, so it holds none itself.
-            Block texts;
-            for (const auto& t : column.texts) texts.bytes += oneLine(t).size() + 1;
-            texts.write = [&column](OutputFile& file) {
-                for (const auto& t : column.texts) {
-                    const std::string clean = oneLine(t);
-                    file.write(clean.c_str(), clean.size() + 1);
-                }
-            };
-            xml.array("Array", fmt::format("type=\"String\" Name=\"{}\"", escapedXml(column.name)),
-                      std::move(texts));
-        }
-    }
+    xml.numbers<double>("radius", n, [&pack](std::size_t i) { return pack.radius(i); });
+    xml.numbers<std::int64_t>("id", n, [&pack](std::size_t i) { return pack.id(i); });
+    pack.forEachAttribute(
+        [&](std::string_view name, const auto& numbers) {
+            xml.numbers<ValueOf<decltype(numbers)>>(
+                name, n, [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); });
+        },
+        [&](std::string_view name, const auto& texts) { xml.texts(name, texts); });
     xml.line("      </PointData>");
 
     xml.line("      <Points>");
@@ -822,9 +813,9 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
               block<std::array<double, 3>>(n, [&pack](std::size_t i) { return pack.position(i); }));
     xml.line("      </Points>");
     xml.line("      <Verts>");
-    xml.numbers<std::int64_t>("Int64", "connectivity", n,
+    xml.numbers<std::int64_t>("connectivity", n,
                               [](std::size_t i) { return static_cast<std::int64_t>(i); });
-    xml.numbers<std::int64_t>("Int64", "offsets", n,
+    xml.numbers<std::int64_t>("offsets", n,
                               [](std::size_t i) { return static_cast<std::int64_t>(i + 1); });
     xml.line("      </Verts>");
     xml.line("    </Piece>");

@@ -26,8 +26,8 @@ constexpr std::string_view kNoSpecies = "X";
 constexpr const char* kSpecies = "species";
 
 /// A word of its own: blanks part the columns, colons their descriptions.
-std::string asWord(const std::string& text) {
-    std::string word = text;
+std::string asWord(std::string_view text) {
+    std::string word(text);
     for (char& c : word)
         if (static_cast<unsigned char>(c) <= 0x20 || c == ':' || c == '"') c = '_';
     return word.empty() ? "_" : word;
@@ -185,7 +185,7 @@ private:
 void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
     const Box<3> box = pack.bounds();
     const Vec<3> size = box.size();
-    const auto numbers = [](std::initializer_list<double> values) {
+    const auto spaced = [](std::initializer_list<double> values) {
         std::string text;
         for (const double v : values) {
             if (!text.empty()) text += ' ';
@@ -194,29 +194,28 @@ void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile&
         return text;
     };
 
-    const Column* species = nullptr;
+    const std::vector<std::string>* species = nullptr;
     for (const Column& column : pack.columns())
-        if (column.name == kSpecies && !column.texts.empty()) species = &column;
+        if (column.name == kSpecies && !column.texts.empty()) species = &column.texts;
     std::string properties = "species:S:1:pos:R:3:radius:R:1:id:I:1";
     std::set<std::string> used = {"species", "pos", "x", "y", "z", "radius", "id"};
-    const auto describe = [&](const std::string& name, char type) {
+    const auto describe = [&](std::string_view name, char type) {
         std::string word = asWord(name);
         for (int n = 2; !used.insert(word).second; ++n)
             word = fmt::format("{}_{}", asWord(name), n);
         properties += fmt::format(":{}:{}:1", word, type);
     };
-    if (!pack.region().empty()) describe("region", 'I');
-    if (!pack.order().empty()) describe("order", 'I');
-    if (pack.hasDepth()) describe("depth", 'R');
-    if (!pack.contacts().empty()) describe("contacts", 'I');
-    for (const Column& column : pack.columns()) {
-        if (!column.numbers.empty()) describe(column.name, 'R');
-        if (!column.texts.empty() && &column != species) describe(column.name, 'S');
-    }
+    pack.forEachAttribute(
+        [&](std::string_view name, const auto& numbers) {
+            describe(name, std::is_integral_v<ValueOf<decltype(numbers)>> ? 'I' : 'R');
+        },
+        [&](std::string_view name, const auto& texts) {
+            if (&texts != species) describe(name, 'S');
+        });
     std::string header = fmt::format("{}\n", pack.size());
     header += fmt::format("Lattice=\"{}\" Origin=\"{}\" Properties={} pbc=\"F F F\"",
-                          numbers({size[0], 0, 0, 0, size[1], 0, 0, 0, size[2]}),
-                          numbers({box.lo[0], box.lo[1], box.lo[2]}), properties);
+                          spaced({size[0], 0, 0, 0, size[1], 0, 0, 0, size[2]}),
+                          spaced({box.lo[0], box.lo[1], box.lo[2]}), properties);
     header += fmt::format(" {}={}", kUnitKey, unitName(options.unit));
     if (!options.generator.empty()) {
         std::string generator = oneLine(options.generator);
@@ -226,19 +225,17 @@ void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile&
     out.write(header + "\n");
 
     writeRows(out, pack.size(), [&](std::string& text, std::size_t i) {
-        text += species ? asWord(species->texts[i]) : std::string(kNoSpecies);
+        text += species ? asWord((*species)[i]) : std::string(kNoSpecies);
         for (const double c : pack.position(i)) appendNumber(text += ' ', c);
         appendNumber(text += ' ', pack.radius(i));
         appendNumber(text += ' ', pack.id(i));
-        if (!pack.region().empty()) appendNumber(text += ' ', std::int64_t{pack.region()[i]});
-        if (!pack.order().empty()) appendNumber(text += ' ', pack.order()[i]);
-        if (pack.hasDepth()) appendNumber(text += ' ', pack.depth(i));
-        if (!pack.contacts().empty()) appendNumber(text += ' ', std::int64_t{pack.contacts()[i]});
-        for (const Column& column : pack.columns()) {
-            if (!column.numbers.empty()) appendNumber(text += ' ', column.numbers[i]);
-            if (!column.texts.empty() && &column != species)
-                text.append(" ").append(asWord(column.texts[i]));
-        }
+        pack.forEachAttribute(
+            [&](std::string_view, const auto& numbers) {
+                appendNumber(text += ' ', pack.value(numbers, i));
+            },
+            [&](std::string_view, const auto& texts) {
+                if (&texts != species) text.append(" ").append(asWord(texts[i]));
+            });
         text += '\n';
     });
 }

@@ -202,19 +202,16 @@ Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
     const std::size_t all = before + more;
     base.depth.clear();
     base.contacts.clear();
-    if (!base.id.empty()) {
-        std::int64_t next = lastBefore(base.id, more, "id");
-        for (std::size_t i = 0; i < more; ++i) base.id.push_back(++next);
-    }
-    if (!base.order.empty()) {
-        std::int64_t next = lastBefore(base.order, more, "order");
-        for (std::size_t i = 0; i < more; ++i) base.order.push_back(++next);
-    }
-    if (!base.region.empty()) base.region.resize(all, 0);
-    for (Column& column : base.columns) {
-        if (!column.numbers.empty()) column.numbers.resize(all, 0.0);
-        if (!column.texts.empty()) column.texts.resize(all);
-    }
+    const auto numberOn = [more](std::vector<std::int64_t>& numbers, const char* what) {
+        if (numbers.empty()) return;
+        std::int64_t next = lastBefore(numbers, more, what);
+        for (std::size_t i = 0; i < more; ++i) numbers.push_back(++next);
+    };
+    numberOn(base.id, "id");
+    numberOn(base.order, "order");
+    forEachAttribute(base, [all](std::string_view, auto& values) {
+        if (!values.empty()) values.resize(all);
+    });
     base.spheres.insert(base.spheres.end(), added.begin(), added.end());
     return base;
 }

@@ -180,15 +180,7 @@ std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
 
 template <int Dim>
 void keepOnly(Pack<Dim>& pack, const std::vector<std::uint8_t>& keep) {
-    keepValues(pack.id, keep);
-    keepValues(pack.region, keep);
-    keepValues(pack.order, keep);
-    keepValues(pack.depth, keep);
-    keepValues(pack.contacts, keep);
-    for (Column& column : pack.columns) {
-        keepValues(column.numbers, keep);
-        keepValues(column.texts, keep);
-    }
+    forEachAttribute(pack, [&keep](std::string_view, auto& values) { keepValues(values, keep); });
     keepValues(pack.spheres, keep);
 }
 
