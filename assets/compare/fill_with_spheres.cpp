@@ -3,8 +3,8 @@
 //   fill_with_spheres DOMAIN LOW HIGH OUT.csv [VOXEL [INSTANCES]]
 //
 // DOMAIN is box:SIDE, about the origin, or an .off file of triangles; radii lie between LOW and
-// HIGH. VOXEL is LOW / 4 where it is not given, INSTANCES 100000. Lengths in the unit of DOMAIN. On
-// one thread.
+// HIGH. VOXEL is LOW / 4 by default, INSTANCES 100000. Lengths in the unit of DOMAIN. Uses one
+// thread.
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/VolumeToSpheres.h>

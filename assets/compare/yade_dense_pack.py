@@ -29,7 +29,7 @@ spheres = pack.randomDensePack(
     seed=1,
 )
 
-# Not export.text: that would round coordinates to six digits, and so make overlaps.
+# Not export.text: it rounds coordinates to six digits, which causes overlaps.
 with open(path, "w", encoding="ascii") as file:
     file.write("#format x_y_z_r\n")
     for center, radius in spheres:

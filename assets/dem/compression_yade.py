@@ -1,11 +1,11 @@
 """Uniaxial compression of a bonded pack between two grips, in SI units, for YADE 2023.02a.
 
-`compress` writes setup.json: what the pack and the materials decide. Alone, in its folder:
+`compress` writes setup.json, the settings for this pack and these materials. To run it alone:
 
     yade -n -x -j2 compression_yade.py setup.json pack.txt curve.csv
 
-A bond is a CohFrictPhys with moments: it pulls, shears, bends and twists until the force along or
-across it exceeds its strength; then friction is left.
+A bond is a CohFrictPhys with moments: it resists tension, shear, bending and torsion until its normal
+or shear force exceeds its strength; then only friction remains.
 """
 
 import json

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws the curves of `compress` into curves.svg and prints what they tell, as rows of a table.
+"""Draws the curves of `compress` into curves.svg and prints their main values as a table.
 
     assets/dem/plot_curves.py out/dem
 """
@@ -32,7 +32,7 @@ def read_curve(path):
 
 
 def modulus(curve):
-    """Slope of stress by strain, least squares over strains of 0.1 to 0.5 %, Pa."""
+    """Slope of stress against strain, least squares over strains of 0.1 to 0.5 %, Pa."""
     points = [p for p in zip(curve["strain"], curve["stress_Pa"]) if 0.001 <= p[0] <= 0.005]
     if len(points) < 2:
         fail("fewer than two records at strains of 0.1 to 0.5 %; raise --records")
@@ -43,7 +43,7 @@ def modulus(curve):
 
 
 def figures(curve, setup):
-    """What a curve tells: name, value as text."""
+    """The main values of a curve: name, value as text."""
     strain, stress = curve["strain"], curve["stress_Pa"]
     peak = max(range(len(stress)), key=stress.__getitem__)
     force = [(t + b) / 2 for t, b in zip(curve["top_N"], curve["bottom_N"])]
@@ -58,15 +58,17 @@ def figures(curve, setup):
     yield "largest stress", f"{stress[peak] / 1e6:.1f} MPa at {100 * strain[peak]:.2f} %"
     yield "largest force", f"{force[peak] / 1e3:.1f} kN"
     yield "force at the end", f"{100 * force[-1] / force[peak]:.0f} % of the largest"
-    yield "top against bottom, worst", f"{100 * apart:.1f} % of the largest force"
+    yield ("largest difference between the forces at both ends",
+           f"{100 * apart:.1f} % of the largest force")
     yield "cortical share of the force at 0.5 %", f"{100 * shares[0] / sum(shares):.0f} %"
-    yield "a cortical by a trabecular sphere there", f"{per_sphere[0] / per_sphere[1]:.1f}"
-    yield "shares together by the force there", f"{sum(shares) / force[elastic]:.3f}"
+    yield ("force of a cortical divided by that of a trabecular sphere there",
+           f"{per_sphere[0] / per_sphere[1]:.1f}")
+    yield "sum of all shares divided by the force there", f"{sum(shares) / force[elastic]:.3f}"
     for column, kind, _ in KINDS:
         total = curve[column][0]
         yield f"{kind} bonds broken", f"{total - curve[column][-1]:.0f} of {total:.0f}"
     yield "work", f"{work:.2f} J"
-    yield "kinetic energy at most", f"{100 * max(curve['kinetic_J']) / work:.2f} % of the work"
+    yield "largest kinetic energy", f"{100 * max(curve['kinetic_J']) / work:.2f} % of the work"
 
 
 def ticks(top):
@@ -78,7 +80,7 @@ def ticks(top):
 
 
 def panel(x0, title, x_label, y_label, x_ticks, y_ticks, lines):
-    """One diagram; lines: (xs, ys, color, dash, label). Labels stand in the upper part."""
+    """One diagram; lines: (xs, ys, color, dash, label). Labels are in the upper part."""
     right, low = x0 + WIDTH - RIGHT, HEIGHT - BOTTOM
     left = x0 + LEFT
     x_of = lambda v: left + (right - left) * v / x_ticks[-1]

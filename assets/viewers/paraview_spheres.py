@@ -1,6 +1,6 @@
 """Shows a pack (.vtp of vdb_pack) in ParaView as spheres of true radius; 5.10 and later.
 
-    paraview bone.vtp paraview_spheres.py                      in the window, on the file it opened
+    paraview bone.vtp paraview_spheres.py                      in the window, for the open file
     pvpython paraview_spheres.py bone.vtp --color region --render bone.png     a picture
 
 The same by hand: representation Point Gaussian, shader preset Sphere, Gaussian radius 1, scale by
