@@ -14,6 +14,7 @@
 #include <utility>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::vdbPackWithin;
 using Words = std::vector<std::string>;

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <sstream>
 
-using vdbpack::test::vdbPack;
+using namespace vdbpack::test;
 
 TEST_CASE("pack prints a summary and writes its files and report", "[cli]") {
     const TemporaryFolder folder;

@@ -1,5 +1,7 @@
 // From one format to another, and what is made of level sets on the way.
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
@@ -16,6 +18,7 @@
 #include <string>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -30,18 +33,18 @@ ConvertRecipe recipeFor(const std::string& from, const std::vector<std::string>&
 }  // namespace
 
 TEST_CASE("a pack through every format and back is the same doubles", "[convert]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     auto pack = latticePack<3>(300, {{0, 10, 40}}, 30, 2);
-    writePack(pack, scratch / "first.csv", {});
-    std::string from = scratch / "first.csv";
+    writePack(pack, scratch.file("first.csv"), {});
+    std::string from = scratch.file("first.csv");
     for (const std::string to : {"a.npz", "b.xyz", "c.vtp", "d.vdb", "e.csv", "f.data"}) {
         CAPTURE(from, to);
-        const auto result = runConvert(recipeFor(from, {scratch / to}));
+        const auto result = runConvert(recipeFor(from, {scratch.file(to)}));
         REQUIRE(result.kind == "spheres");
         REQUIRE(result.count == 300);
         REQUIRE(result.hash == packHash(pack));
-        REQUIRE(result.files == std::vector<std::string>{scratch / to});
-        from = scratch / to;
+        REQUIRE(result.files == std::vector<std::string>{scratch.file(to)});
+        from = scratch.file(to);
         const auto read = readPack(from);
         REQUIRE(read.spheres == pack.spheres);
         REQUIRE(read.id == pack.id);
@@ -51,43 +54,44 @@ TEST_CASE("a pack through every format and back is the same doubles", "[convert]
         REQUIRE(read.depth == pack.depth);
         REQUIRE(read.contacts == pack.contacts);
     }
-    runConvert(recipeFor(from, {"yade:" + (scratch / "g.txt"), "points:" + (scratch / "h.vdb")}));
-    REQUIRE(readPack("yade:" + (scratch / "g.txt")).spheres == pack.spheres);
-    REQUIRE(readPack(scratch / "h.vdb").spheres == pack.spheres);
+    runConvert(
+        recipeFor(from, {"yade:" + (scratch.file("g.txt")), "points:" + (scratch.file("h.vdb"))}));
+    REQUIRE(readPack("yade:" + (scratch.file("g.txt"))).spheres == pack.spheres);
+    REQUIRE(readPack(scratch.file("h.vdb")).spheres == pack.spheres);
 }
 
 TEST_CASE("circles stay circles", "[convert]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     auto pack = latticePack<2>(50, {{0, 10}}, 30, 2);
     pack.sliceHeight = 7;
-    writePack(pack, scratch / "p.csv", {});
-    const auto result =
-        runConvert(recipeFor(scratch / "p.csv", {scratch / "p.svg", scratch / "p.npz"}));
+    writePack(pack, scratch.file("p.csv"), {});
+    const auto result = runConvert(
+        recipeFor(scratch.file("p.csv"), {scratch.file("p.svg"), scratch.file("p.npz")}));
     REQUIRE(result.kind == "circles");
-    REQUIRE(asCircles(readPack(scratch / "p.npz")).spheres == pack.spheres);
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.stl"})),
+    REQUIRE(asCircles(readPack(scratch.file("p.npz"))).spheres == pack.spheres);
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
                         Contains("circles have none"));
 }
 
 TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[convert]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}};
-    writePack(pack, scratch / "p.csv", {});
-    auto recipe = recipeFor(scratch / "p.csv",
-                            {scratch / "p.data", scratch / "p.stl", "fog:" + (scratch / "fog.vdb"),
-                             "levelsets:" + (scratch / "l.vdb")});
+    writePack(pack, scratch.file("p.csv"), {});
+    auto recipe = recipeFor(scratch.file("p.csv"), {scratch.file("p.data"), scratch.file("p.stl"),
+                                                    "fog:" + (scratch.file("fog.vdb")),
+                                                    "levelsets:" + (scratch.file("l.vdb"))});
     recipe.density = "bulk:1000";
     REQUIRE_THROWS_WITH(runConvert(recipe), Contains("--domain"));
     recipe.domain.source = "ball:2";
     recipe.outUnit = Unit::meter;
     runConvert(recipe);
     // A ball of half the radius takes an eighth.
-    const auto read = readPack(scratch / "p.data");
+    const auto read = readPack(scratch.file("p.data"));
     REQUIRE(read.columns.back().numbers[0] == Approx(8000).epsilon(1e-6));
     MeshReadOptions meters;
     meters.unit = Unit::meter;
-    const auto mesh = readMesh(scratch / "p.stl", meters);
+    const auto mesh = readMesh(scratch.file("p.stl"), meters);
     const auto health = toJson(checkMesh(mesh));
     CAPTURE(health.dump(1));
     REQUIRE(mesh.bounds().size()[0] == Approx(4).epsilon(0.01));
@@ -95,42 +99,46 @@ TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[
     for (const auto& t : mesh.triangles)
         volume += dot(mesh.vertices[t[0]], cross(mesh.vertices[t[1]], mesh.vertices[t[2]])) / 6;
     REQUIRE(volume == Approx(4 * kPi / 3 * 8).epsilon(0.01));  // positive: outward
-    REQUIRE(holdsLevelSet(scratch / "l.vdb"));
-    REQUIRE_FALSE(holdsLevelSet(scratch / "fog.vdb"));
-    REQUIRE_THROWS_AS(readPack(scratch / "l.vdb"), InputError);
+    REQUIRE(holdsLevelSet(scratch.file("l.vdb")));
+    REQUIRE_FALSE(holdsLevelSet(scratch.file("fog.vdb")));
+    REQUIRE_THROWS_AS(readPack(scratch.file("l.vdb")), InputError);
 }
 
 TEST_CASE("solids are converted between level set and surface", "[convert]") {
-    const Scratch scratch;
-    auto recipe = recipeFor(scratch / "p.csv", {"levelsets:" + (scratch / "l.vdb")});
+    const TemporaryFolder scratch;
+    auto recipe = recipeFor(scratch.file("p.csv"), {"levelsets:" + (scratch.file("l.vdb"))});
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}};
-    writePack(pack, scratch / "p.csv", {});
+    writePack(pack, scratch.file("p.csv"), {});
     recipe.domain.source = "ball:5";
     runConvert(recipe);
-    REQUIRE(runConvert(recipeFor(scratch / "l.vdb", {scratch / "s.stl"})).kind == "level set");
-    const auto again =
-        runConvert(recipeFor(scratch / "s.stl", {scratch / "t.vdb", scratch / "t.stl"}));
+    REQUIRE(runConvert(recipeFor(scratch.file("l.vdb"), {scratch.file("s.stl")})).kind ==
+            "level set");
+    const auto again = runConvert(
+        recipeFor(scratch.file("s.stl"), {scratch.file("t.vdb"), scratch.file("t.stl")}));
     REQUIRE(again.kind == "mesh");
-    REQUIRE(readMesh(scratch / "t.stl").vertices == readMesh(scratch / "s.stl").vertices);
-    REQUIRE(holdsLevelSet(scratch / "t.vdb"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "s.stl", {scratch / "t.csv"})),
+    REQUIRE(readMesh(scratch.file("t.stl")).vertices == readMesh(scratch.file("s.stl")).vertices);
+    REQUIRE(holdsLevelSet(scratch.file("t.vdb")));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("s.stl"), {scratch.file("t.csv")})),
                         Contains("holds spheres"));
 }
 
 TEST_CASE("a conversion that cannot be is refused before anything is written", "[convert]") {
-    const Scratch scratch;
-    writePack(latticePack<3>(5, {}, 4, 1), scratch / "p.csv", {});
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {})), Contains("-o"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.csv"})),
+    const TemporaryFolder scratch;
+    writePack(latticePack<3>(5, {}, 4, 1), scratch.file("p.csv"), {});
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {})), Contains("-o"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.csv")})),
                         Contains("input itself"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {scratch / "p.stl"})),
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
                         Contains("have no surface") && Contains("--domain"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"fog:" + (scratch / "p.txt")})),
-                        Contains("fog:FILE.vdb"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"solid:" + (scratch / "p.stl")})),
-                        Contains("--grid solid -o"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch / "p.csv", {"list:" + (scratch / "v.csv")})),
-                        Contains("no list of voids"));
+    REQUIRE_THROWS_WITH(
+        runConvert(recipeFor(scratch.file("p.csv"), {"fog:" + (scratch.file("p.txt"))})),
+        Contains("fog:FILE.vdb"));
+    REQUIRE_THROWS_WITH(
+        runConvert(recipeFor(scratch.file("p.csv"), {"solid:" + (scratch.file("p.stl"))})),
+        Contains("--grid solid -o"));
+    REQUIRE_THROWS_WITH(
+        runConvert(recipeFor(scratch.file("p.csv"), {"list:" + (scratch.file("v.csv"))})),
+        Contains("no list of voids"));
     REQUIRE(scratch.files() == 1);
 }

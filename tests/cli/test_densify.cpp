@@ -16,6 +16,7 @@
 #include <fstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::recipeFor;
 using test::vdbPack;

@@ -23,6 +23,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using test::recipeFor;
 
 namespace {

@@ -16,6 +16,7 @@
 #include <sstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using test::recipeFor;
 
 namespace {

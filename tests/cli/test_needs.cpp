@@ -20,6 +20,7 @@
 #include <sstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::vdbPackWithin;
 using Words = std::vector<std::string>;

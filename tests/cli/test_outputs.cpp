@@ -1,5 +1,7 @@
 // What runs write: targets by prefix, and which of them a run refuses.
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/run/outputs.h"
@@ -10,6 +12,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 TEST_CASE("only the prefix of a format is cut from the name of a file", "[outputs]") {
@@ -21,11 +24,11 @@ TEST_CASE("only the prefix of a format is cut from the name of a file", "[output
 }
 
 TEST_CASE("a pack written under a name with a colon stands in the file of that name", "[outputs]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(5, {{0, 0, 0}}, 3, 1);
     RunOutputs<3> have;
     have.pack = &pack;
-    const std::string file = scratch / "monday:f.csv";
+    const std::string file = scratch.file("monday:f.csv");
     REQUIRE(writeOutput(file, have) == std::vector<std::string>{file});
     REQUIRE(contentOf(file).rfind("id,x,y,z", 0) == 0);
 }

@@ -13,6 +13,7 @@
 #include <utility>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
 

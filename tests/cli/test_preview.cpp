@@ -14,6 +14,7 @@
 #include <iterator>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using test::recipeFor;
 
 namespace {

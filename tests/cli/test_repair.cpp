@@ -12,6 +12,7 @@
 #include <cmath>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::vdbPack;
 

@@ -17,6 +17,7 @@
 #include <fstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using test::recipeFor;
 
 namespace {

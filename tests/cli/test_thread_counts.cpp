@@ -24,6 +24,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using test::recipeFor;
 
 namespace {

@@ -14,6 +14,7 @@
 #include <iterator>
 #include <sstream>
 
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using vdbpack::test::Output;
 using vdbpack::test::vdbPack;
@@ -120,7 +121,7 @@ TEST_CASE("progress tells rate and time left once there is something to tell", "
 
 TEST_CASE("the shell completes commands, options and their words", "[cli]") {
     const auto completed = [](const std::string& words, const std::string& word) {
-        return vdbpack::test::shell("bash -c 'source <(" + test::kTool +
+        return vdbpack::test::shell("bash -c 'source <(" + kTool +
                                     " completion bash); COMP_WORDS=(vdb_pack " + words + " \"" +
                                     word +
                                     "\"); COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); _vdb_pack; echo "
@@ -198,7 +199,7 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
             REQUIRE(from != std::string::npos);
             const std::string word = left.substr(from, left.find('\n', from) - from);
             std::remove(pack.c_str());
-            std::ofstream(folder.file("again")) << test::kTool + " pack --json " << word << '\n';
+            std::ofstream(folder.file("again")) << kTool + " pack --json " << word << '\n';
             CHECK(hashOf(vdbpack::test::shell("bash " + folder.file("again"))) == given);
             CHECK(textOf(pack) == content);
         }

@@ -2,7 +2,9 @@
 #include "cli/recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
+#include "support/message_of.h"
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
 #include "voids/stamping.h"
 
 #include "vdbpack/core/ellipsoid.h"
@@ -26,6 +28,7 @@
 #include <sstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::recipeFor;
 
@@ -61,25 +64,6 @@ PackRecipe methodRecipe(const std::string& method) {
 template <int Dim>
 const Pack<Dim>& packIn(const RunResult& run) {
     return std::get<Pack<Dim>>(run.pack);
-}
-
-std::string contentOf(const std::string& file) {
-    std::ifstream in(file, std::ios::binary);
-    std::stringstream text;
-    text << in.rdbuf();
-    return text.str();
-}
-
-template <class Failure, class Work>
-std::string messageOf(const Work& work) {
-    try {
-        work();
-    } catch (const Failure& e) {
-        return e.what();
-    } catch (const Error& e) {
-        return std::string("another error: ") + e.what();
-    }
-    return "no error";
 }
 
 /// Callbacks that keep warnings.

@@ -1,8 +1,9 @@
 // Outputs of the program where disks are full, folders are read-only and processes are killed: each
 // is whole, or as it was before.
-#include "formats/scratch.h"
 #include "support/paths.h"
 #include "support/process.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 #include "support/tool.h"
 
 #include "vdbpack/formats/pack_file.h"
@@ -20,6 +21,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using test::shell;
 using test::vdbPack;
@@ -79,16 +81,16 @@ bool isWhole(const std::string& file, const std::string& reference, std::uint64_
 }
 
 struct Given {
-    Scratch scratch;
-    std::string pack = scratch / "given.csv";
+    TemporaryFolder scratch;
+    std::string pack = scratch.file("given.csv");
     std::uint64_t hash = 0;
 
     explicit Given(const std::string& domain = kBall, const std::string& radius = "uniform:1,2") {
         REQUIRE(vdbPack("pack " + domain + " --radius " + radius + " --quiet -o " + pack).code ==
                 0);
         hash = packHash(readPack(pack));
-        fs::create_directory(scratch / "reference");
-        fs::create_directory(scratch / "out");
+        fs::create_directory(scratch.file("reference"));
+        fs::create_directory(scratch.file("out"));
     }
     void clear() const {
         for (const std::string& folder : {reference(), out()}) {
@@ -96,8 +98,8 @@ struct Given {
             fs::create_directory(folder);
         }
     }
-    std::string reference() const { return scratch / "reference"; }
-    std::string out() const { return scratch / "out"; }
+    std::string reference() const { return scratch.file("reference"); }
+    std::string out() const { return scratch.file("out"); }
     std::string arguments(const Written& w, const std::string& folder) const {
         return "convert " + pack + " --domain " + kBall + " -o " + inFolder(w.output, folder);
     }

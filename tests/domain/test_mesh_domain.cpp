@@ -15,6 +15,7 @@
 #include <limits>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -18,6 +18,7 @@
 #include <iterator>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -1,5 +1,6 @@
 // .vdb files that are damaged or lie, before OpenVDB sees them.
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
@@ -23,6 +24,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -45,17 +47,11 @@ openvdb::FloatGrid::Ptr ball() {
     return grid;
 }
 
-std::string contentOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
 class Files : public TemporaryFolder {
 public:
     std::string put(const std::string& content) const {
         const std::string path = file("f.vdb");
-        std::filesystem::remove(path);
-        std::ofstream(path, std::ios::binary) << content;
+        putContent(path, content);
         return path;
     }
     std::string save(const openvdb::GridPtrVec& grids, std::uint32_t compression) const {

@@ -1,7 +1,9 @@
 // Fields of directions in .vdb files, written here as others would.
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 #include "voids/turning.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/tensor_field.h"
 
@@ -15,6 +17,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -1,6 +1,8 @@
 // A script for Blender and the array beside it. What Blender makes of them is checked with Blender
 // itself, by tests/clients/check_blender.
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
@@ -21,6 +23,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -103,12 +106,12 @@ TEMPLATE_TEST_CASE_SIG("the array beside a Blender script holds every sphere fro
     pack.columns = {{"material", std::vector<double>(20000, 0.25), {}},
                     {"no plain name", std::vector<double>(20000, 1), {}},
                     {"label", {}, std::vector<std::string>(20000, "a")}};
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.unit = unit;
     options.generator = "vdb_pack \"test\" \\ '''";
-    const std::vector<std::string> files = {scratch / "b\xC3\xBCne.py",
-                                            scratch / "b\xC3\xBCne.points.npy"};
+    const std::vector<std::string> files = {scratch.file("b\xC3\xBCne.py"),
+                                            scratch.file("b\xC3\xBCne.points.npy")};
     REQUIRE(writeBlender(pack, files[0], options) == files);
     REQUIRE(scratch.files() == 2);
 
@@ -149,8 +152,8 @@ TEMPLATE_TEST_CASE_SIG("the array beside a Blender script holds every sphere fro
 }
 
 TEST_CASE("a Blender script finds the level sets beside it or in the file of the run", "[export]") {
-    const Scratch scratch;
-    std::filesystem::create_directory(scratch / "in");
+    const TemporaryFolder scratch;
+    std::filesystem::create_directory(scratch.file("in"));
     const auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     PackWriteOptions options;
     options.levelSets = {someLevelSet()};
@@ -158,29 +161,30 @@ TEST_CASE("a Blender script finds the level sets beside it or in the file of the
         return knownIn(contentOf(script))["volume"].get<std::string>();
     };
 
-    const auto alone = writeBlender(pack, scratch / "a.py", options);
-    REQUIRE(alone == blenderFiles(scratch / "a.py", true));
-    REQUIRE(alone.back() == scratch / "a.vdb");
+    const auto alone = writeBlender(pack, scratch.file("a.py"), options);
+    REQUIRE(alone == blenderFiles(scratch.file("a.py"), true));
+    REQUIRE(alone.back() == scratch.file("a.vdb"));
     REQUIRE(std::filesystem::file_size(alone.back()) > 1000);
     REQUIRE(volumeOf(alone.front()) == "a.vdb");
 
-    const auto shared = writeBlender(pack, scratch / "b.py", options, scratch / "in/run.vdb");
+    const auto shared =
+        writeBlender(pack, scratch.file("b.py"), options, scratch.file("in/run.vdb"));
     REQUIRE(shared.size() == 2);
     REQUIRE(volumeOf(shared.front()) == "in/run.vdb");
-    writeBlender(pack, scratch / "in/c.py", options, scratch / "run.vdb");
-    REQUIRE(volumeOf(scratch / "in/c.py") == "../run.vdb");
+    writeBlender(pack, scratch.file("in/c.py"), options, scratch.file("run.vdb"));
+    REQUIRE(volumeOf(scratch.file("in/c.py")) == "../run.vdb");
     options.levelSets.clear();
-    writeBlender(pack, scratch / "d.py", options, scratch / "run.vdb");
-    REQUIRE(volumeOf(scratch / "d.py").empty());
+    writeBlender(pack, scratch.file("d.py"), options, scratch.file("run.vdb"));
+    REQUIRE(volumeOf(scratch.file("d.py")).empty());
 }
 
 TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first", "[outputs]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     RunOutputs<3> have;
     have.pack = &pack;
     have.options.levelSets = {someLevelSet()};
-    const std::string script = scratch / "a.py", volume = scratch / "p.vdb";
+    const std::string script = scratch.file("a.py"), volume = scratch.file("p.vdb");
     const bool first = GENERATE(true, false);
     std::vector<std::string> outputs = {"blender:" + script, volume};
     if (first) std::swap(outputs[0], outputs[1]);
@@ -191,32 +195,33 @@ TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first
 }
 
 TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     for (const char* const name : {"a.txt", "a", ".py"})
-        REQUIRE_THROWS_WITH(writeBlender(pack, scratch / name, {}), Contains("blender:FILE.py"));
-    REQUIRE_THROWS_WITH(writeBlender(pack, scratch / "\xFF.py", {}), Contains("UTF-8"));
-    REQUIRE_THROWS_AS(writeBlender(pack, scratch / "no/a.py", {}), IoError);
+        REQUIRE_THROWS_WITH(writeBlender(pack, scratch.file(name), {}),
+                            Contains("blender:FILE.py"));
+    REQUIRE_THROWS_WITH(writeBlender(pack, scratch.file("\xFF.py"), {}), Contains("UTF-8"));
+    REQUIRE_THROWS_AS(writeBlender(pack, scratch.file("no/a.py"), {}), IoError);
     pack.spheres[3].radius = std::numeric_limits<double>::quiet_NaN();
-    REQUIRE_THROWS_AS(writeBlender(pack, scratch / "a.py", {}), ParameterError);
+    REQUIRE_THROWS_AS(writeBlender(pack, scratch.file("a.py"), {}), ParameterError);
     pack.spheres[3].radius = 1;
     pack.order.pop_back();
-    REQUIRE_THROWS_WITH(writeBlender(pack, scratch / "a.py", {}), Contains("'order'"));
+    REQUIRE_THROWS_WITH(writeBlender(pack, scratch.file("a.py"), {}), Contains("'order'"));
     REQUIRE(scratch.files() == 0);
 
     // The files beside a script are outputs like others.
-    const std::string s = scratch / "a.py";
+    const std::string s = scratch.file("a.py");
     REQUIRE_THROWS_WITH(checkFiles({"blender:"}, "", {}), Contains("FILE.py"));
     REQUIRE_THROWS_WITH(checkFiles({"blender:a.csv"}, "", {}), Contains("blender:FILE.py"));
     REQUIRE_THROWS_WITH(checkFiles({"blender:" + s, "blender:" + s}, "", {}), Contains("twice"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"blender:a.py"}, RunKind::measure, {}),
                         Contains("contacts"));
-    REQUIRE_NOTHROW(checkFiles({"blender:" + s, scratch / "a.vdb"}, "", {}));
+    REQUIRE_NOTHROW(checkFiles({"blender:" + s, scratch.file("a.vdb")}, "", {}));
 }
 
 TEST_CASE("no sphere at all is written too", "[export]") {
-    const Scratch scratch;
-    const auto files = writeBlender(Pack<3>{}, scratch / "a.py", {});
+    const TemporaryFolder scratch;
+    const auto files = writeBlender(Pack<3>{}, scratch.file("a.py"), {});
     REQUIRE(Records(contentOf(files[1])).count == 0);
     REQUIRE(knownIn(contentOf(files[0]))["count"] == 0);
 }

@@ -1,4 +1,6 @@
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
@@ -12,6 +14,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
 
@@ -44,9 +47,9 @@ TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[
         pack.id.push_back(static_cast<std::int64_t>(1000000000000 + 3 * i));
     const auto contacts = listContacts(pack.spheres, 0.1);
     REQUIRE(contacts.size() > 20);
-    const Scratch scratch;
-    writeContacts(pack, contacts, scratch / "c.csv");
-    const auto rows = rowsOf(contentOf(scratch / "c.csv"));
+    const TemporaryFolder scratch;
+    writeContacts(pack, contacts, scratch.file("c.csv"));
+    const auto rows = rowsOf(contentOf(scratch.file("c.csv")));
     REQUIRE(rows.size() == contacts.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const auto& row = rows[k];
@@ -68,10 +71,10 @@ TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[
         REQUIRE(row[6] == pack.region[i]);
         REQUIRE(row[7] == pack.region[j]);
     }
-    const auto written = contentOf(scratch / "c.csv");
+    const auto written = contentOf(scratch.file("c.csv"));
     for (const int threads : {1, 4}) {
-        withThreads(threads, [&] { writeContacts(pack, contacts, scratch / "d.csv"); });
-        REQUIRE(contentOf(scratch / "d.csv") == written);
+        withThreads(threads, [&] { writeContacts(pack, contacts, scratch.file("d.csv")); });
+        REQUIRE(contentOf(scratch.file("d.csv")) == written);
     }
 }
 
@@ -79,35 +82,35 @@ TEST_CASE("a contact list is in the unit asked for, with indices where ids are n
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{0, 0, 4}}, 1}, {{{0, 0, 2.5}}, 1}};
     const auto contacts = listContacts(pack.spheres, 0.6);
-    const Scratch scratch;
-    writeContacts(pack, contacts, scratch / "c.csv", Unit::micrometer);
-    REQUIRE(contentOf(scratch / "c.csv") ==
+    const TemporaryFolder scratch;
+    writeContacts(pack, contacts, scratch.file("c.csv"), Unit::micrometer);
+    REQUIRE(contentOf(scratch.file("c.csv")) ==
             "i,j,gap,nx,ny,nz,region_i,region_j\n"
             "0,2,500.0,0.0,0.0,1.0,0,0\n"
             "1,2,-500.0,0.0,0.0,-1.0,0,0\n");
-    writeContacts(pack, {}, scratch / "none.csv");
-    REQUIRE(rowsOf(contentOf(scratch / "none.csv")).empty());
+    writeContacts(pack, {}, scratch.file("none.csv"));
+    REQUIRE(rowsOf(contentOf(scratch.file("none.csv"))).empty());
     // Spheres around one center have no direction.
     pack.spheres[1] = pack.spheres[0];
-    writeContacts(pack, {{0, 1, -2}}, scratch / "c.csv");
-    REQUIRE(rowsOf(contentOf(scratch / "c.csv")) ==
+    writeContacts(pack, {{0, 1, -2}}, scratch.file("c.csv"));
+    REQUIRE(rowsOf(contentOf(scratch.file("c.csv"))) ==
             std::vector<std::vector<double>>{{0, 1, -2, 0, 0, 0, 0, 0}});
 }
 
 TEST_CASE("contacts of another pack are refused and leave the former file", "[export]") {
     Pack<3> pack;
     pack.spheres.resize(3, {{}, 1});
-    const Scratch scratch;
-    putContent(scratch / "c.csv", "before");
+    const TemporaryFolder scratch;
+    putContent(scratch.file("c.csv"), "before");
     for (const Contact wrong :
          {Contact{0, 3, 0}, Contact{1, 1, 0}, Contact{9, 0, 0}, Contact{0, 1, std::nan("")},
           Contact{0, 1, std::numeric_limits<double>::infinity()}})
-        REQUIRE_THROWS_AS(writeContacts(pack, {{0, 1, 0}, wrong}, scratch / "c.csv"),
+        REQUIRE_THROWS_AS(writeContacts(pack, {{0, 1, 0}, wrong}, scratch.file("c.csv")),
                           ParameterError);
     pack.region = {0, 1};
-    REQUIRE_THROWS_AS(writeContacts(pack, {{0, 1, 0}}, scratch / "c.csv"), ParameterError);
-    REQUIRE(contentOf(scratch / "c.csv") == "before");
+    REQUIRE_THROWS_AS(writeContacts(pack, {{0, 1, 0}}, scratch.file("c.csv")), ParameterError);
+    REQUIRE(contentOf(scratch.file("c.csv")) == "before");
     REQUIRE(scratch.files() == 1);
     pack.region.clear();
-    REQUIRE_THROWS_AS(writeContacts(pack, {}, scratch / "no/c.csv"), IoError);
+    REQUIRE_THROWS_AS(writeContacts(pack, {}, scratch.file("no/c.csv")), IoError);
 }

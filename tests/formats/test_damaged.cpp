@@ -1,6 +1,8 @@
 // Files cut short, with flipped bits or with numbers that lie must give an error or a pack, never
 // a crash, and in no time.
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
@@ -11,6 +13,7 @@
 #include <string>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
 
@@ -44,8 +47,8 @@ bool reads(const std::string& file) {
 TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[export]") {
     const std::string format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
     CAPTURE(format);
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     writePack(smallPack(), prefixed(format, path), {});
     const std::string whole = contentOf(path);
     REQUIRE(reads(prefixed(format, path)));
@@ -65,8 +68,8 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[export
 TEST_CASE("a file with flipped bits is an error or another pack", "[export]") {
     const std::string format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
     CAPTURE(format);
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     writePack(smallPack(), prefixed(format, path), {});
     const std::string whole = contentOf(path);
     RandomStream random(22, 1);
@@ -83,8 +86,8 @@ TEST_CASE("a file with flipped bits is an error or another pack", "[export]") {
 }
 
 TEST_CASE("one format under the name of another is refused", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     for (const std::string written : kFormats) {
         writePack(smallPack(), prefixed(written, path), {});
         for (const std::string read : kFormats) {
@@ -96,18 +99,18 @@ TEST_CASE("one format under the name of another is refused", "[export]") {
 }
 
 TEST_CASE("a folder or a missing file is an IoError in every format", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     for (const std::string format :
          {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps", "dump"}) {
         CAPTURE(format);
-        REQUIRE_THROWS_AS(readPack(prefixed(format, scratch / "")), IoError);
-        REQUIRE_THROWS_AS(readPack(prefixed(format, scratch / "none")), IoError);
+        REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file(""))), IoError);
+        REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file("none"))), IoError);
     }
 }
 
 TEST_CASE("an empty file is an error, but for a list that may be empty", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     for (const std::string content : {"", "\n", "\n\n \n", "\xef\xbb\xbf"}) {
         putContent(path, content);
         for (const std::string format :
@@ -174,8 +177,8 @@ const Open kCoordinates[] = {
 }  // namespace
 
 TEST_CASE("counts that no file of its size can hold are refused", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     for (const Open& open : kCounts) {
         const std::string file = prefixed(open.format, path);
         for (const std::string count :
@@ -189,8 +192,8 @@ TEST_CASE("counts that no file of its size can hold are refused", "[export]") {
 }
 
 TEST_CASE("coordinates that are not finite are refused with their place", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.dat";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
     for (const Open& open : kCoordinates) {
         const std::string file = prefixed(open.format, path);
         putContent(path, open.with("2"));
@@ -204,8 +207,8 @@ TEST_CASE("coordinates that are not finite are refused with their place", "[expo
 }
 
 TEST_CASE("tags of a .vtp may nest without end", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.vtp";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.vtp");
     std::string content = "<VTKFile type=\"PolyData\">";
     for (int i = 0; i < 200000; ++i) content += "<PolyData>";
     putContent(path, content);
@@ -213,8 +216,8 @@ TEST_CASE("tags of a .vtp may nest without end", "[export]") {
 }
 
 TEST_CASE("members of an .npz that share their bytes are refused", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.npz";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.npz");
     writePack(smallPack(), path, {});
     std::string content = contentOf(path);
     // The directory, listed twenty times over; what ends the archive tells its size and counts.
@@ -244,8 +247,8 @@ TEST_CASE("members of an .npz that share their bytes are refused", "[export]") {
 }
 
 TEST_CASE("arrays of a .vtp that share their bytes are refused", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.vtp";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.vtp");
     constexpr std::size_t kPoints = 100, kArrays = 50;
     const auto file = [](std::size_t arrays) {
         std::string text =
@@ -281,8 +284,8 @@ TEST_CASE("arrays of a .vtp that share their bytes are refused", "[export]") {
 }
 
 TEST_CASE("an .xyz that announces more columns than follow is refused", "[export]") {
-    const Scratch scratch;
-    const std::string path = scratch / "p.xyz";
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.xyz");
     std::string content = "1\nProperties=pos:R:3:radius:R:1";
     for (int i = 0; i < 2000; ++i) content += ":c" + std::to_string(i) + ":R:1000";
     putContent(path, content + "\n0 0 0 1\n");

@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 
+#include <catch2/catch.hpp>
 #include <zlib.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -255,7 +257,7 @@ TEST_CASE("a CSV column may have no name, as the index that pandas writes", "[ex
     const auto read = [&separator](std::string content) {
         for (std::size_t at = 0; (at = content.find('|', at)) != std::string::npos;)
             content.replace(at, 1, separator);
-        return errorOf("p.csv", content) == "no error" ? readText("p.csv", content) : Pack<3>{};
+        return errorOf("p.csv", content).empty() ? readText("p.csv", content) : Pack<3>{};
     };
     const auto first = read("|x|y|z|radius\n5|1|2|3|4\n");
     const auto last = read("x|y|z|radius|\n1|2|3|4|5\n");

@@ -1,7 +1,12 @@
 // Data files and dumps of LAMMPS and LIGGGHTS.
 #include "formats/foreign.h"
+#include "formats/lattice_pack.h"
 
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/io/numbers.h"
+
+#include <catch2/catch.hpp>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +15,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -41,7 +47,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
 
 /// Whether the file could be read; any error but ours escapes.
 bool reads(const std::string& name, const std::string& content) {
-    return errorOf(name, content) == "no error";
+    return errorOf(name, content).empty();
 }
 
 }  // namespace
@@ -111,9 +117,9 @@ TEST_CASE("data files may order and comment their lines as LAMMPS allows", "[exp
                                    "",
                                    "1 1 7 4"})
         content += (line == "@" ? atoms : line) + end;
-    const Scratch scratch;
-    putContent(scratch / "f.txt", content);
-    const auto pack = readPack(prefix + (scratch / "f.txt"));
+    const TemporaryFolder scratch;
+    putContent(scratch.file("f.txt"), content);
+    const auto pack = readPack(prefix + (scratch.file("f.txt")));
     REQUIRE(pack.spheres == kTwo);
     REQUIRE(pack.columns.size() == 2);
 }
@@ -204,11 +210,11 @@ TEST_CASE("a dump is read with its columns in any order", "[export]") {
         readText("p.dump", frame("id xu yu zu radius", {"0 1 2 3 0.5", "1 4 5 -6 1"})).spheres ==
         kTwo);
     // LIGGGHTS names its dumps so; the prefix says what they are.
-    const Scratch scratch;
-    putContent(scratch / "dump100.liggghts",
+    const TemporaryFolder scratch;
+    putContent(scratch.file("dump100.liggghts"),
                replaced(kDump, "ITEM: NUMBER", "ITEM: LABEL\nx\nITEM: NUMBER"));
-    REQUIRE(readPack("dump:" + (scratch / "dump100.liggghts")).spheres == kTwo);
-    REQUIRE_THROWS_AS(readPack(scratch / "dump100.liggghts"), ParameterError);
+    REQUIRE(readPack("dump:" + (scratch.file("dump100.liggghts"))).spheres == kTwo);
+    REQUIRE_THROWS_AS(readPack(scratch.file("dump100.liggghts")), ParameterError);
 }
 
 TEST_CASE("of several frames the last one is read", "[export]") {
@@ -384,9 +390,9 @@ Pack<3> touchingRow() {
 
 std::string written(const Pack<3>& pack, const PackWriteOptions& options = {},
                     const std::string& prefix = "lammps:") {
-    const Scratch scratch;
-    writePack(pack, prefix + (scratch / "p.txt"), options);
-    return contentOf(scratch / "p.txt");
+    const TemporaryFolder scratch;
+    writePack(pack, prefix + (scratch.file("p.txt")), options);
+    return contentOf(scratch.file("p.txt"));
 }
 
 }  // namespace
@@ -426,15 +432,15 @@ TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or w
     const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
     const bool named = GENERATE(false, true);
     CAPTURE(prefix, unitName(unit), named);
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     auto pack = latticePack<3>(200, {{30, -20, 500}}, 40, 3);
     if (named)
         for (std::size_t i = 0; i < pack.spheres.size(); ++i)
             pack.id.push_back(static_cast<std::int64_t>(7 + 3 * i));
     PackWriteOptions options;
     options.unit = unit;
-    writePack(pack, prefix + (scratch / "p.txt"), options);
-    const auto read = readPack(prefix + (scratch / "p.txt"));
+    writePack(pack, prefix + (scratch.file("p.txt")), options);
+    const auto read = readPack(prefix + (scratch.file("p.txt")));
     REQUIRE(read.id == pack.id);
     REQUIRE(read.region == pack.region);
     REQUIRE(read.spheres.size() == pack.spheres.size());

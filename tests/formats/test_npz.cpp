@@ -1,11 +1,15 @@
 // numpy's .npz: what we write, what numpy writes, and what is broken.
 #include "formats/foreign.h"
+#include "formats/lattice_pack.h"
+
+#include <catch2/catch.hpp>
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -25,9 +29,9 @@ Pack<3> packOfAll(std::size_t count) {
 }
 
 std::string written(const Pack<3>& pack, const PackWriteOptions& options = {}) {
-    const Scratch scratch;
-    writePack(pack, scratch / "p.npz", options);
-    return contentOf(scratch / "p.npz");
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.npz"), options);
+    return contentOf(scratch.file("p.npz"));
 }
 
 }  // namespace
@@ -61,7 +65,7 @@ TEST_CASE("an .npz file that is cut short or damaged is an error or the same pac
     const auto whole = readText("p.npz", bytes).spheres;
     for (std::size_t size = 0; size < bytes.size(); ++size) {
         CAPTURE(size);
-        REQUIRE(errorOf("p.npz", bytes.substr(0, size)) != "no error");
+        REQUIRE_FALSE(errorOf("p.npz", bytes.substr(0, size)).empty());
     }
     RandomStream random(3, 1);
     for (int trial = 0; trial < 2000; ++trial) {

@@ -1,4 +1,6 @@
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
@@ -11,6 +13,7 @@
 #include <sstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -50,11 +53,11 @@ private:
 
 const char* const kFiles[] = {"p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt"};
 
-std::string inFolder(const Scratch& scratch, const std::string& file) {
+std::string inFolder(const TemporaryFolder& scratch, const std::string& file) {
     const auto colon = file.find(':');
     return colon == std::string::npos
-               ? scratch / file
-               : file.substr(0, colon + 1) + (scratch / file.substr(colon + 1));
+               ? scratch.file(file)
+               : file.substr(0, colon + 1) + (scratch.file(file.substr)(colon + 1));
 }
 
 }  // namespace
@@ -78,12 +81,12 @@ TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[export]
         pack.columns[2].numbers.push_back(0.1 * static_cast<double>(i));
     }
 
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.generator = "a <test> & \"more\"";
-    writePack(pack, scratch / file, options);
+    writePack(pack, scratch.file(file), options);
     REQUIRE(scratch.files() == 1);
-    const auto read = readPack(scratch / file);
+    const auto read = readPack(scratch.file(file));
     const auto written = asSpheres(pack);
     REQUIRE(read.spheres == written.spheres);
     requireSameAttributes(read, written);
@@ -103,17 +106,17 @@ TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[export]
 TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "[export]",
                        ((int Dim), Dim), 2, 3) {
     auto pack = latticePack<Dim>(2000, Vec<Dim>{}, 900, 3);
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     SECTION("with regions") {}
     SECTION("without regions") {
         pack.region.clear();
     }
-    writePack(pack, "yade:" + (scratch / "p.txt"), {});
-    const auto text = contentOf(scratch / "p.txt");
+    writePack(pack, "yade:" + (scratch.file("p.txt")), {});
+    const auto text = contentOf(scratch.file("p.txt"));
     REQUIRE(text.substr(0, text.find('\n')) ==
             (pack.region.empty() ? "#format x_y_z_r" : "#format x_y_z_r_matId"));
     REQUIRE(text.find("\n\n") == std::string::npos);
-    const auto read = readPack("yade:" + (scratch / "p.txt"));
+    const auto read = readPack("yade:" + (scratch.file("p.txt")));
     REQUIRE(read.spheres == asSpheres(pack).spheres);
     REQUIRE(read.region == pack.region);
 }
@@ -124,9 +127,9 @@ TEST_CASE("PLY keeps every digit, far from the origin too", "[export]") {
     pack.id.resize(pack.spheres.size());
     for (std::size_t i = 0; i < pack.id.size(); ++i)
         pack.id[i] = static_cast<std::int64_t>(3 * i + 1);
-    const Scratch scratch;
-    writePack(pack, scratch / "p.ply", {});
-    const auto read = readPack(scratch / "p.ply");
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.ply"), {});
+    const auto read = readPack(scratch.file("p.ply"));
     REQUIRE(read.id == pack.id);
     REQUIRE(read.spheres.size() == pack.spheres.size());
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
@@ -140,7 +143,7 @@ TEST_CASE("the unit that was written is the unit that is read", "[export]") {
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(file, unitName(unit));
     const auto pack = latticePack<3>(500, {{-120, 30, 1000}}, 40, 5);
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.unit = unit;
     writePack(pack, inFolder(scratch, file), options);
@@ -164,7 +167,7 @@ TEST_CASE("a pack without attributes or without spheres survives every format", 
     CAPTURE(file, count);
     Pack<3> pack;
     pack.spheres = latticePack<3>(count, {}, 4, 6).spheres;
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     writePack(pack, inFolder(scratch, file), {});
     const auto read = readPack(inFolder(scratch, file));
     REQUIRE(read.spheres.size() == count);
@@ -178,9 +181,9 @@ TEST_CASE("ids that are not indices come back with their spheres", "[export]") {
     const std::int64_t step = GENERATE(2, 5'000'000'000);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
         pack.id.push_back(static_cast<std::int64_t>(i) * step + 11);
-    const Scratch scratch;
-    writePack(pack, scratch / file, {});
-    const auto read = readPack(scratch / file);
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file(file), {});
+    const auto read = readPack(scratch.file(file));
     REQUIRE(read.id == pack.id);
     REQUIRE(read.spheres == pack.spheres);
     REQUIRE(read.order == pack.order);
@@ -199,9 +202,9 @@ TEST_CASE("names and texts of columns come back whatever they hold", "[export]")
         pack.columns.push_back({name, {}, odd});
         pack.columns.push_back({"number " + name, {1, 2, 3, 4, 5}, {}});
     }
-    const Scratch scratch;
-    writePack(pack, scratch / file, PackWriteOptions{});
-    const auto read = readPack(scratch / file);
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file(file), PackWriteOptions{});
+    const auto read = readPack(scratch.file(file));
     REQUIRE(read.columns.size() == pack.columns.size());
     for (std::size_t c = 0; c < pack.columns.size(); ++c) {
         // OpenVDB allows letters, digits and _ in names.
@@ -216,18 +219,18 @@ TEST_CASE("names in XML are UTF-8, and references in them are read", "[export]")
     pack.spheres.push_back({{{0, 0, 0}}, 1.0});
     pack.columns.push_back({"h\xf6he", {1}, {}});  // Latin-1
     pack.columns.push_back({"line\nbreak", {2}, {}});
-    const Scratch scratch;
-    writePack(pack, scratch / "p.vtp", PackWriteOptions{});
-    auto read = readPack(scratch / "p.vtp");
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.vtp"), PackWriteOptions{});
+    auto read = readPack(scratch.file("p.vtp"));
     REQUIRE(read.columns.size() == 2);
     CHECK(read.columns[0].name == "h\xef\xbf\xbdhe");  // U+FFFD
     CHECK(read.columns[1].name == "line break");
-    std::string text = contentOf(scratch / "p.vtp");
+    std::string text = contentOf(scratch.file("p.vtp"));
     const std::string name = "line break";
     text.replace(text.find(name), name.size(),
                  "h&#246;he &#x9aa8;&#x1F9B4; &#xd800; &#1; &#9 &#; &#x");
-    putContent(scratch / "p.vtp", text);
-    read = readPack(scratch / "p.vtp");
+    putContent(scratch.file("p.vtp"), text);
+    read = readPack(scratch.file("p.vtp"));
     REQUIRE(read.columns.size() == 2);
     CHECK(read.columns[1].name ==
           "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#xd800; &#1; &#9 &#; &#x");
@@ -237,23 +240,23 @@ TEST_CASE("CSV numbers keep their decimal point", "[export]") {
     Pack<3> pack;
     pack.spheres = {{{{1e-5, -3, 0.1}}, 2}, {{{1e22, 1.5e-300, -0.0}}, 1e-7}};
     pack.region = {1, 0};
-    const Scratch scratch;
-    writePack(pack, scratch / "p.csv", {});
-    REQUIRE(contentOf(scratch / "p.csv") ==
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.csv"), {});
+    REQUIRE(contentOf(scratch.file("p.csv")) ==
             "id,x,y,z,radius,region\n"
             "0,1.0000000000000001e-05,-3.0,0.10000000000000001,2.0,1\n"
             "1,1.0e+22,1.5000000000000001e-300,-0.0,9.9999999999999995e-08,0\n");
 }
 
 TEST_CASE("CSV with every attribute has the header that scripts expect", "[export]") {
-    const Scratch scratch;
-    writePack(latticePack<3>(3, {}, 4, 8), scratch / "p.csv", {});
-    const auto text = contentOf(scratch / "p.csv");
+    const TemporaryFolder scratch;
+    writePack(latticePack<3>(3, {}, 4, 8), scratch.file("p.csv"), {});
+    const auto text = contentOf(scratch.file("p.csv"));
     REQUIRE(text.substr(0, text.find('\n')) == "id,x,y,z,radius,region,order,depth,contacts");
 }
 
 TEST_CASE("an unknown format is refused before anything is written", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     for (const char* file : {"pack.odt", "pack", "dump:p.data", "p.yade", "dir.csv/pack", "csv:"}) {
         CAPTURE(file);
         REQUIRE_THROWS_AS(checkPackFormat(file), ParameterError);
@@ -266,7 +269,7 @@ TEST_CASE("an unknown format is refused before anything is written", "[export]")
 }
 
 TEST_CASE("spheres that no file can hold are the caller's mistake", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     Pack<3> pack = latticePack<3>(5, {}, 4, 9);
     SECTION("radius") {
         pack.spheres[3].radius = 0;
@@ -283,7 +286,7 @@ TEST_CASE("spheres that no file can hold are the caller's mistake", "[export]") 
     SECTION("column") {
         pack.columns.push_back({"c", {1, 2}, {}});
     }
-    REQUIRE_THROWS_AS(writePack(pack, scratch / "p.csv", {}), ParameterError);
+    REQUIRE_THROWS_AS(writePack(pack, scratch.file("p.csv"), {}), ParameterError);
     REQUIRE(scratch.files() == 0);
 }
 
@@ -292,7 +295,7 @@ TEST_CASE("a failed write leaves the former file and no other", "[export]") {
         GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
     const std::size_t limit = GENERATE(0u, 100u, 20'000u);
     CAPTURE(name, limit);
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const std::string file = inFolder(scratch, name);
     const auto before = latticePack<3>(10, {}, 4, 10);
     writePack(before, file, {});
@@ -306,7 +309,7 @@ TEST_CASE("a failed write leaves the former file and no other", "[export]") {
 }
 
 TEST_CASE("a folder that does not exist is an IoError", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     for (const char* name : kFiles) {
         CAPTURE(name);
         const std::string file = inFolder(scratch, "none/" + std::string("p.csv"));

@@ -1,4 +1,6 @@
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
@@ -11,6 +13,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -125,11 +128,11 @@ TEST_CASE("a picture holds every circle where it is, y up, colored by region", "
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(away, unitName(unit));
     const auto pack = circles({{away, -0.7 * away}});
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.unit = unit;
-    writePack(pack, scratch / "p.svg", options);
-    const auto elements = elementsOf(contentOf(scratch / "p.svg"));
+    writePack(pack, scratch.file("p.svg"), options);
+    const auto elements = elementsOf(contentOf(scratch.file("p.svg")));
     const View view(elements.front());
     auto drawn = named(elements, "circle");
     REQUIRE(drawn.size() == pack.spheres.size());
@@ -166,9 +169,9 @@ TEST_CASE("the frame of a picture is drawn and lies inside it", "[export]") {
     options.unit = Unit::centimeter;
     options.frame = Box<2>{{{-100, -40}}, {{200, 20}}};
     const std::size_t count = GENERATE(0u, 30u);
-    const Scratch scratch;
-    writePack(latticePack<2>(count, {{50, -10}}, 40, 1), scratch / "p.svg", options);
-    const auto elements = elementsOf(contentOf(scratch / "p.svg"));
+    const TemporaryFolder scratch;
+    writePack(latticePack<2>(count, {{50, -10}}, 40, 1), scratch.file("p.svg"), options);
+    const auto elements = elementsOf(contentOf(scratch.file("p.svg")));
     REQUIRE(named(elements, "circle").size() == count);
     const auto frame = named(elements, "rect").at(0);
     REQUIRE(frame.number("x") == -10);
@@ -186,23 +189,23 @@ TEST_CASE("the frame of a picture is drawn and lies inside it", "[export]") {
         options.frame->hi[1] = GENERATE(-40.0, -50.0, std::numeric_limits<double>::quiet_NaN(),
                                         std::numeric_limits<double>::infinity());
         const auto pack = circles({});
-        REQUIRE_THROWS_AS(writePack(pack, scratch / "q.svg", options), ParameterError);
+        REQUIRE_THROWS_AS(writePack(pack, scratch.file("q.svg"), options), ParameterError);
         REQUIRE(scratch.files() == 1);
     }
 }
 
 TEST_CASE("a picture stays well-formed whatever the generator is called", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.generator = "a <test> & \"more\" ]]> --\n\t'x'";
-    writePack(circles({}, 3), scratch / "p.svg", options);
-    const auto desc = named(elementsOf(contentOf(scratch / "p.svg")), "desc").at(0);
+    writePack(circles({}, 3), scratch.file("p.svg"), options);
+    const auto desc = named(elementsOf(contentOf(scratch.file("p.svg"))), "desc").at(0);
     REQUIRE_THAT(desc.text, Contains("generator: a <test> & \"more\" ]]> --  'x'"));
 }
 
 TEST_CASE("a picture of nothing, of one circle and without regions opens", "[export]") {
     Pack<2> pack;
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     SECTION("nothing") {}
     SECTION("one circle") {
         pack.spheres = {{{{3, 4}}, 2}};
@@ -213,8 +216,8 @@ TEST_CASE("a picture of nothing, of one circle and without regions opens", "[exp
     SECTION("far out") {
         pack.spheres = {{{{-1e29, 1e20}}, 1e-29}};
     }
-    writePack(pack, scratch / "p.svg", {});
-    const auto elements = elementsOf(contentOf(scratch / "p.svg"));
+    writePack(pack, scratch.file("p.svg"), {});
+    const auto elements = elementsOf(contentOf(scratch.file("p.svg")));
     const auto drawn = named(elements, "circle");
     REQUIRE(drawn.size() == pack.spheres.size());
     const View view(elements.front());
@@ -224,21 +227,21 @@ TEST_CASE("a picture of nothing, of one circle and without regions opens", "[exp
 }
 
 TEST_CASE("a picture of 40,000 circles takes about 2 MB", "[export]") {
-    const Scratch scratch;
-    writePack(latticePack<2>(40'000, {{300, 300}}, 600, 2), scratch / "p.svg", {});
-    REQUIRE(contentOf(scratch / "p.svg").size() < 2'200'000);
+    const TemporaryFolder scratch;
+    writePack(latticePack<2>(40'000, {{300, 300}}, 600, 2), scratch.file("p.svg"), {});
+    REQUIRE(contentOf(scratch.file("p.svg")).size() < 2'200'000);
 }
 
 TEST_CASE("a picture is of circles, and is not read", "[export]") {
-    const Scratch scratch;
-    REQUIRE_THROWS_AS(writePack(Pack<3>{}, scratch / "p.svg", {}), ParameterError);
-    REQUIRE_THROWS_WITH(writePack(Pack<3>{}, scratch / "p.svg", {}),
+    const TemporaryFolder scratch;
+    REQUIRE_THROWS_AS(writePack(Pack<3>{}, scratch.file("p.svg"), {}), ParameterError);
+    REQUIRE_THROWS_WITH(writePack(Pack<3>{}, scratch.file("p.svg"), {}),
                         Contains("picture of circles") && Contains("--slice z=V"));
     REQUIRE(scratch.files() == 0);
     REQUIRE_NOTHROW(checkPackFormat("p.SVG"));
     REQUIRE_NOTHROW(checkPackFormat("p.svg", 2));
     REQUIRE_THROWS_AS(checkPackFormat("svg:p.txt", 3), ParameterError);
-    writePack(circles({}), scratch / "p.svg", {});
-    REQUIRE_THROWS_AS(readPack(scratch / "p.svg"), ParameterError);
-    REQUIRE_THROWS_WITH(readPack(scratch / "p.svg"), Contains("use .vdb"));
+    writePack(circles({}), scratch.file("p.svg"), {});
+    REQUIRE_THROWS_AS(readPack(scratch.file("p.svg")), ParameterError);
+    REQUIRE_THROWS_WITH(readPack(scratch.file("p.svg")), Contains("use .vdb"));
 }

@@ -1,5 +1,7 @@
 // What stands in a .vdb file, seen through OpenVDB itself.
-#include "formats/scratch.h"
+#include "formats/lattice_pack.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/vdb_grid.h"
@@ -17,6 +19,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 namespace points = openvdb::points;
 
@@ -47,12 +50,12 @@ std::shared_ptr<const VdbGrid> ballGrid() {
 }  // namespace
 
 TEST_CASE("the point grid is what viewers expect", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(5000, {{200, 0, -50}}, 40, 31);
     PackWriteOptions options;
     options.generator = "vdb_pack test";
-    writePack(pack, scratch / "p.vdb", options);
-    const Opened opened(scratch / "p.vdb");
+    writePack(pack, scratch.file("p.vdb"), options);
+    const Opened opened(scratch.file("p.vdb"));
     REQUIRE(opened.grids->size() == 1);
     const auto grid = openvdb::gridPtrCast<points::PointDataGrid>(opened.grid("points"));
     REQUIRE(grid);
@@ -91,10 +94,10 @@ TEST_CASE("the point grid is what viewers expect", "[export]") {
 }
 
 TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(2000, {{-730, 10, 4}}, 30, 32);
-    writePack(pack, scratch / "p.vdb", {});
-    const Opened opened(scratch / "p.vdb");
+    writePack(pack, scratch.file("p.vdb"), {});
+    const Opened opened(scratch.file("p.vdb"));
     const auto grid = openvdb::gridPtrCast<points::PointDataGrid>(opened.grid("points"));
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const auto& c = pack.spheres[i].center;
@@ -122,10 +125,10 @@ TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[ex
                     {{{away + x, std::nearbyint(y * 0x1p23) * 0x1p-23 - away, z}}, 1.0});
     PackWriteOptions options;
     options.pointVoxel = 4;
-    const Scratch scratch;
-    writePack(pack, scratch / "p.vdb", options);
-    REQUIRE(Opened(scratch / "p.vdb").grid("points")->voxelSize()[0] == 4);
-    REQUIRE(readPack(scratch / "p.vdb").spheres == pack.spheres);
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.vdb"), options);
+    REQUIRE(Opened(scratch.file("p.vdb")).grid("points")->voxelSize()[0] == 4);
+    REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
 }
 
 TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[export]") {
@@ -135,10 +138,10 @@ TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[export]")
         pack.spheres.push_back(
             {{{730 + 50 * random.uniform(), 50 * random.uniform(), -1e4 + 50 * random.uniform()}},
              1 + random.uniform()});
-    const Scratch scratch;
-    writePack(pack, scratch / "p.vdb", {});
-    const double voxel = Opened(scratch / "p.vdb").grid("points")->voxelSize()[0];
-    const auto read = readPack(scratch / "p.vdb");
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.vdb"), {});
+    const double voxel = Opened(scratch.file("p.vdb")).grid("points")->voxelSize()[0];
+    const auto read = readPack(scratch.file("p.vdb"));
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
         for (int d = 0; d < 3; ++d)
             REQUIRE(std::abs(read.spheres[i].center[d] - pack.spheres[i].center[d]) <=
@@ -147,25 +150,25 @@ TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[export]")
 
 TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[export]") {
     // As after culling: few of the spheres are left, on the lattice of the full pack.
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(300, {{500, 500, 500}}, 300, 34);
-    writePack(pack, scratch / "p.vdb", {});
-    REQUIRE(readPack(scratch / "p.vdb").spheres == pack.spheres);
+    writePack(pack, scratch.file("p.vdb"), {});
+    REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
 }
 
 TEST_CASE("the surface is written as a level set beside the points", "[export]") {
     const auto unit = GENERATE(Unit::millimeter, Unit::meter);
     const double scale = unit == Unit::meter ? 1e-3 : 1;
     CAPTURE(unitName(unit));
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto surface = ballGrid();
     PackWriteOptions options;
     options.unit = unit;
     surface->grid->setName("surface");
     options.levelSets = {surface};
     const auto pack = latticePack<3>(100, {{3, 4, 5}}, 10, 35);
-    writePack(pack, scratch / "p.vdb", options);
-    const Opened opened(scratch / "p.vdb");
+    writePack(pack, scratch.file("p.vdb"), options);
+    const Opened opened(scratch.file("p.vdb"));
     REQUIRE(opened.grids->size() == 2);
     const auto grid = openvdb::gridPtrCast<openvdb::FloatGrid>(opened.grid("surface"));
     REQUIRE(grid);
@@ -185,12 +188,12 @@ TEST_CASE("the surface is written as a level set beside the points", "[export]")
     REQUIRE(value(40) == Approx(1.5 * scale));
     // The caller's grid is as it was.
     REQUIRE(surface->grid->background() == 1.5f);
-    REQUIRE(readPack(scratch / "p.vdb").spheres.size() == 100);
+    REQUIRE(readPack(scratch.file("p.vdb")).spheres.size() == 100);
 }
 
 TEST_CASE("point grids of other programs are read", "[export]") {
     openvdb::initialize();
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const std::vector<openvdb::Vec3d> positions = {{1, 2, 3}, {-40, 5.5, 6}, {7, -8, 90}};
     const auto transform = openvdb::math::Transform::createLinearTransform(0.3);
     transform->postTranslate(openvdb::Vec3d(0.1, 0.2, 0.3));
@@ -201,7 +204,7 @@ TEST_CASE("point grids of other programs are read", "[export]") {
         points::createPointDataGrid<points::FixedPointCodec<false>, points::PointDataGrid>(
             *index, wrapper, *transform);
     grid->setName("grains");
-    const std::string path = scratch / "p.vdb";
+    const std::string path = scratch.file("p.vdb");
     const auto save = [&] { openvdb::io::File(path).write({grid}); };
 
     SECTION("without a radius they are refused") {
@@ -239,9 +242,9 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[export]") {
     pack.columns.push_back({"Young's modulus", std::vector<double>(20, 1.5), {}});
     pack.columns.push_back({"Young_s modulus", std::vector<double>(20, 2.5), {}});
     pack.columns.push_back({"P", std::vector<double>(20, 0.1), {}});
-    const Scratch scratch;
-    writePack(pack, scratch / "p.vdb", {});
-    const auto read = readPack(scratch / "p.vdb");
+    const TemporaryFolder scratch;
+    writePack(pack, scratch.file("p.vdb"), {});
+    const auto read = readPack(scratch.file("p.vdb"));
     REQUIRE(read.columns.size() == 3);
     REQUIRE(read.columns[0].name == "Young_s_modulus");
     REQUIRE(read.columns[1].numbers[0] == 2.5);
@@ -249,11 +252,11 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[export]") {
 }
 
 TEST_CASE("a million spheres are written and read in seconds", "[export][.slow]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(1'000'000, {{100, 200, 300}}, 300, 37);
     for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply"}) {
         CAPTURE(name);
-        writePack(pack, scratch / name, {});
-        REQUIRE(readPack(scratch / name).spheres.size() == pack.spheres.size());
+        writePack(pack, scratch.file(name), {});
+        REQUIRE(readPack(scratch.file(name)).spheres.size() == pack.spheres.size());
     }
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -16,19 +17,19 @@ const char* const kTwo =
 }  // namespace
 
 TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2, 0, 0}}, 1}};
     pack.region = {0, 1};
-    writePack(pack, scratch / "p.xyz", {});
-    REQUIRE(contentOf(scratch / "p.xyz") ==
+    writePack(pack, scratch.file("p.xyz"), {});
+    REQUIRE(contentOf(scratch.file("p.xyz")) ==
             "2\nLattice=\"4.0 0.0 0.0 0.0 2.0 0.0 0.0 0.0 2.0\" Origin=\"-1.0 -1.0 -1.0\" "
             "Properties=species:S:1:pos:R:3:radius:R:1:id:I:1:region:I:1 pbc=\"F F F\" "
             "unit_of_length=mm\nX 0.0 0.0 0.0 1.0 0 0\nX 2.0 0.0 0.0 1.0 1 1\n");
 }
 
 TEST_CASE("an .xyz file gives back the same pack", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     auto pack = latticePack<3>(500, {{60, -700, 3}}, 40, 5);
     Column numbers, texts, odd;
     numbers.name = "Young's modulus";
@@ -41,8 +42,8 @@ TEST_CASE("an .xyz file gives back the same pack", "[export]") {
         odd.texts.push_back(i % 2 ? "one two" : "");
     }
     pack.columns = {numbers, texts, odd};
-    writePack(pack, scratch / "p.xyz", {});
-    const auto read = readPack(scratch / "p.xyz");
+    writePack(pack, scratch.file("p.xyz"), {});
+    const auto read = readPack(scratch.file("p.xyz"));
     REQUIRE(read.spheres == pack.spheres);
     requireSameAttributes(read, pack);
     REQUIRE(read.columns.size() == 3);
@@ -56,14 +57,14 @@ TEST_CASE("an .xyz file gives back the same pack", "[export]") {
 }
 
 TEST_CASE("the unit of an .xyz file is recorded and counts", "[export]") {
-    const Scratch scratch;
+    const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     PackWriteOptions options;
     options.unit = Unit::meter;
-    writePack(pack, scratch / "p.xyz", options);
-    REQUIRE_THAT(contentOf(scratch / "p.xyz"), Contains("\nX 0.001") && Contains("=m\n"));
-    REQUIRE(readPack(scratch / "p.xyz").spheres == pack.spheres);
+    writePack(pack, scratch.file("p.xyz"), options);
+    REQUIRE_THAT(contentOf(scratch.file("p.xyz")), Contains("\nX 0.001") && Contains("=m\n"));
+    REQUIRE(readPack(scratch.file("p.xyz")).spheres == pack.spheres);
     REQUIRE_THAT(
         errorOf("p.xyz", "1\nProperties=pos:R:3:radius:R:1 unit_of_length=inch\n1 2 3 4\n"),
         Contains("inch") && Contains("line 2"));

@@ -1,5 +1,6 @@
 // Files that are whole or absent, whatever name they are written under.
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
@@ -16,19 +17,11 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 namespace fs = std::filesystem;
 
 namespace {
-
-std::string contentOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-void put(const std::string& path, const std::string& content) {
-    std::ofstream(path, std::ios::binary) << content;
-}
 
 void writeWhole(const std::string& path, const std::string& content) {
     OutputFile out(path);
@@ -45,7 +38,7 @@ std::ptrdiff_t filesIn(const std::string& folder) {
 TEST_CASE("a file has its new content once it is committed, and nothing else is left", "[output]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.csv");
-    put(file, "former");
+    putContent(file, "former");
     {
         OutputFile out(file);
         out.write(std::string(3000000, 'x'));
@@ -61,7 +54,7 @@ TEST_CASE("a file has its new content once it is committed, and nothing else is 
 TEST_CASE("a library writes the file by its temporary name", "[output]") {
     const TemporaryFolder folder;
     OutputFile out(folder.file("a.vdb"));
-    put(out.temporaryPath(), "grids");
+    putContent(out.temporaryPath(), "grids");
     out.commit();
     CHECK(contentOf(folder.file("a.vdb")) == "grids");
     CHECK(filesIn(folder.path()) == 1);
@@ -69,7 +62,7 @@ TEST_CASE("a library writes the file by its temporary name", "[output]") {
 
 TEST_CASE("symbolic links are written through to what they point to", "[output]") {
     const TemporaryFolder folder, other;
-    put(other.file("real.csv"), "former");
+    putContent(other.file("real.csv"), "former");
     fs::create_symlink(other.file("real.csv"), folder.file("link.csv"));
     fs::create_symlink("link.csv", folder.file("again.csv"));
     fs::create_symlink(other.file("new.csv"), folder.file("dangling.csv"));
@@ -88,7 +81,7 @@ TEST_CASE("symbolic links are written through to what they point to", "[output]"
 TEST_CASE("the permissions of a former file stay", "[output]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("a.csv");
-    put(file, "former");
+    putContent(file, "former");
     ::chmod(file.c_str(), 0640);
     writeWhole(file, "new");
     struct stat info {};
@@ -104,7 +97,7 @@ TEST_CASE("what cannot be replaced by a file is refused", "[output]") {
     CHECK_THROWS_WITH(OutputFile(folder.file("pipe")), Contains("pipe"));
     CHECK_THROWS_WITH(OutputFile("/dev/null"), Contains("device"));
     if (::geteuid() != 0) {  // who may write everywhere
-        put(folder.file("a.csv"), "former");
+        putContent(folder.file("a.csv"), "former");
         ::chmod(folder.file("a.csv").c_str(), 0400);
         CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("write-protected"));
     }

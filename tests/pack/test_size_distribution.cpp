@@ -10,6 +10,7 @@
 #include <fstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 TEST_CASE("quantile and cdf of a continuous distribution are inverse", "[pack][sizes]") {
     const auto spec = GENERATE(as<std::string>{}, "uniform:1,2", "normal:1.5,0.3,1,2",

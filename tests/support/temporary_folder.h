@@ -1,10 +1,14 @@
 // A folder of its own for a test that writes files.
 #pragma once
 
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <string>
+
+namespace vdbpack::test {
 
 /// An empty folder that is removed with everything in it at the end of the test.
 class TemporaryFolder {
@@ -23,7 +27,14 @@ public:
 
     const std::string& path() const { return path_; }
     std::string file(const std::string& name) const { return path_ + "/" + name; }
+    /// The number of its files and folders.
+    std::size_t files() const {
+        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_),
+                                                      std::filesystem::directory_iterator()));
+    }
 
 private:
     std::string path_;
 };
+
+}  // namespace vdbpack::test

@@ -1,7 +1,8 @@
 #include "support/generators.h"
+#include "support/text_file.h"
 #include "voids/stamping.h"
-#include "voids/text_file.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"

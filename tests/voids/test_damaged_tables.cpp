@@ -1,6 +1,8 @@
 // Tables of voids and directions that are cut short, damaged or of absurd numbers.
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/void_list.h"
@@ -14,6 +16,7 @@
 #include <string>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

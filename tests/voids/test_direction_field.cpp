@@ -1,6 +1,8 @@
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 #include "voids/turning.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/voids/direction_field.h"
 #include "vdbpack/voids/tensor_field.h"
@@ -13,6 +15,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -1,7 +1,9 @@
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 #include "voids/turning.h"
 
 #include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/symmetric.h"
 #include "vdbpack/voids/angle_distribution.h"
 #include "vdbpack/voids/orientation.h"
@@ -14,6 +16,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

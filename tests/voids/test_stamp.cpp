@@ -1,7 +1,9 @@
 #include "support/generators.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 #include "voids/stamping.h"
-#include "voids/text_file.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
@@ -15,6 +17,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

@@ -1,5 +1,7 @@
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -10,6 +12,7 @@
 #include <sstream>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 using Catch::Matchers::StartsWith;
 

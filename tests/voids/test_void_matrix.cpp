@@ -1,5 +1,7 @@
-#include "voids/text_file.h"
+#include "support/message_of.h"
+#include "support/text_file.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/voids/void_matrix.h"
 
@@ -8,6 +10,7 @@
 #include <cstddef>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {

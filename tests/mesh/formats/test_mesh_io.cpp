@@ -1,5 +1,7 @@
 #include "support/generators.h"
+#include "support/message_of.h"
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
@@ -24,10 +26,7 @@ using Catch::Matchers::Contains;
 class Folder : public TemporaryFolder {
 public:
     std::string write(const std::string& name, const std::string& content) const {
-        // File systems push a file that is truncated and written again to the disk at once: with
-        // thousands of variants that is most of the time.
-        std::filesystem::remove(file(name));
-        std::ofstream(file(name), std::ios::binary) << content;
+        putContent(file(name), content);
         return file(name);
     }
 };
@@ -159,15 +158,6 @@ std::vector<Vec<3>> corners(const TriangleMesh& mesh) {
     for (const auto& t : mesh.triangles)
         for (const auto v : t) all.push_back(mesh.vertices.at(v));
     return all;
-}
-
-std::string messageOf(const std::function<void()>& f) {
-    try {
-        f();
-    } catch (const Error& e) {
-        return e.what();
-    }
-    return "nothing thrown";
 }
 
 TEST_CASE("every format comes back with all its digits", "[mesh]") {
@@ -371,13 +361,14 @@ TEST_CASE("unusable files are refused with what and where", "[mesh]") {
     const auto refusal = [&](const std::string& name, const std::string& content) {
         const auto path = folder.write(name, content);
         CHECK_THROWS_AS(readMesh(path), InputError);
-        const auto message = messageOf([&] { readMesh(path); });
+        const auto message = messageOf<Error>([&] { readMesh(path); });
         CHECK_THAT(message, Contains(path));
         return message;
     };
     SECTION("missing, folder, unknown format, empty, no triangles") {
         CHECK_THROWS_AS(readMesh(folder.file("none.stl")), IoError);
-        CHECK_THAT(messageOf([&] { readMesh(folder.file("none.stl")); }), Contains("No such file"));
+        CHECK_THAT(messageOf<Error>([&] { readMesh(folder.file("none.stl")); }),
+                   Contains("No such file"));
         std::filesystem::create_directory(folder.file("f.stl"));
         CHECK_THROWS_AS(readMesh(folder.file("f.stl")), IoError);
         CHECK_THAT(refusal("skull.vtp", "<VTKFile/>"),

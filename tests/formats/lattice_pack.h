@@ -1,52 +1,15 @@
-// A folder for the files of one test, removed with all that it holds.
+// Packs with every attribute filled, as files must give them back.
 #pragma once
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/rng.h"
 
 #include <catch2/catch.hpp>
-#include <stdlib.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
-#include <string>
+#include <cstdint>
 
-namespace vdbpack {
-
-class Scratch {
-public:
-    Scratch() {
-        std::string name = (std::filesystem::temp_directory_path() / "vdbpack.XXXXXX").string();
-        if (::mkdtemp(name.data()) == nullptr) FAIL("no folder for the files of the test");
-        folder_ = name;
-    }
-    ~Scratch() {
-        std::error_code ignored;
-        std::filesystem::remove_all(folder_, ignored);
-    }
-    Scratch(const Scratch&) = delete;
-    Scratch& operator=(const Scratch&) = delete;
-
-    std::string operator/(const std::string& name) const { return (folder_ / name).string(); }
-    std::size_t files() const {
-        return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_),
-                                                      std::filesystem::directory_iterator()));
-    }
-
-private:
-    std::filesystem::path folder_;
-};
-
-inline std::string contentOf(const std::string& path) {
-    std::ifstream in(path, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-}
-
-inline void putContent(const std::string& path, const std::string& content) {
-    std::ofstream(path, std::ios::binary) << content;
-}
+namespace vdbpack::test {
 
 /// Spheres on the lattice of a packer: whole multiples of 2^-22 mm about `center`, radii that are
 /// floats near 1, with every attribute filled.
@@ -79,4 +42,4 @@ inline void requireSameAttributes(const PackAttributes& read, const PackAttribut
     REQUIRE((read.contacts == written.contacts));
 }
 
-}  // namespace vdbpack
+}  // namespace vdbpack::test
