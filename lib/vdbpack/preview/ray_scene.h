@@ -1,0 +1,99 @@
+// Private to previews: spheres and triangles that rays meet, by Embree.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/preview/float3.h"
+#include "vdbpack/preview/preview.h"
+
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// Coordinates of the drawing: about the middle of the scene and scaled by its size, so that single
+/// precision suffices for a bone far from the origin.
+struct Local {
+    Vec<3> middle;
+    double scale = 1;
+
+    explicit Local(const Box<3>& bounds)
+        : middle(bounds.center()), scale(2 / std::max(length(bounds.size()), 1e-300)) {}
+    Float3 operator()(const Vec<3>& x) const { return single((x - middle) * scale); }
+    Vec<3> inMm(const Float3& x) const { return middle + Vec<3>{{x.x, x.y, x.z}} * (1 / scale); }
+};
+
+struct Hit {
+    float t = std::numeric_limits<float>::infinity();
+    unsigned primitive = RTC_INVALID_GEOMETRY_ID, geometry = RTC_INVALID_GEOMETRY_ID;
+    float u = 0, v = 0;
+    Float3 normal;
+    bool any() const { return geometry != RTC_INVALID_GEOMETRY_ID; }
+};
+
+class Device {
+public:
+    /// @throws ResourceError where Embree cannot start.
+    Device();
+    ~Device();
+    Device(const Device&) = delete;
+    Device& operator=(const Device&) = delete;
+    RTCDevice get() const { return device_; }
+    /// @throws ResourceError for any error of Embree since the last call.
+    void check() const;
+
+private:
+    RTCDevice device_;
+};
+
+/// Triangles with smooth normals.
+struct Surface {
+    std::vector<std::array<float, 3>> vertices;
+    std::vector<Float3> normals;  ///< one a vertex
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+
+    /// @param cut  triangles that it takes away are left out.
+    Surface(const TriangleMesh& mesh, const Local& local, const std::optional<PreviewCut>& cut);
+    Float3 at(std::uint32_t k) const { return {vertices[k][0], vertices[k][1], vertices[k][2]}; }
+
+    /// The normal at a hit; that of the facet at creases.
+    Float3 normalAt(const Hit& hit) const;
+};
+
+/// A scene of Embree. What is added to it must outlive it.
+class RayScene {
+public:
+    explicit RayScene(const Device& device);
+    ~RayScene();
+    RayScene(const RayScene&) = delete;
+    RayScene& operator=(const RayScene&) = delete;
+
+    /// @param spheres  center and radius.
+    void addSpheres(const std::vector<std::array<float, 4>>& spheres);
+    void addSurface(const Surface& surface);
+    /// @throws Interrupted as soon as `request` is made.
+    void commit(StopRequest& request);
+
+    /// The first hit between `near` and `far`.
+    Hit first(const Float3& from, const Float3& along, float near,
+              float far = std::numeric_limits<float>::infinity()) const;
+    /// Whether there is any hit nearer than `far`.
+    bool blocked(const Float3& from, const Float3& along, float far) const;
+
+    static constexpr unsigned kSpheres = 0, kSurface = 1;  ///< `Hit::geometry`
+
+private:
+    void attach(RTCGeometry g, unsigned id);
+
+    const Device& device_;
+    RTCScene scene_;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,283 @@
+#include "vdbpack/preview/space_tracer.h"
+
+#include "vdbpack/core/sphere.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+/// Light: a broad lamp from the upper left behind the camera, the sky, and a little from the
+/// camera itself.
+constexpr float kKey = 0.62f, kSky = 0.56f, kFill = 0.06f, kShine = 0.10f;
+/// Tangent of half the angle that the lamp fills: what makes shadows soft.
+constexpr float kLamp = 0.11f;
+/// Reach of ambient occlusion: in mean radii, and of the size of the scene.
+constexpr float kAmbientRadii = 7, kAmbientShare = 0.05f;
+/// Opacity of the wall seen head-on and edge-on; layers of it that are looked at.
+constexpr float kVeil = 0.07f, kEdge = 0.6f;
+constexpr int kLayers = 2;
+/// How much darker what lies under the wall is where the wall faces away from the lamp.
+constexpr float kForm = 0.25f;
+/// Light on the inner side of the wall of a bone that is cut open.
+constexpr float kInnerDark = 0.2f, kInnerLight = 0.2f;
+/// Half the width of the line in which a cut meets the wall, and the rim of cut faces, pixels.
+constexpr double kWallLine = 1.25, kRim = 0.9;
+/// Share of a disc's radius that its rim takes at the most.
+constexpr double kLargestRim = 0.14;
+constexpr float kRimShade = 0.5f;
+/// Where in its pixel a sample lies: a rotated grid, no two in a row or column.
+constexpr std::array<std::array<double, 2>, kSamples> kInPixel{
+    {{0.125, 0.625}, {0.375, 0.125}, {0.625, 0.875}, {0.875, 0.375}}};
+/// Neighboring pixels of a square of 4 x 4 take points of the sequence that differ much.
+constexpr std::array<std::uint32_t, 16> kSquare{0, 8,  2, 10, 12, 4, 14, 6,
+                                                3, 11, 1, 9,  15, 7, 13, 5};
+
+}  // namespace
+
+SpaceTracer::SpaceTracer(const SpacePreview& scene, const PreviewOptions& options,
+                         StopRequest& request)
+    : scene_(scene),
+      options_(options),
+      local_(checkScene(scene, options)),
+      camera_(previewCamera(scene, options)),
+      bodies_(device_),
+      walls_(device_),
+      ambient_(2 * kAmbientShare) {
+    eye_ = local_(camera_.position);
+    right_ = single(camera_.right);
+    up_ = single(camera_.up);
+    toward_ = single(camera_.toward);
+    lamp_ = normalized(right_ * -0.5f + up_ * 0.75f + toward_ * 0.75f);
+    basis(lamp_, lampS_, lampT_);
+    pixel_ = 2 * camera_.tanX / options.width;
+    if (scene.pack) {
+        addSpheres(*scene.pack);
+        bodies_.addSpheres(spheres_);
+    }
+    if (scene.solid) {
+        solid_ = std::make_unique<Surface>(*scene.solid, local_, options.cut);
+        bodies_.addSurface(*solid_);
+    }
+    if (scene.wall) {
+        wall_ = std::make_unique<Surface>(*scene.wall, local_, options.cut);
+        walls_.addSurface(*wall_);
+    }
+    bodies_.commit(request);
+    walls_.commit(request);
+    if (options.cut) {
+        cutNormal_ = {};
+        const auto side = static_cast<float>(-keptSide(*options.cut));
+        (options.cut->axis == 0   ? cutNormal_.x
+         : options.cut->axis == 1 ? cutNormal_.y
+                                  : cutNormal_.z) = side;
+        if (scene.pack) discs_.emplace(sectionOf(*scene.pack, *options.cut));
+        if (scene.wall)
+            lines_.emplace(
+                sectionOf(*scene.wall, *options.cut, kWallLine * pixel_ * camera_.target));
+    }
+}
+
+Float3 SpaceTracer::rayAt(double x, double y) const {
+    return normalized(
+        single(camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1)));
+}
+
+SpaceTracer::Start SpaceTracer::startOf(double x, double y) const {
+    Start start;
+    if (!options_.cut) return start;
+    const int axis = options_.cut->axis;
+    const Vec<3> along = vdbpack::normalized(
+        camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1));
+    const double speed = keptSide(*options_.cut) * along[axis];
+    const double depth = keptDepth(*options_.cut, camera_.position);
+    if (!(speed > 0)) {
+        start.sees = false;
+        return start;
+    }
+    const double t = -depth / speed;
+    start.at = camera_.position + along * t;
+    start.at[axis] = options_.cut->at;
+    start.t = static_cast<float>(t * local_.scale);
+    return start;
+}
+
+std::int32_t SpaceTracer::sphereAt(double x, double y) const {
+    const Start start = startOf(x, y);
+    if (!start.sees) return -1;
+    if (discs_) {
+        const auto found = discs_->at(CutAxes(options_.cut->axis).flat(start.at));
+        if (found.index >= 0) return found.index;
+    }
+    const Hit hit = bodies_.first(eye_, rayAt(x, y), start.t);
+    return hit.geometry == RayScene::kSpheres ? indexOf(hit.primitive) : -1;
+}
+
+Sample SpaceTracer::trace(int px, int py, int k) const {
+    Sample s;
+    const auto& offset = kInPixel[static_cast<std::size_t>(k)];
+    const double x = px + offset[0], y = py + offset[1];
+    const Start start = startOf(x, y);
+    if (!start.sees) return s;
+    const Float3 along = rayAt(x, y);
+    Float3 origin;  // of further rays
+    float reach = std::numeric_limits<float>::infinity();
+    const auto cap = [&](const Color& color) {
+        s.hit = true;
+        s.normal = cutNormal_;
+        s.at = local_(start.at);
+        s.albedo = color;
+        s.flat = true;
+        reach = start.t;
+    };
+    if (options_.cut) {
+        const Vec<2> flat = CutAxes(options_.cut->axis).flat(start.at);
+        if (lines_ && lines_->distance(flat) < kWallLine * mmPerPixel()) {
+            cap(inkColor());
+            return s;
+        }
+        if (discs_) {
+            const auto found = discs_->at(flat);
+            if (found.index >= 0) {
+                const Color color = colors_[static_cast<std::size_t>(found.index)];
+                cap(color * (found.rim < rimOf(found.index) ? kRimShade : 1));
+                return s;
+            }
+        }
+    }
+    const Hit hit = bodies_.first(eye_, along, start.t);
+    if (hit.any()) {
+        s.hit = true;
+        reach = hit.t;
+        s.at = eye_ + along * hit.t;
+        if (hit.geometry == RayScene::kSpheres) {
+            const auto& ball = spheres_[hit.primitive];
+            const Float3 center{ball[0], ball[1], ball[2]};
+            s.albedo = colors_[static_cast<std::size_t>(indexOf(hit.primitive))];
+            s.normal = normalized(s.at - center);
+            // From behind: the ray began inside, by a rounding at the rim of a cut face.
+            if (options_.cut && dot(s.normal, along) > 0) {
+                cap(s.albedo * kRimShade);
+                return s;
+            }
+            s.at = center + s.normal * ball[3];
+            origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
+        } else {
+            Float3 facet = normalized(hit.normal);
+            if (dot(facet, along) > 0) {
+                // Inside the body, where the cut opens it.
+                if (options_.cut) {
+                    cap(boneCutColor());
+                    return s;
+                }
+                facet = -facet;
+            }
+            s.albedo = boneColor();
+            s.normal = solid_->normalAt(hit);
+            if (dot(s.normal, facet) < 0) s.normal = -s.normal;
+            origin = s.at + facet * 2e-5f;
+        }
+    }
+    if (wall_) addVeil(along, start.t, reach, s);
+    if (s.hit) addLight(px, py, k, origin, s);
+    return s;
+}
+
+Color SpaceTracer::shade(const Sample& s) const {
+    const Float3 toEye = normalized(eye_ - s.at);
+    const float key = std::max(0.0f, dot(s.normal, lamp_));
+    const float sky = 0.72f + 0.28f * s.normal.z;
+    const Float3 half = normalized(toEye + lamp_);
+    const float gloss = std::pow(std::max(0.0f, dot(s.normal, half)), 40.0f) * kShine;
+    const float light = kKey * key * s.lit + kSky * sky * s.open +
+                        kFill * std::max(0.0f, dot(s.normal, toEye)) * s.open;
+    Color c = s.albedo * (s.flat ? 0.95f : light);
+    if (!s.flat && gloss > 0) c += Color{1, 1, 1} * (gloss * s.lit * (key > 0 ? 1.0f : 0.0f));
+    return c;
+}
+
+void SpaceTracer::addSpheres(const Pack<3>& pack) {
+    double sum = 0;
+    spheres_.reserve(pack.spheres.size());
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const auto& s = pack.spheres[i];
+        if (options_.cut && !(keptDepth(*options_.cut, s.center) > -s.radius)) continue;
+        const Float3 c = local_(s.center);
+        spheres_.push_back({c.x, c.y, c.z, static_cast<float>(s.radius * local_.scale)});
+        if (options_.cut) index_.push_back(static_cast<std::int32_t>(i));
+        sum += s.radius;
+    }
+    if (!spheres_.empty())
+        ambient_ = std::max(
+            ambient_, kAmbientRadii * static_cast<float>(sum * local_.scale /
+                                                         static_cast<double>(spheres_.size())));
+}
+
+double SpaceTracer::rimOf(std::int32_t index) const {
+    const Sphere<3>& s = scene_.pack->spheres[static_cast<std::size_t>(index)];
+    return std::min(kRim * mmPerPixel(), kLargestRim * s.radius);
+}
+
+float SpaceTracer::freeWay(const Float3& from, const Float3& along) const {
+    if (!options_.cut) return std::numeric_limits<float>::infinity();
+    const double out = dot(along, cutNormal_);
+    if (!(out > 0)) return std::numeric_limits<float>::infinity();
+    const double depth = keptDepth(*options_.cut, local_.inMm(from)) * local_.scale;
+    return static_cast<float>(depth / out);
+}
+
+void SpaceTracer::addVeil(const Float3& along, float near, float far, Sample& s) const {
+    for (int layer = 0; layer < kLayers; ++layer) {
+        const Hit hit = walls_.first(eye_, along, near, far);
+        if (!hit.any()) return;
+        Float3 n = wall_->normalAt(hit);
+        const bool inner = layer == 0 && options_.cut && dot(hit.normal, along) > 0;
+        if (dot(n, along) > 0) n = -n;
+        if (inner && !s.hit) {
+            // The far side of an opened bone: without it one would look out through the pack.
+            const float light = kInnerDark + kInnerLight * std::max(0.0f, dot(n, lamp_));
+            s.veil += boneColor() * (light * s.through);
+            s.through = 0;
+            return;
+        }
+        const float across = 1 - std::min(1.0f, -dot(n, along));
+        const float opacity = kVeil + kEdge * across * across * across * across;
+        const float key = std::max(0.0f, dot(n, lamp_));
+        s.veil += boneColor() * ((0.62f + 0.38f * key) * opacity * s.through);
+        // What lies behind is shaded along with the wall: the form of the bone shows, where
+        // spheres have light and dark sides of their own.
+        s.through *= (1 - opacity) * (layer == 0 ? 1 - kForm + kForm * key : 1);
+        near = hit.t + 2e-5f;
+    }
+}
+
+void SpaceTracer::addLight(int px, int py, int k, const Float3& origin, Sample& s) const {
+    const std::uint32_t n = kSquare[static_cast<std::size_t>((py & 3) * 4 + (px & 3))] * kSamples +
+                            static_cast<std::uint32_t>(k);
+    const auto lampPoint = sobol(n, 0x3c6ef372u, 0xa54ff53au);
+    const auto skyPoint = sobol(n, 0x510e527fu, 0x9b05688cu);
+    constexpr float kTurn = 2 * static_cast<float>(kPi);
+    {
+        const float r = kLamp * std::sqrt(lampPoint[0]), turn = kTurn * lampPoint[1];
+        const Float3 to =
+            normalized(lamp_ + lampS_ * (r * std::cos(turn)) + lampT_ * (r * std::sin(turn)));
+        if (dot(s.normal, to) <= 0) {
+            s.lit = 0;
+        } else {
+            const float way = freeWay(origin, to);
+            s.lit = way > 0 && bodies_.blocked(origin, to, way) ? 0.0f : 1.0f;
+        }
+    }
+    const float r = std::sqrt(skyPoint[0]), turn = kTurn * skyPoint[1];
+    Float3 a, b;
+    basis(s.normal, a, b);
+    const Float3 to = a * (r * std::cos(turn)) + b * (r * std::sin(turn)) +
+                      s.normal * std::sqrt(std::max(0.0f, 1 - skyPoint[0]));
+    const float way = std::min(ambient_, freeWay(origin, to));
+    s.open = way > 0 && bodies_.blocked(origin, to, way) ? 0.0f : 1.0f;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,92 @@
+// Private to previews: what a ray through a pixel meets, and how much light is there.
+#pragma once
+
+#include "vdbpack/preview/ray_scene.h"
+#include "vdbpack/preview/scene.h"
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// Rays in each pixel.
+inline constexpr int kSamples = 4;
+
+/// One ray of a pixel, and what it met.
+struct Sample {
+    bool hit = false;
+    Float3 at, normal;  ///< normal towards the camera's side
+    Color albedo;
+    float open = 1;     ///< share of the sky that is seen
+    float lit = 1;      ///< share of the lamp that is seen
+    bool flat = false;  ///< on a cut face: drawn without light
+    Color veil;         ///< light of the wall before it
+    float through = 1;  ///< what the wall lets pass
+};
+
+class SpaceTracer {
+public:
+    SpaceTracer(const SpacePreview& scene, const PreviewOptions& options, StopRequest& request);
+
+    const PreviewCamera& camera() const { return camera_; }
+    double mmPerPixel() const { return pixel_ * camera_.target; }
+
+    void colorBy(std::vector<Color> colors) { colors_ = std::move(colors); }
+
+    /// Where the cut is met, or the eye.
+    struct Start {
+        bool sees = true;  ///< false: never gets to what stays
+        float t = 0;
+        Vec<3> at;  ///< in the cut, mm
+    };
+    /// The ray through a point of the picture, in pixels.
+    Float3 rayAt(double x, double y) const;
+    Start startOf(double x, double y) const;
+
+    /// The sphere seen through a point of the picture; -1: none.
+    std::int32_t sphereAt(double x, double y) const;
+
+    Sample trace(int px, int py, int k) const;
+
+    Color shade(const Sample& s) const;
+
+    int width() const { return options_.width; }
+    int height() const { return options_.height; }
+    double footprint() const { return pixel_; }
+    const Float3& eye() const { return eye_; }
+
+private:
+    void addSpheres(const Pack<3>& pack);
+    std::int32_t indexOf(unsigned primitive) const {
+        return index_.empty() ? static_cast<std::int32_t>(primitive) : index_[primitive];
+    }
+    /// Width of the dark rim of a cut face, mm.
+    double rimOf(std::int32_t index) const;
+    /// How far a ray may go in what stays of a cut.
+    float freeWay(const Float3& from, const Float3& along) const;
+    /// The wall before what was hit, or behind it all where the ray begins inside.
+    void addVeil(const Float3& along, float near, float far, Sample& s) const;
+    void addLight(int px, int py, int k, const Float3& origin, Sample& s) const;
+
+    const SpacePreview& scene_;
+    const PreviewOptions options_;
+    Local local_;
+    PreviewCamera camera_;
+    Device device_;
+    RayScene bodies_, walls_;
+    std::vector<std::array<float, 4>> spheres_;
+    std::vector<std::int32_t> index_;  ///< in the pack; empty: the same
+    std::vector<Color> colors_;
+    std::unique_ptr<Surface> solid_, wall_;
+    std::optional<PlaneDiscs> discs_;
+    std::optional<PlaneLines> lines_;
+    Float3 eye_, right_, up_, toward_, lamp_, lampS_, lampT_, cutNormal_;
+    float ambient_ = 0;  ///< reach of ambient occlusion
+    double pixel_ = 0;   ///< width of a pixel at distance one
+};
+
+}  // namespace vdbpack
