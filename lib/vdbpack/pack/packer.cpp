@@ -274,7 +274,7 @@ private:
         reach = reach.grown((hasSpecies_ ? 3 : 2) * settings_.maxRadius);
         thread.around.clear();
         for (const std::uint32_t n : lattice_.lowerNeighbors(b)) {
-            const std::uint32_t here = BlockSpheres<Dim>::bit(lattice_.offset(n, b));
+            const std::uint32_t here = neighborBit(lattice_.offset(n, b));
             const BlockSpheres<Dim>& placed = blocks_[n].placed;
             auto site = placed.sites.begin();
             for (std::size_t i = 0; i < placed.spheres.size(); ++i) {
@@ -282,7 +282,7 @@ private:
                 const auto at = static_cast<std::uint32_t>(thread.around.spheres.size());
                 thread.around.spheres.push_back(placed.spheres[i]);
                 for (; site != placed.sites.end() && site->pivot <= i; ++site)
-                    if (site->pivot == i && site->towards == here) {
+                    if (site->pivot == i && site->neighbor == here) {
                         thread.around.sites.push_back(*site);
                         thread.around.sites.back().pivot = at;
                     }

@@ -3,6 +3,33 @@
 namespace vdbpack {
 
 template <int Dim>
+bool BlockState<Dim>::findWall(const Vec<Dim>& inside, const Vec<Dim>& x, double least,
+                               double reach, TangentPlane<Dim>& plane, double& distance) const {
+    const Vec<Dim> global = x + origin;
+    if (settings.fieldDepth > reach + settings.fieldError &&
+        -sampler->signedDistance(global) > reach + settings.fieldError) {
+        // The field may be off by more than its stated error: the triangles decide up to `least`.
+        if (settings.fieldError == 0) return false;
+        reach = least;
+    }
+    WallPoint<Dim> wall;
+    if (!sampler->nearestWall(global, reach, wall)) return false;
+    distance = wall.distance;
+    plane.point = wall.point - origin;
+    plane.normal = x - plane.point;
+    double l = length(plane.normal);
+    if (!(l > 1e-9 * reach)) {  // on the wall
+        plane.normal = inside - plane.point;
+        l = length(plane.normal);
+        if (!(l > 0)) plane.normal = -settings.sweep, l = 1;
+    }
+    // Triangles do not tell which side is inside; `inside` does.
+    const double side = dot(inside - plane.point, plane.normal);
+    plane.normal *= (side < 0 ? -1.0 : 1.0) / l;
+    return true;
+}
+
+template <int Dim>
 double BlockState<Dim>::clearance(const Vec<Dim>& x, double reach) const {
     double least = reach;
     cells.near(x, reach, [&](std::uint32_t i) {

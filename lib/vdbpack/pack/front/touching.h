@@ -25,7 +25,5 @@ template <int Dim>
 bool moveToTouch(const std::array<Contact<Dim>, static_cast<std::size_t>(Dim)>& contacts,
                  double precision, double farthest, Vec<Dim>& center);
 
-extern template bool moveToTouch<2>(const std::array<Contact<2>, 2>&, double, double, Vec<2>&);
-extern template bool moveToTouch<3>(const std::array<Contact<3>, 3>&, double, double, Vec<3>&);
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-#include "vdbpack/pack/front/place_search.h"
+#include "vdbpack/pack/front/vacancy_search.h"
 
 #include "vdbpack/core/lanes.h"
 
@@ -8,8 +8,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Room that no place is left with, in wanted radii: more than 1, so that a search ends where the
-/// room falls short of the wanted radius by a hair, as along the middle of a thin bone.
+/// Room that no center is left with, in wanted radii: more than 1, so that a search also ends where
+/// the room is hardly less than the wanted radius, as along the middle of a thin bone.
 constexpr double kMostRoom = 1.018;
 
 /// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
@@ -35,7 +35,7 @@ inline void cover(std::uint64_t* words, int first, int last) {
 }  // namespace
 
 template <int Dim>
-void PlaceSearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
+void VacancySearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
     state_ = &state;
     centersOnly_ = centersOnly;
     wanted_ = state.settings.meanRadius;
@@ -54,10 +54,10 @@ void PlaceSearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
     openWord();
 }
 
-/// Marks the cells in which some sphere leaves no place: a center with the most room allowed is
+/// Marks the cells in which some sphere leaves no vacancy: a center with the most room allowed is
 /// nowhere farther from its cell's center than half the diagonal.
 template <int Dim>
-void PlaceSearch<Dim>::stampSpheres() {
+void VacancySearch<Dim>::stampSpheres() {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
     const double inverse = 1 / step_;
     const int most = steps_[0] - 1;
@@ -98,18 +98,19 @@ void PlaceSearch<Dim>::stampSpheres() {
     }
 }
 
-/// Marks what lies too far outside the domain, in bricks: one lookup tells most of them.
+/// Marks what lies too far outside the domain, in bricks: one lookup decides most of them.
 template <int Dim>
-void PlaceSearch<Dim>::stampOutside() {
+void VacancySearch<Dim>::stampOutside() {
     constexpr int kBrick = 8;
     for (int k = 0; k < steps_[2]; k += Dim == 3 ? kBrick : 1)
         for (int j = 0; j < steps_[1]; j += kBrick)
             for (int i = 0; i < steps_[0]; i += kBrick) stampOutside({i, j, k}, kBrick);
 }
 
-/// Marks the cells of a brick that certainly lie too far outside; halves it where that is open.
+/// Marks the cells of a brick that certainly lie too far outside; halves it where that is
+/// undecided.
 template <int Dim>
-void PlaceSearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
+void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
     int end[3];
     Vec<Dim> center = state_->search.lo + state_->origin;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -140,15 +141,15 @@ void PlaceSearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
 
 /// The cells of the word at `at_` that no sphere covers.
 template <int Dim>
-void PlaceSearch<Dim>::openWord() {
+void VacancySearch<Dim>::openWord() {
     const int cells = std::min(64, steps_[0] - at_[0]);
     const std::uint64_t all = cells == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << cells) - 1;
     left_ = ~row(at_[1], at_[2])[at_[0] >> 6] & all;
 }
 
-/// Goes on to the next word. @return false after the last one.
+/// Continues with the next word. @return false after the last one.
 template <int Dim>
-bool PlaceSearch<Dim>::nextWord() {
+bool VacancySearch<Dim>::nextWord() {
     at_[0] += 64;
     if (at_[0] >= steps_[0]) at_[0] = 0, ++at_[1];
     if (at_[1] >= steps_[1]) at_[1] = 0, ++at_[2];
@@ -158,7 +159,7 @@ bool PlaceSearch<Dim>::nextWord() {
 }
 
 template <int Dim>
-bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
+bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
     const double least = mostRoom_ - corner - state_->settings.fieldError;
     do {
@@ -172,15 +173,15 @@ bool PlaceSearch<Dim>::next(Vec<Dim>& place) {
                 nearby_.push_back(i);
                 return true;
             });
-            if (hasPlace(c, centersOnly_ ? 0 : step_, place)) return true;
+            if (findIn(c, centersOnly_ ? 0 : step_, vacancy)) return true;
         }
     } while (at_[2] < steps_[2] && nextWord());
     return false;
 }
 
-/// Looks for a place with its center in the cell, by halving; `nearby_` holds the spheres in reach.
+/// Searches a cell for a vacancy, by halving; `nearby_` holds the spheres in reach.
 template <int Dim>
-bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& place) {
+bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& vacancy) {
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     const FrontSettings<Dim>& settings = state_->settings;
     DomainSampler<Dim>& sampler = *state_->sampler;
@@ -192,32 +193,32 @@ bool PlaceSearch<Dim>::hasPlace(const Vec<Dim>& center, double edge, Vec<Dim>& p
         if (least > 0 && square < least * least) return false;
         room = std::min(room, std::sqrt(square) - s.radius);
     }
-    // The field is too coarse a guess here: every cell along the wall would be halved to the end.
+    // The field alone would be too coarse: every cell along the wall would be halved to the end.
     const Vec<Dim> global = center + state_->origin;
     if (mostRoom_ > corner && sampler.isWallCloser(global, mostRoom_ - corner)) return false;
-    // From a center outside, a place is at least the wanted radius away, more than the corner of
-    // the cell: nothing is in it.
+    // A vacancy is at least the wanted radius away from a center outside, more than the corner of
+    // the cell: none is in it.
     const double outside = sampler.signedDistance(global);
-    // Near the wall even the field's sign can be wrong; the triangles know.
+    // Near the wall even the sign of the field can be wrong; the triangles decide.
     if (outside > settings.fieldError ||
         (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
         return false;
     if (room >= wanted_ && !sampler.isWallCloser(global, wanted_)) {
-        place = center;
+        vacancy = center;
         // All of a ball that no wall crosses is on one side.
         return sampler.contains(global);
     }
-    // Otherwise a center this close to a place has the room itself, but for a wrong sign.
+    // Otherwise a center this close to a vacancy has the room itself, unless its sign is wrong.
     if (corner < 0.5 * (mostRoom_ - wanted_)) return false;
     for (int child = 0; child < (1 << Dim); ++child) {
         Vec<Dim> c = center;
         for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;
-        if (hasPlace(c, 0.5 * edge, place)) return true;
+        if (findIn(c, 0.5 * edge, vacancy)) return true;
     }
     return false;
 }
 
-template class PlaceSearch<2>;
-template class PlaceSearch<3>;
+template class VacancySearch<2>;
+template class VacancySearch<3>;
 
 }  // namespace vdbpack

@@ -1,0 +1,42 @@
+// Settings of a front, the same for all blocks of a pack.
+#pragma once
+
+#include "vdbpack/core/vec.h"
+#include "vdbpack/pack/order.h"
+
+namespace vdbpack {
+
+/// Directions and lengths that are the same for all blocks.
+template <int Dim>
+struct FrontSettings {
+    Order order = Order::sweep;
+    /// Unit direction in which the front sweeps: low values are filled first.
+    Vec<Dim> sweep;
+    Vec<Dim> middle;  ///< of the domain, where Order::center and fifo begin, mm
+    /// How far a site where a further body stops the growth goes ahead of the sweep if the largest
+    /// sphere fits there, mm; sites for smaller ones go ahead by less. 0: none does.
+    double lead = 0;
+    /// Radius for which sites are sought, mm: spheres placed there may be larger.
+    double probe = 0;
+    /// Sites where no sphere of this radius fits are not used, mm; 0: all are.
+    double least = 0;
+    /// Gap to the pivot up to which bodies limit the growth at its sites, mm; at least twice the
+    /// probe. Bodies farther away hardly matter.
+    double reach = 0;
+    /// Centers are whole multiples of this, mm; a power of two. Contacts keep a gap of about as
+    /// much, so that rounding cannot make them overlaps.
+    double quantum = 0x1p-24;
+    double minRadius = 0;   ///< of the distribution, mm
+    double meanRadius = 0;  ///< of the distribution, mm
+    double maxRadius = 0;   ///< of the distribution, mm
+    /// Radius up to which spheres are frequent enough to be sought as neighbors, mm: the largest
+    /// one, unless the distribution has a few that are far larger than most.
+    double commonRadius = 0;
+    /// Larger spheres rarely fit between others: they are set down ahead of the front, mm.
+    double wideRadius = 0;
+    double meanBall = 0;    ///< mean volume (2D: area) of a sphere, mm^Dim
+    double fieldError = 0;  ///< largest error of the domain's signedDistance, mm
+    double fieldDepth = 0;  ///< depth at which it is clamped, mm
+};
+
+}  // namespace vdbpack

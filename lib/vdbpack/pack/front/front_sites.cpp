@@ -1,0 +1,369 @@
+#include "vdbpack/pack/front/front_sites.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+/// Width of the queue's buckets in mean radii: sites whose keys differ by less are taken as they
+/// come. Wider ones cost density (at `normal` 0.0005 at 0.05, 0.002 at 0.2).
+constexpr double kBucket = 0.02;
+
+/// In place of a block to come.
+constexpr std::uint32_t kDone = 0;
+
+/// The smallest float that is not below `v`.
+float floatUp(double v) {
+    const auto f = static_cast<float>(v);
+    return static_cast<double>(f) < v ? std::nextafter(f, std::numeric_limits<float>::infinity())
+                                      : f;
+}
+
+/// Directions a little off each body in reach, for the largest of the common spheres on the pivot:
+/// smaller ones fit there as well.
+template <class Bodies, class CapOf>
+std::vector<Vec<3>> directionsBeside(const Bodies& around, double rolling, float common,
+                                     const CapOf& capOf) {
+    constexpr int kAround = 16;
+    std::vector<Vec<3>> directions;
+    for (std::size_t i = 0; i < around.count; ++i) {
+        Vec<3> axis;
+        for (int d = 0; d < 3; ++d)
+            axis[d] = static_cast<double>(around.to[static_cast<std::size_t>(d)][i]);
+        const Cap<float, 3> cap = capOf(around.index[i]);
+        const double l = length(axis);
+        const double level = static_cast<double>(cap.level + common * cap.slope);
+        const double height = level / (l * rolling);
+        if (height >= 1) continue;
+        axis *= 1 / l;
+        const Vec<3> other = std::fabs(axis[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
+        const Vec<3> e1 = normalized(cross(axis, other));
+        const Vec<3> e2 = cross(axis, e1);
+        const double up = height - 1e-5;
+        const double out = std::sqrt(std::max(0.0, 1 - up * up));
+        for (int a = 0; a < kAround; ++a) {
+            const double angle = 2 * kPi * a / kAround;
+            directions.push_back(axis * up + (e1 * std::cos(angle) + e2 * std::sin(angle)) * out);
+        }
+    }
+    return directions;
+}
+
+}  // namespace
+
+template <int Dim>
+FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls)
+    : block_(block),
+      walls_(walls),
+      probe_(static_cast<float>(block.settings.probe)),
+      least_(static_cast<float>(block.settings.least)),
+      // No smaller than the largest radius: an unlimited site must take that one as well.
+      largest_(floatUp(block.settings.maxRadius)),
+      common_(static_cast<float>(block.settings.commonRadius)) {}
+
+template <int Dim>
+void FrontSites<Dim>::clear() {
+    const FrontSettings<Dim>& settings = block_.settings;
+    sites_.clear();
+    ends_.clear();
+    first_.clear();
+    unused_ = kNone;
+    arrived_ = 0;
+    const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
+    queue_.reset(static_cast<float>(low - settings.lead),
+                 static_cast<float>(kBucket * settings.meanRadius));
+}
+
+/// The neighbor block that holds a point outside this one; kDone if all of it lies behind the
+/// front.
+template <int Dim>
+std::uint32_t FrontSites<Dim>::neighborAt(const Vec<Dim>& x) const {
+    std::array<int, Dim> offset;
+    bool ahead = false;
+    for (int d = 0; d < Dim; ++d) {
+        // The faces of the block itself: 0 and own.hi.
+        offset[static_cast<std::size_t>(d)] = x[d] < 0 ? -1 : x[d] < block_.own.hi[d] ? 0 : 1;
+        ahead = ahead || x[d] >= block_.own.hi[d];
+    }
+    return ahead ? neighborBit(offset) : kDone;
+}
+
+template <int Dim>
+void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings<Dim>& around,
+                           bool inOwnBlock) {
+    typename Surroundings<Dim>::Region inBlock;
+    const Vec<Dim>& center = sphere(pivot).center;
+    if (inOwnBlock) {
+        for (std::size_t d = 0; d < Dim; ++d) {
+            inBlock.lo[d] = static_cast<float>(block_.own.lo.c[d] - center.c[d]);
+            inBlock.hi[d] = static_cast<float>(block_.own.hi.c[d] - center.c[d]);
+        }
+    }
+    walls_.forEach(pivot, [&](std::uint32_t wall, const TangentPlane<Dim>& plane) {
+        const double above = dot(center - plane.point, plane.normal);
+        around.addWall(toFloat(plane.normal), static_cast<float>(above), kWallBody + wall);
+    });
+    around.findSites(static_cast<float>(sphere(pivot).radius), {probe_, least_, largest_}, only,
+                     inOwnBlock ? &inBlock : nullptr, found_);
+    for (const auto& site : found_) add(pivot, site);
+    if (found_.empty() && only == Surroundings<Dim>::kAll && around.reached() <= Dim)
+        addLoose(pivot, around);
+}
+
+template <int Dim>
+std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
+                                   const typename Surroundings<Dim>::Site& site) {
+    if (site.limit < least_) return kNone;
+    const Vec<Dim>& center = sphere(pivot).center;
+    End end;
+    Vec<Dim> start;
+    for (int d = 0; d < Dim; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        start[d] = center[d] + static_cast<double>(site.start[at]);
+        end.center[at] = static_cast<float>(center[d]) + site.end[at];
+    }
+    const bool own = block_.owns(start);
+    const std::uint32_t foreign = own ? 0 : neighborAt(start);
+    if (!own && foreign == kDone) return kNone;
+    std::uint32_t index = unused_;
+    if (index == kNone) {
+        index = static_cast<std::uint32_t>(sites_.size());
+        sites_.emplace_back();
+        ends_.emplace_back();
+    } else {
+        unused_ = ends_[index].next;
+    }
+    Site& s = sites_[index];
+    s.track = site.track;
+    s.base = baseOf(start);
+    s.side = site.side;
+    s.bodies = site.bodies;
+    s.pivot = pivot;
+    s.foreign = foreign;
+    end.limit = site.limit;
+    end.dead = false;
+    end.next = first_[pivot];
+    first_[pivot] = index;
+    ends_[index] = end;
+    enqueue(index);
+    return index;
+}
+
+/// A front begins with too few bodies to touch: then a sphere may touch the pivot alone.
+template <int Dim>
+void FrontSites<Dim>::addLoose(std::uint32_t pivot, const Surroundings<Dim>& around) {
+    std::vector<Vec<Dim>> directions;
+    if constexpr (Dim == 3)
+        directions =
+            directionsBeside(around.spheres, sphere(pivot).radius + block_.settings.commonRadius,
+                             common_, [&](std::uint32_t body) { return cap(pivot, body); });
+    if (directions.empty()) directions.push_back(-block_.settings.sweep);
+    const float rolling = static_cast<float>(sphere(pivot).radius) + probe_;
+    for (const Vec<Dim>& n : directions) {
+        typename Surroundings<Dim>::Site site;
+        site.track.makeLoose(rolling, toFloat(n));
+        const float most = largest_ - probe_;
+        const float t = around.growth(site.track, most);
+        if (most > 0 && !(t > 0)) continue;
+        site.track.at(0, site.start);
+        site.track.at(t, site.end);
+        site.limit = t >= most ? largest_ : probe_ + t;
+        site.side = 1;
+        site.bodies.fill(kNoBody);
+        add(pivot, site);
+    }
+}
+
+/// Position of a site in the order of the front, mm.
+template <int Dim>
+float FrontSites<Dim>::baseOf(const Vec<Dim>& start) {
+    const FrontSettings<Dim>& settings = block_.settings;
+    switch (settings.order) {
+        case Order::sweep:
+            return static_cast<float>(dot(start, settings.sweep));
+        case Order::wall:
+            return static_cast<float>(-block_.sampler->signedDistance(start + block_.origin));
+        case Order::center:
+            return static_cast<float>(length(start + block_.origin - settings.middle));
+        case Order::fifo:
+            // Sixteen sites a bucket of the queue, which keeps their order.
+            return static_cast<float>(kBucket * settings.meanRadius *
+                                      static_cast<double>(arrived_++ / 16));
+    }
+    return 0;
+}
+
+template <int Dim>
+void FrontSites<Dim>::enqueue(std::uint32_t index) {
+    const Site& site = sites_[index];
+    if (site.foreign != 0) return;
+    float key = site.base;
+    const float limit = ends_[index].limit;
+    if (limit < 0.99f * largest_ && common_ > probe_)
+        key -= static_cast<float>(block_.settings.lead) * (std::min(limit, common_) - probe_) /
+               (common_ - probe_);
+    queue_.push(index, key);
+}
+
+template <int Dim>
+Cap<float, Dim> FrontSites<Dim>::cap(std::uint32_t pivot, std::uint32_t body) const {
+    const Vec<Dim>& center = sphere(pivot).center;
+    if (body >= kWallBody) {
+        const TangentPlane<Dim>& plane = walls_[body - kWallBody];
+        return Cap<float, Dim>::ofWall(toFloat(plane.normal),
+                                       static_cast<float>(dot(center - plane.point, plane.normal)));
+    }
+    return Cap<float, Dim>::ofSphere(toFloat(sphere(body).center - center),
+                                     static_cast<float>(sphere(pivot).radius),
+                                     static_cast<float>(sphere(body).radius));
+}
+
+/// Lowers the limit of a site to where its track enters a cap on the same pivot.
+template <int Dim>
+void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
+    const Site& site = sites_[index];
+    End& end = ends_[index];
+    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe_;
+    const float most = end.limit - probe_;
+    const float level = cap.level + probe_ * cap.slope;
+    std::array<float, Dim> x;
+    bool fits = site.track.at(0, x);
+    float room = level;
+    for (std::size_t d = 0; d < Dim; ++d) room -= x[d] * cap.to[d];
+    fits = fits && room > -kSlack * rolling * rolling;
+    if (!fits) {  // not even the smallest
+        end.dead = true;
+        queue_.remove(index);
+        return;
+    }
+    if (!(most > 0)) return;
+    const float t =
+        firstHit<float, Dim>(site.track, cap.to, level, cap.slope, kTouching * rolling, most);
+    if (t >= most) return;
+    end.limit = probe_ + t;
+    if (end.limit < least_) {
+        end.dead = true;
+        queue_.remove(index);
+        return;
+    }
+    if (site.track.at(t, x))
+        for (std::size_t d = 0; d < Dim; ++d)
+            end.center[d] = static_cast<float>(sphere(site.pivot).center.c[d]) + x[d];
+    enqueue(index);
+}
+
+/// Whether a sphere reaches into the largest one that a site would take.
+template <int Dim>
+bool FrontSites<Dim>::reaches(const std::array<float, Dim>& center, float radius, const End& end) {
+    float square = 0;
+    for (std::size_t d = 0; d < Dim; ++d)
+        square += (end.center[d] - center[d]) * (end.center[d] - center[d]);
+    const float least = radius + end.limit;
+    return square < least * least * (1 - kSlack);
+}
+
+template <int Dim>
+void FrontSites<Dim>::keepOff(std::uint32_t intruder, const Surroundings<Dim>& around) {
+    const std::array<float, Dim> center = toFloat(sphere(intruder).center);
+    const auto radius = static_cast<float>(sphere(intruder).radius);
+    for (std::size_t i = 0; i < around.spheres.count; ++i) {
+        const std::uint32_t pivot = around.spheres.index[i];
+        std::uint32_t* link = &first_[pivot];
+        while (*link != kNone) {
+            End& end = ends_[*link];
+            if (!end.dead && reaches(center, radius, end)) limitBy(*link, cap(pivot, intruder));
+            if (end.dead) {
+                const std::uint32_t gone = *link;
+                *link = end.next;
+                end.next = unused_;
+                unused_ = gone;
+            } else {
+                link = &end.next;
+            }
+        }
+    }
+}
+
+template <int Dim>
+void FrontSites<Dim>::keepOff(std::uint32_t index, std::uint32_t intruder) {
+    if (reaches(toFloat(sphere(intruder).center), static_cast<float>(sphere(intruder).radius),
+                ends_[index]))
+        limitBy(index, cap(sites_[index].pivot, intruder));
+}
+
+template <int Dim>
+void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
+    const Cap<float, Dim> forbidden = cap(pivot, kWallBody + wall);
+    for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next)
+        if (!ends_[s].dead) limitBy(s, forbidden);
+}
+
+template <int Dim>
+void FrontSites<Dim>::leave(std::uint32_t index, const Vec<Dim>& center) {
+    sites_[index].foreign = neighborAt(center);
+    ends_[index].dead = sites_[index].foreign == kDone;
+}
+
+template <int Dim>
+void FrontSites<Dim>::giveUp(std::uint32_t index) {
+    Site& site = sites_[index];
+    std::array<float, Dim> x;
+    std::array<int, Dim> offset{};
+    bool ahead = false;
+    if (site.track.at(0, x))
+        for (int d = 0; d < Dim; ++d) {
+            const auto at = static_cast<std::size_t>(d);
+            const double start = sphere(site.pivot).center[d] + static_cast<double>(x[at]);
+            offset[at] = start >= block_.search.hi[d] ? 1 : 0;
+            ahead = ahead || offset[at] > 0;
+        }
+    site.foreign = ahead ? neighborBit(offset) : kDone;
+    ends_[index].dead = !ahead;
+}
+
+template <int Dim>
+Vec<Dim> FrontSites<Dim>::center(std::uint32_t index) const {
+    return fromFloat<Dim>(ends_[index].center);
+}
+
+template <int Dim>
+bool FrontSites<Dim>::restingCenter(std::uint32_t index, double radius, Vec<Dim>& center) const {
+    const Site& site = sites_[index];
+    const Sphere<Dim>& pivot = sphere(site.pivot);
+    const double open = radius + block_.settings.quantum;
+    Track<double, Dim> track;
+    if (site.bodies[0] == kNoBody) {
+        Vec<Dim> n;
+        for (int d = 0; d < Dim; ++d)
+            n[d] = static_cast<double>(ends_[index].center[static_cast<std::size_t>(d)]) -
+                   pivot.center[d];
+        track.makeLoose(pivot.radius + open, normalized(n).c);
+    } else {
+        std::array<Cap<double, Dim>, Dim - 1> caps;
+        for (std::size_t b = 0; b < Dim - 1; ++b) {
+            const std::uint32_t body = site.bodies[b];
+            if (body >= kWallBody) {
+                const TangentPlane<Dim>& plane = walls_[body - kWallBody];
+                caps[b] = Cap<double, Dim>::ofWall(plane.normal.c,
+                                                   dot(pivot.center - plane.point, plane.normal));
+            } else {
+                caps[b] = Cap<double, Dim>::ofSphere((sphere(body).center - pivot.center).c,
+                                                     pivot.radius, sphere(body).radius);
+            }
+        }
+        if (!track.make(pivot.radius + open, open, caps, static_cast<double>(site.side)))
+            return false;
+    }
+    Vec<Dim> x;
+    if (!track.at(0, x.c)) return false;
+    center = pivot.center + x;
+    return true;
+}
+
+template class FrontSites<2>;
+template class FrontSites<3>;
+
+}  // namespace vdbpack

@@ -1,0 +1,132 @@
+// The sites of a block's front, and the order in which they come up.
+#pragma once
+
+#include "vdbpack/pack/front/block_spheres.h"
+#include "vdbpack/pack/front/block_state.h"
+#include "vdbpack/pack/front/bucket_queue.h"
+#include "vdbpack/pack/front/front_walls.h"
+#include "vdbpack/pack/front/surroundings.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Sites where a sphere could touch a pivot and Dim - 1 more bodies, in a queue: by their position
+/// along the sweep, those that a further body limits ahead of it. Bodies are spheres of the block,
+/// or walls from `kWallBody` on.
+template <int Dim>
+class FrontSites {
+public:
+    static constexpr std::uint32_t kNone = 0xffffffffu;
+    /// Body indices at and above this are walls (kWallBody + index in FrontWalls).
+    static constexpr std::uint32_t kWallBody = 0x40000000u;
+    /// In place of a body where a sphere touches the pivot alone.
+    static constexpr std::uint32_t kNoBody = 0x7fffffffu;
+    using Bodies = std::array<std::uint32_t, Dim - 1>;
+
+    /// @param block, walls  of the block, with its settings; must outlive this.
+    FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls);
+
+    /// Empties the front for the block as it is set up.
+    void clear();
+    /// The next sphere, which has no sites yet.
+    void addSphere() { first_.push_back(kNone); }
+
+    /// Finds and adds the sites on a pivot: all, or those that touch body `only`.
+    /// @param around      the spheres around the pivot, as collected.
+    /// @param inOwnBlock  leaves out sites that lie in other blocks.
+    void find(std::uint32_t pivot, std::uint32_t only, Surroundings<Dim>& around, bool inOwnBlock);
+    /// Adds a site. @return its index, or kNone if no sphere fits there or its block is done.
+    std::uint32_t add(std::uint32_t pivot, const typename Surroundings<Dim>::Site& site);
+
+    /// Limits the sites that a new sphere reaches into. @param around  the spheres around it.
+    void keepOff(std::uint32_t intruder, const Surroundings<Dim>& around);
+    /// Limits the sites on a pivot by a wall that it did not know of.
+    void keepOffWall(std::uint32_t pivot, std::uint32_t wall);
+    /// Limits one site by a sphere, if that reaches into it.
+    void keepOff(std::uint32_t index, std::uint32_t intruder);
+
+    /// Takes the next site from the queue. @return kNone if there is none.
+    std::uint32_t pop() { return queue_.pop(); }
+    void enqueue(std::uint32_t index);
+    /// A sphere was placed there: once its pivot's neighbor is placed the index is used again.
+    void remove(std::uint32_t index) { ends_[index].dead = true; }
+    /// Leaves a site that turned out to lie at `center`, outside the block, to its block.
+    void leave(std::uint32_t index, const Vec<Dim>& center);
+    /// Leaves a site alone; a block whose search reaches back to it may have a radius for it.
+    void giveUp(std::uint32_t index);
+
+    std::uint32_t pivot(std::uint32_t index) const { return sites_[index].pivot; }
+    const Bodies& bodies(std::uint32_t index) const { return sites_[index].bodies; }
+    float side(std::uint32_t index) const { return sites_[index].side; }
+    bool isRemoved(std::uint32_t index) const { return ends_[index].dead; }
+    /// Largest radius that fits, as far as is known, mm.
+    float limit(std::uint32_t index) const { return ends_[index].limit; }
+    /// The center at that radius.
+    Vec<Dim> center(std::uint32_t index) const;
+    /// Where a sphere rests at a site, in double. @return false if nowhere.
+    bool restingCenter(std::uint32_t index, double radius, Vec<Dim>& center) const;
+
+    /// Calls `visit(index, neighbor)` for the sites on a pivot that are left to later blocks.
+    template <class Visit>
+    void forEachForeign(std::uint32_t pivot, const Visit& visit) const {
+        for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next)
+            if (!ends_[s].dead && sites_[s].foreign != 0) visit(s, sites_[s].foreign);
+    }
+    /// The cap of a body beside a pivot.
+    Cap<float, Dim> cap(std::uint32_t pivot, std::uint32_t body) const;
+    float probe() const { return probe_; }
+
+private:
+    struct Site {
+        Track<float, Dim> track;  ///< from the probe's radius on, relative to the pivot
+        float base;               ///< along the sweep, at the probe's radius
+        float side;
+        Bodies bodies;
+        std::uint32_t pivot;
+        std::uint32_t foreign;  ///< the neighbor block it lies in if that comes later, else 0
+    };
+    /// What every new sphere asks of the sites around it: apart, since that is half the memory
+    /// that a placement touches.
+    struct End {
+        std::array<float, Dim> center;  ///< at radius `limit`
+        float limit;                    ///< largest radius that fits, as far as is known
+        std::uint32_t next;             ///< of the same pivot
+        bool dead;
+    };
+    const Sphere<Dim>& sphere(std::uint32_t i) const { return block_.spheres[i]; }
+    std::uint32_t neighborAt(const Vec<Dim>& x) const;
+    void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
+    float baseOf(const Vec<Dim>& start);
+    static bool reaches(const std::array<float, Dim>& center, float radius, const End& end);
+    void limitBy(std::uint32_t index, const Cap<float, Dim>& cap);
+
+    const BlockState<Dim>& block_;
+    FrontWalls<Dim>& walls_;
+    float probe_, least_, largest_, common_;  ///< radii of FrontSettings, mm
+    std::uint64_t arrived_ = 0;               ///< sites so far
+    std::vector<Site> sites_;
+    std::vector<End> ends_;             ///< beside `sites_`
+    std::uint32_t unused_ = kNone;      ///< list of sites to use again
+    std::vector<std::uint32_t> first_;  ///< site of each sphere
+    BucketQueue queue_;
+    std::vector<typename Surroundings<Dim>::Site> found_;
+};
+
+/// To floats and back, for what is stored relative to a block.
+template <int Dim>
+std::array<float, Dim> toFloat(const Vec<Dim>& v) {
+    std::array<float, Dim> f;
+    for (std::size_t d = 0; d < Dim; ++d) f[d] = static_cast<float>(v.c[d]);
+    return f;
+}
+template <int Dim>
+Vec<Dim> fromFloat(const std::array<float, static_cast<std::size_t>(Dim)>& f) {
+    Vec<Dim> v;
+    for (std::size_t d = 0; d < Dim; ++d) v.c[d] = static_cast<double>(f[d]);
+    return v;
+}
+
+}  // namespace vdbpack
