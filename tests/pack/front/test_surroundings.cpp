@@ -1,7 +1,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/vec.h"
-#include "vdbpack/pack/front/resting.h"
+#include "vdbpack/pack/front/surroundings.h"
 
 #include <catch2/catch.hpp>
 
@@ -78,8 +78,8 @@ void fillWith(Surroundings<Dim>& around, const Scene<Dim>& scene) {
         std::array<float, Dim> normal;
         for (std::size_t d = 0; d < Dim; ++d)
             normal[d] = static_cast<float>(scene.planes[p].first.c[d]);
-        around.addPlane(normal, static_cast<float>(scene.planes[p].second),
-                        static_cast<std::uint32_t>(scene.spheres.size()) + p);
+        around.addWall(normal, static_cast<float>(scene.planes[p].second),
+                       static_cast<std::uint32_t>(scene.spheres.size()) + p);
     }
 }
 
@@ -146,7 +146,7 @@ std::vector<std::size_t> bodiesOf(const typename Surroundings<Dim>::Site& site) 
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the bodies", "[pack]",
+TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and the bodies", "[pack]",
                        ((int Dim), Dim), 2, 3) {
     const auto seed = GENERATE(range(1u, 31u));
     CAPTURE(Dim, seed);
@@ -181,7 +181,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free places that touch the pivot and the b
                 }));
             }
         }
-    // Those that rest on one body are the same as found alone.
+    // Those that touch one body are the same as found alone.
     for (std::uint32_t body = 0; body < count; ++body) {
         std::vector<typename Surroundings<Dim>::Site> some;
         Surroundings<Dim> fresh;
@@ -233,7 +233,7 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
         for (const auto body : site.bodies) CHECK(std::fabs(scene.gapTo(body, end, limit)) < 5e-3);
         CHECK(scene.leastGap(end, limit) > -5e-3);
         if (limit >= 2) continue;
-        // A little more has no place beside the last one, or only inside another body.
+        // A slightly larger one fits nowhere near the last, or only inside another body.
         const double more = limit + 0.02;
         for (const auto& x : touching(scene, bodiesOf<Dim>(site), more))
             if (length(x - end) < 0.1) CHECK(scene.leastGap(x, more) < 5e-3);
