@@ -2,9 +2,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/densify/acceptance.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
-#include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -176,15 +176,7 @@ private:
     }
     /// Whether the pack as given is what is asked for, but for its density.
     bool standsApart() const {
-        const auto spheres = withShell(result_.spheres);
-        if (checkOverlap(spheres).pairs > 0) return false;
-        const auto sampler = domain_->sampler();
-        return std::all_of(spheres.begin() + static_cast<std::ptrdiff_t>(options_.fixed),
-                           spheres.end(), [&](const Sphere<Dim>& s) {
-                               return !sampler->isWallCloser(s.center,
-                                                             s.radius * (1 - kVerifyTolerance)) &&
-                                      sampler->contains(s.center);
-                           });
+        return isAccepted(withShell(result_.spheres), options_.fixed, *domain_);
     }
     double reachedFraction() const { return fractionOf(result_.spheres); }
 

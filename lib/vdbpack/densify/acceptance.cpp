@@ -1,0 +1,47 @@
+#include "vdbpack/densify/acceptance.h"
+
+#include "vdbpack/core/cell_levels.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+template <int Dim>
+bool isAnyOverlap(const std::vector<Sphere<Dim>>& spheres) {
+    requireUsable(spheres);
+    std::atomic<bool> found{false};
+    const CellLevels<Dim> cells(spheres);
+    cells.forEachPair(
+        [&](std::uint32_t, const Sphere<Dim>& a, std::uint32_t, const Sphere<Dim>& b,
+            double square) {
+            const double overlap =
+                (a.radius + b.radius - std::sqrt(square)) / std::min(a.radius, b.radius);
+            if (overlap > kAcceptedOverlap) found = true;
+        },
+        [&] { return found.load(std::memory_order_relaxed); });
+    return found;
+}
+
+}  // namespace
+
+template <int Dim>
+bool isAccepted(const std::vector<Sphere<Dim>>& spheres, std::size_t fixed,
+                const Domain<Dim>& domain) {
+    if (isAnyOverlap(spheres)) return false;
+    const auto sampler = domain.sampler();
+    return std::all_of(spheres.begin() + static_cast<std::ptrdiff_t>(fixed), spheres.end(),
+                       [&](const Sphere<Dim>& s) {
+                           return !sampler->isWallCloser(s.center,
+                                                         s.radius * (1 - kAcceptedOverlap)) &&
+                                  sampler->contains(s.center);
+                       });
+}
+
+template bool isAccepted<2>(const std::vector<Sphere<2>>&, std::size_t, const Domain<2>&);
+template bool isAccepted<3>(const std::vector<Sphere<3>>&, std::size_t, const Domain<3>&);
+
+}  // namespace vdbpack
