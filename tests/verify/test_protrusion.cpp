@@ -22,7 +22,7 @@ double protrusionOf(const Sphere<3>& s, const TriangleMesh& mesh) {
 
 /// The mesh check and the formula agree about every sphere, one by one.
 void requireAgreement(const std::vector<Sphere<3>>& spheres, const TriangleMesh& mesh,
-                      const Shape<3>& shape, double tolerance) {
+                      const WallShape<3>& shape, double tolerance) {
     for (const auto& s : spheres) {
         const double formula = std::max(0.0, (s.radius - shape.innerDistance(s.center)) / s.radius);
         CAPTURE(s.center.c, s.radius);
@@ -91,7 +91,7 @@ TEST_CASE("the tree finds the nearest of all triangles", "[measure]") {
 TEST_CASE("protrusion through a box of triangles is that of the formula", "[measure]") {
     const Vec<3> lo{{-4, -3, -2}}, hi{{4, 3, 2}};
     auto spheres = randomSpheres<3>(400, 11, 0.3, 5, 8);
-    const Shape<3> shape = Shape<3>::ofBox({lo, hi});
+    const WallShape<3> shape = WallShape<3>::ofBox({lo, hi});
     SECTION("of twelve triangles") {
         requireAgreement(spheres, boxMesh(lo, hi), shape, 1e-12);
     }
@@ -130,7 +130,7 @@ TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[
         for (auto& x : s) x.center += center;
         return s;
     }();
-    const auto shape = Shape<3>::ofBall(10, center);
+    const auto shape = WallShape<3>::ofBall(10, center);
     // The facets of level 5 lie up to 0.005 mm inside the sphere, the smallest radius is 0.5 mm.
     requireAgreement(spheres, ballMesh(10, 5, center), shape, 0.02);
     requireAgreement(spheres, uvBallMesh(10, 120, 160, center), shape, 0.02);
@@ -214,9 +214,9 @@ TEST_CASE("unusable meshes are refused", "[measure]") {
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.vertices[2][1] = std::numeric_limits<double>::quiet_NaN();
     REQUIRE_THROWS_AS(checkProtrusion({}, mesh), InputError);
-    REQUIRE_THROWS_AS(checkProtrusion(std::vector<Sphere<2>>{}, std::vector<WallSegment>{}),
+    REQUIRE_THROWS_AS(checkProtrusion(std::vector<Sphere<2>>{}, std::vector<WallPiece<2>>{}),
                       InputError);
-    Shape<3> shape = Shape<3>::ofBall(1);
+    WallShape<3> shape = WallShape<3>::ofBall(1);
     shape.clips = {{{{0, 0, 0}}, 1}};
     REQUIRE_THROWS_AS(checkProtrusion(std::vector<Sphere<3>>{}, shape), ParameterError);
 }
@@ -235,13 +235,13 @@ TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[measur
 }
 
 TEST_CASE("formulas of shapes give distances inside and outside", "[measure]") {
-    const auto box = Shape<2>::ofBox({{{0, 0}}, {{4, 2}}});
+    const auto box = WallShape<2>::ofBox({{{0, 0}}, {{4, 2}}});
     REQUIRE(box.innerDistance({{1, 1.5}}) == Approx(0.5));
     REQUIRE(box.innerDistance({{-3, -4}}) == Approx(-5));
-    const auto disc = Shape<2>::ofBall(3, {{1, 1}});
+    const auto disc = WallShape<2>::ofBall(3, {{1, 1}});
     REQUIRE(disc.innerDistance({{1, 2}}) == Approx(2));
     REQUIRE(disc.innerDistance({{1, 6}}) == Approx(-2));
-    auto can = Shape<3>::ofCylinder(5, 8);
+    auto can = WallShape<3>::ofCylinder(5, 8);
     REQUIRE(can.innerDistance({{3, 0, 0}}) == Approx(2));
     REQUIRE(can.innerDistance({{0, 0, -3}}) == Approx(1));
     REQUIRE(can.innerDistance({{8, 0, 8}}) == Approx(-5));
@@ -258,8 +258,8 @@ TEST_CASE("circles against a slice: segments, shape and mesh agree", "[measure]"
     const double height = 3;
     const auto ball = hollowBallMesh(10, 5, 5);
     const auto segments = sliceSegments(ball, height);
-    const auto outer = sliceShape(Shape<3>::ofBall(10), height);
-    const auto inner = sliceShape(Shape<3>::ofBall(5), height);
+    const auto outer = sliceShape(WallShape<3>::ofBall(10), height);
+    const auto inner = sliceShape(WallShape<3>::ofBall(5), height);
     REQUIRE(outer->radius == Approx(std::sqrt(91.0)));
     REQUIRE(inner->radius == Approx(4));
     for (const auto& c : randomSpheres<2>(400, 24, 0.4, 3, 6)) {
@@ -269,8 +269,8 @@ TEST_CASE("circles against a slice: segments, shape and mesh agree", "[measure]"
         REQUIRE(check.closed);
         REQUIRE(check.max == Approx(formula).margin(0.03));
     }
-    REQUIRE_FALSE(sliceShape(Shape<3>::ofBall(10), 10.5));
-    REQUIRE(sliceShape(Shape<3>::ofCylinder(2, 6), 2.9)->radius == 2);
+    REQUIRE_FALSE(sliceShape(WallShape<3>::ofBall(10), 10.5));
+    REQUIRE(sliceShape(WallShape<3>::ofCylinder(2, 6), 2.9)->radius == 2);
     REQUIRE(sliceSegments(ball, 11).empty());
     // The plane through the vertices of a box: once, closed.
     const auto box = subdivided(boxMesh({{-1, -1, -1}}, {{1, 1, 1}}));

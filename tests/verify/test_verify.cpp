@@ -231,7 +231,7 @@ TEST_CASE("a result is shown with ids, positions and a verdict", "[measure]") {
     pack.spheres[31].radius = 3.5;
     result = verifyPack(pack);
     result.protrusion =
-        checkProtrusion(pack.spheres, Shape<3>::ofBox({{{0, 0, 0}}, {{10, 10, 10}}}));
+        checkProtrusion(pack.spheres, WallShape<3>::ofBox({{{0, 0, 0}}, {{10, 10, 10}}}));
     result.ks = 0.5;
     REQUIRE_FALSE(result.passed());
     const auto json = toJson(result, pack);

@@ -1,6 +1,7 @@
 // Domains given by a formula: box, ball, cylinder, rectangle, disc, with exact distances.
 #pragma once
 
+#include "vdbpack/core/half_space.h"
 #include "vdbpack/domain/domain.h"
 
 #include <memory>
@@ -18,13 +19,6 @@ std::shared_ptr<const Domain<Dim>> ballDomain(double radius, const Vec<Dim>& cen
 /// A cylinder about the z axis, from -height/2 to height/2.
 /// @throws ParameterError unless radius and height (mm) are positive.
 std::shared_ptr<const Domain<3>> cylinderDomain(double radius, double height);
-
-/// The side n.x <= offset of a plane (2D: line); `normal` need not have length one.
-template <int Dim>
-struct HalfSpace {
-    Vec<Dim> normal;
-    double offset = 0;
-};
 
 /// `domain` cut by half-spaces: the points of `domain` inside all of them. Distances inside
 /// stay exact; outside, the signs are right and distances are to the nearest wall of the parts,

@@ -87,29 +87,32 @@ std::optional<NamedShape> parseShape(const std::string& text) {
     NamedShape shape;
     if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
-        const auto box = boxFrom<3>(text, numbersIn(text, rest, form), form);
-        shape.space = boxDomain<3>(box);
-        shape.shape3 = Shape<3>::ofBox(box);
+        shape.kind = NamedShape::Kind::box;
+        shape.box = boxFrom<3>(text, numbersIn(text, rest, form), form);
+        shape.space = boxDomain<3>(shape.box);
     } else if (kind == "rect") {
         const char* form = "rect:W,H or rect:x0,y0,x1,y1";
-        const auto box = boxFrom<2>(text, numbersIn(text, rest, form), form);
-        shape.plane = boxDomain<2>(box);
-        shape.shape2 = Shape<2>::ofBox(box);
+        shape.kind = NamedShape::Kind::rect;
+        shape.rect = boxFrom<2>(text, numbersIn(text, rest, form), form);
+        shape.plane = boxDomain<2>(shape.rect);
     } else if (kind == "cylinder") {
         const auto v = numbersIn(text, rest, "cylinder:R,H");
         if (v.size() != 2) malformed(text, "cylinder:R,H");
+        shape.kind = NamedShape::Kind::cylinder;
+        shape.radius = v[0];
+        shape.height = v[1];
         shape.space = cylinderDomain(v[0], v[1]);
-        shape.shape3 = Shape<3>::ofCylinder(v[0], v[1]);
     } else if (kind == "ball" || kind == "disc") {
         const char* form = kind == "ball" ? "ball:R" : "disc:R";
         const auto v = numbersIn(text, rest, form);
         if (v.size() != 1) malformed(text, form);
+        shape.radius = v[0];
         if (kind == "ball") {
+            shape.kind = NamedShape::Kind::ball;
             shape.space = ballDomain<3>(v[0]);
-            shape.shape3 = Shape<3>::ofBall(v[0]);
         } else {
+            shape.kind = NamedShape::Kind::disc;
             shape.plane = ballDomain<2>(v[0]);
-            shape.shape2 = Shape<2>::ofBall(v[0]);
         }
     } else {
         return std::nullopt;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/verify/verify.h"
 
 #include <memory>
 #include <optional>
@@ -11,12 +10,17 @@
 
 namespace vdbpack {
 
-/// A domain given by a formula, and the same shape for checks; those of its dimension are set.
+/// A domain given by a formula, with the numbers of its text.
 struct NamedShape {
-    std::shared_ptr<const Domain<3>> space;
+    enum class Kind { box, ball, cylinder, rect, disc };
+
+    Kind kind = Kind::box;
+    Box<3> box;                              ///< kind box
+    Box<2> rect;                             ///< kind rect
+    double radius = 0;                       ///< kind ball, cylinder, disc; mm
+    double height = 0;                       ///< kind cylinder, centered at the origin; mm
+    std::shared_ptr<const Domain<3>> space;  ///< null: `plane` is set
     std::shared_ptr<const Domain<2>> plane;
-    std::optional<Shape<3>> shape3;
-    std::optional<Shape<2>> shape2;
 };
 
 /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R,

@@ -41,6 +41,23 @@ std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, doubl
     return lines;
 }
 
+/// The wall of a shape, as verify knows it.
+WallShape<3> spaceWall(const NamedShape& shape) {
+    switch (shape.kind) {
+        case NamedShape::Kind::ball:
+            return WallShape<3>::ofBall(shape.radius);
+        case NamedShape::Kind::cylinder:
+            return WallShape<3>::ofCylinder(shape.radius, shape.height);
+        default:
+            return WallShape<3>::ofBox(shape.box);
+    }
+}
+
+WallShape<2> planeWall(const NamedShape& shape) {
+    return shape.kind == NamedShape::Kind::disc ? WallShape<2>::ofBall(shape.radius)
+                                                : WallShape<2>::ofBox(shape.rect);
+}
+
 /// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
 /// mesh about the origin (within so many of its lengths) are how it was made.
 constexpr double kStepOfEdge = 0.02, kFarOff = 20;
@@ -76,8 +93,10 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     if (const auto shape = parseShape(text)) {
         space_ = shape->space;
         plane_ = shape->plane;
-        shape3_ = shape->shape3;
-        shape2_ = shape->shape2;
+        if (plane_)
+            wall2_ = planeWall(*shape);
+        else
+            wall3_ = spaceWall(*shape);
         if (slice_ && plane_)
             throw ParameterError("--slice cuts a domain of space; '" + text + "' is plane already");
         return;
@@ -220,42 +239,35 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
 }
 
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) const {
-    if (shape3_) {
-        Shape<3> shape = *shape3_;
-        shape.clips = clips_;
-        return checkProtrusion(spheres, shape);
+    if (wall3_) {
+        WallShape<3> wall = *wall3_;
+        wall.clips = clips_;
+        return checkProtrusion(spheres, wall);
     }
     return checkProtrusion(spheres, *mesh_, clips_);
 }
 
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
-    if (shape2_ || shape3_) {
-        auto shape = shape2_ ? shape2_ : sliceShape(*shape3_, *slice_);
-        if (!shape)
-            throw InputError(fmt::format("--slice z={} misses {}", *slice_, recipe_.source));
-        shape->clips = inPlane(clips_, slice_.value_or(0));
-        return checkProtrusion(circles, *shape);
+    if (wall2_ || wall3_) {
+        auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *slice_);
+        if (!wall) throw InputError(fmt::format("--slice z={} misses {}", *slice_, recipe_.source));
+        wall->clips = inPlane(clips_, slice_.value_or(0));
+        return checkProtrusion(circles, *wall);
     }
     return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
 }
 
 std::vector<float> DomainSource::depths(const std::vector<Sphere<3>>& spheres,
                                         const Domain<3>& domain) const {
-    std::vector<std::array<Vec<3>, 3>> wall;
-    if (mesh_) {
-        wall.reserve(mesh_->triangles.size());
-        for (const auto& t : mesh_->triangles)
-            wall.push_back({mesh_->vertices[t[0]], mesh_->vertices[t[1]], mesh_->vertices[t[2]]});
-    }
+    std::vector<WallPiece<3>> wall;
+    if (mesh_) wall = wallPieces(*mesh_);
     return centerDepths<3>(spheres, domain, wall, clips_);
 }
 
 std::vector<float> DomainSource::depths(const std::vector<Sphere<2>>& circles,
                                         const Domain<2>& domain) const {
-    std::vector<std::array<Vec<2>, 2>> wall;
-    if (mesh_)
-        for (const auto& segment : sliceSegments(*mesh_, *slice_))
-            wall.push_back({segment.a, segment.b});
+    std::vector<WallPiece<2>> wall;
+    if (mesh_) wall = sliceSegments(*mesh_, *slice_);
     return centerDepths<2>(circles, domain, wall,
                            mesh_ ? inPlane(clips_, *slice_) : std::vector<HalfSpace<2>>{});
 }

@@ -104,8 +104,8 @@ private:
     std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
     std::shared_ptr<const Domain<3>> space_;   ///< of a shape
     std::shared_ptr<const Domain<2>> plane_;
-    std::optional<Shape<3>> shape3_;  ///< the same for checks
-    std::optional<Shape<2>> shape2_;
+    std::optional<WallShape<3>> wall3_;  ///< the same for checks
+    std::optional<WallShape<2>> wall2_;
     std::vector<HalfSpace<3>> clips_;
     std::optional<double> slice_;
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;

@@ -1,0 +1,36 @@
+// Overlaps of the spheres of a pack.
+#pragma once
+
+#include "vdbpack/core/sphere.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Overlaps and protrusions above this share of a radius are counted.
+inline constexpr double kVerifyTolerance = 1e-6;
+/// How many of the worst pairs and spheres are named.
+inline constexpr std::size_t kWorstNamed = 10;
+
+struct OverlapPair {
+    std::size_t i = 0, j = 0;  ///< indices into the pack, i < j
+    double overlap = 0;        ///< share of the smaller radius
+};
+
+struct OverlapCheck {
+    double max = 0;           ///< largest (r_i + r_j - distance) / min(r_i, r_j); 0 without overlap
+    std::uint64_t pairs = 0;  ///< pairs above `kVerifyTolerance`
+    bool complete = true;     ///< false: counting stopped early, `pairs` is a lower bound
+    std::vector<OverlapPair> worst;  ///< up to `kWorstNamed` of them, by falling overlap
+};
+
+/// All overlaps of a pack, found in cells and computed in double; any mix of sizes.
+///
+/// Cost: about 0.2 microseconds a sphere on two threads. Counting stops at 200 pairs a sphere.
+/// @throws InputError naming a sphere whose position or radius is not a usable number.
+template <int Dim>
+OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres);
+
+}  // namespace vdbpack

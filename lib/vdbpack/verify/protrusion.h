@@ -1,0 +1,53 @@
+// Protrusion of spheres from their domain.
+#pragma once
+
+#include "vdbpack/core/half_space.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/verify/wall_piece.h"
+#include "vdbpack/verify/wall_shape.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+struct ProtrudingSphere {
+    std::size_t i = 0;      ///< index into the pack
+    double protrusion = 0;  ///< share of its radius; above 1: the center is outside
+};
+
+struct ProtrusionCheck {
+    double max = 0;                    ///< largest (r - inner distance to the wall) / r; 0 without
+    std::uint64_t spheres = 0;         ///< spheres above `kVerifyTolerance`
+    std::uint64_t centersOutside = 0;  ///< of those
+    bool closed = true;  ///< false: the wall has open edges, so that the side was put to the vote
+    std::vector<ProtrudingSphere> worst;  ///< up to `kWorstNamed` of them, by falling protrusion
+};
+
+/// Protrusion through the triangles of a mesh, cut by `clips`.
+///
+/// The inner distance is exact, and negative for a center outside. A center is inside if a line
+/// from it crosses the mesh an odd number of times: nested shells bound cavities, whichever way
+/// they face. With edges that join an odd number of triangles, six lines along the axes vote.
+/// @param mesh  in the pack's coordinates, mm; need not be welded.
+/// @throws InputError for an empty mesh or one with unusable vertices or indices, or as
+/// `checkOverlap`.
+///
+/// Cost: about 2 microseconds a sphere and 1 a triangle on two threads.
+ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const TriangleMesh& mesh,
+                                const std::vector<HalfSpace<3>>& clips = {});
+
+/// The same in the plane; the segments' directions and order do not matter.
+ProtrusionCheck checkProtrusion(const std::vector<Sphere<2>>& circles,
+                                const std::vector<WallPiece<2>>& wall,
+                                const std::vector<HalfSpace<2>>& clips = {});
+
+/// Protrusion through the wall of a shape.
+/// @throws ParameterError for a clip whose normal is zero or not finite, or as `checkOverlap`.
+template <int Dim>
+ProtrusionCheck checkProtrusion(const std::vector<Sphere<Dim>>& spheres,
+                                const WallShape<Dim>& wall);
+
+}  // namespace vdbpack

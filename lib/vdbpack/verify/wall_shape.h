@@ -1,0 +1,40 @@
+// Walls given by numbers: boxes, balls, cylinders, cut by planes.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/half_space.h"
+
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// Depth of `x` below the nearest of some planes, mm; negative beyond one, infinite for none.
+template <int Dim>
+double innerDistance(const std::vector<HalfSpace<Dim>>& clips, const Vec<Dim>& x);
+
+/// A wall given by numbers; kept apart from `Domain`, which it checks.
+template <int Dim>
+struct WallShape {
+    enum class Kind { box, ball, cylinder };
+
+    Kind kind = Kind::box;
+    Box<Dim> box;                       ///< kind box
+    Vec<Dim> center;                    ///< kind ball, cylinder; mm
+    double radius = 0;                  ///< kind ball, cylinder; mm
+    double height = 0;                  ///< kind cylinder (3D, about z through `center`); mm
+    std::vector<HalfSpace<Dim>> clips;  ///< further cuts
+
+    static WallShape ofBox(const Box<Dim>& box);
+    static WallShape ofBall(double radius, const Vec<Dim>& center = {});
+    static WallShape ofCylinder(double radius, double height, const Vec<Dim>& center = {});
+
+    /// Distance to the nearest wall for a point inside, mm; negative outside (there exact for a
+    /// box, a ball and a cylinder, and at most the true distance in size once clipped).
+    double innerDistance(const Vec<Dim>& x) const;
+};
+
+/// The plane z = `height` of a shape; nothing if the plane misses it.
+std::optional<WallShape<2>> sliceShape(const WallShape<3>& shape, double height);
+
+}  // namespace vdbpack
