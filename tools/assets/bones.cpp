@@ -204,29 +204,33 @@ Sculpture mandible() {
     return s;
 }
 
-Sculpture hip() {
-    Sculpture s;
-    // The middle of the socket is the origin.
-    // Wing: u runs backward and towards the spine, v up; the normal faces forward and inward.
-    const Frame wing{
-        {{0.5, 0.8660254037844386, 0}}, {{-0.0, 0, 1}}, {{0.8660254037844386, -0.5, 0}}};
-    const V origin{{5, 5, 0}};
-    const auto height = [](double u, double v) {
-        // Seen from above the wing is an S: hollow on the inside in front (the iliac fossa), bent
-        // the other way at the joint with the sacrum; upward it leans out.
+namespace {
+
+/// The wing of the ilium, a plate: u runs backward and towards the spine, v up; the normal faces
+/// forward and inward.
+struct Wing {
+    Frame frame{{{0.5, 0.8660254037844386, 0}}, {{-0.0, 0, 1}}, {{0.8660254037844386, -0.5, 0}}};
+    V origin{{5, 5, 0}};
+
+    /// Seen from above the wing is an S: hollow on the inside in front (the iliac fossa), bent the
+    /// other way at the joint with the sacrum; upward it leans out.
+    static double height(double u, double v) {
         const double t = (u - 20) / 80;
         const double lift = v > 0 ? v * v / (v * v + 60 * 60) : 0.0;
         return (-22 + 28 * t * t + 14 * t) * lift - 3;
-    };
-    const auto onWing = [&](double u, double v) {
-        return origin + u * wing.x + v * wing.y + height(u, v) * wing.z;
-    };
-    s.add(plate({origin,
-                 wing,
+    }
+    V at(double u, double v) const {
+        return origin + u * frame.x + v * frame.y + height(u, v) * frame.z;
+    }
+};
+
+void addWing(Sculpture& s, const Wing& wing) {
+    s.add(plate({wing.origin,
+                 wing.frame,
                  {{-58, 86}, {-50, 104}, {-30, 120}, {0, 130},  {32, 129}, {62, 117}, {86, 98},
                   {98, 79},  {95, 61},   {80, 52},   {62, 49},  {46, 44},  {38, 30},  {37, 5},
                   {30, -18}, {0, -22},   {-18, -8},  {-24, 18}, {-31, 40}, {-44, 62}},
-                 height,
+                 Wing::height,
                  [](double u, double v) {
                      // Thinnest in the middle of the fossa, thick towards the socket.
                      const double a = (u + 2) * (u + 2) / 5200 + (v - 88) * (v - 88) / 3600;
@@ -240,32 +244,24 @@ Sculpture hip() {
         const double uvr[][3] = {{-54, 86, 5.5}, {-47, 100, 5.2}, {-31, 114, 7}, {-8, 123, 6},
                                  {14, 126, 5},   {36, 122, 5.2},  {60, 112, 6},  {80, 95, 7},
                                  {91, 78, 7},    {88, 65, 6}};
-        for (const auto& c : uvr) crest.push_back({onWing(c[0], c[1]), c[2]});
+        for (const auto& c : uvr) crest.push_back({wing.at(c[0], c[1]), c[2]});
         s.add(roundTube(crest), 8);
     }
     // Front edge with its two spines.
-    s.add(ellipsoid(onWing(-55, 84), {{6, 6, 8}}), 6);
-    s.add(roundTube({{onWing(-47, 70), 4.2},
-                     {onWing(-37, 52), 4.8},
-                     {onWing(-28, 36), 8.5},
-                     {onWing(-20, 14), 9}}),
+    s.add(ellipsoid(wing.at(-55, 84), {{6, 6, 8}}), 6);
+    s.add(roundTube({{wing.at(-47, 70), 4.2},
+                     {wing.at(-37, 52), 4.8},
+                     {wing.at(-28, 36), 8.5},
+                     {wing.at(-20, 14), 9}}),
           9);
     // Joint with the sacrum: a thick ear-shaped area behind, on the inside.
-    s.add(tube({{onWing(58, 54) + 4.0 * wing.z, 9, 7, wing.y},
-                {onWing(66, 70) + 5.0 * wing.z, 13, 9, wing.y},
-                {onWing(80, 80) + 4.0 * wing.z, 12, 8, wing.y}}),
+    s.add(tube({{wing.at(58, 54) + 4.0 * wing.frame.z, 9, 7, wing.frame.y},
+                {wing.at(66, 70) + 5.0 * wing.frame.z, 13, 9, wing.frame.y},
+                {wing.at(80, 80) + 4.0 * wing.frame.z, 12, 8, wing.frame.y}}),
           12);
-    // Brim of the pelvis, from that joint to the pubis.
-    s.add(roundTube({{onWing(52, 52) + 3.0 * wing.z, 8},
-                     {{{28, 30, 30}}, 9.5},
-                     {{{22, 8, 14}}, 12},
-                     {{{26, -16, 4}}, 11.5},
-                     {{{46, -33, 0}}, 9.5},
-                     {{{66, -42, -9}}, 9.5}}),
-          14);
-    // Socket.
-    const V facing = normalized(V{{-0.78, -0.3, -0.55}});
-    const Frame cup = Frame::of(facing, kZ);
+}
+
+void addSocket(Sculpture& s, const V& facing, const Frame& cup) {
     s.add(ellipsoid(-11.0 * facing, {{35, 35, 25}}, cup), 14);
     // Its rim, open below.
     {
@@ -277,6 +273,9 @@ Sculpture hip() {
             rim.push_back({5.0 * facing + 29.0 * normalized(a[0] * right + a[1] * up), 3.6});
         s.add(roundTube(rim), 7);
     }
+}
+
+void addIschiumAndPubis(Sculpture& s) {
     // Ischium down to the tuberosity, and its branch to the pubis.
     s.add(tube({{{{16, 26, 22}}, 12, 15, kX},
                 {{{18, 27, -10}}, 13, 17, kX},
@@ -299,7 +298,11 @@ Sculpture hip() {
                 {{{75, -40, -42}}, 9, 6.5, {{0.6, 0.8, 0}}}}),
           10);
     s.add(ellipsoid({{66, -48, -7}}, {{6, 5, 5}}), 8);
-    // Cavity of the joint, its rough floor, and the gap in the lower rim.
+}
+
+/// The cavity of the joint.
+void cutSocket(Sculpture& s, const V& facing, const Frame& cup) {
+    // With its rough floor, and the gap in the lower rim.
     s.cut(ellipsoid({{0, 0, 0}}, {{26.5, 26.5, 26.5}}), 2.5);
     const V down = normalized(-1.0 * (kZ - facing * dot(kZ, facing)) - 0.25 * kY);
     s.cut(ellipsoid(-13.0 * facing + 3.0 * down, {{15, 15, 15.5}}, cup), 3);
@@ -307,23 +310,47 @@ Sculpture hip() {
                      {-3.0 * facing + 24.0 * down, 10},
                      {6.0 * facing + 42.0 * down, 11}}),
           7);
+}
+
+}  // namespace
+
+Sculpture hip() {
+    Sculpture s;
+    // The middle of the socket is the origin.
+    const Wing wing;
+    const V facing = normalized(V{{-0.78, -0.3, -0.55}});
+    const Frame cup = Frame::of(facing, kZ);
+    addWing(s, wing);
+    // Brim of the pelvis, from that joint to the pubis.
+    s.add(roundTube({{wing.at(52, 52) + 3.0 * wing.frame.z, 8},
+                     {{{28, 30, 30}}, 9.5},
+                     {{{22, 8, 14}}, 12},
+                     {{{26, -16, 4}}, 11.5},
+                     {{{46, -33, 0}}, 9.5},
+                     {{{66, -42, -9}}, 9.5}}),
+          14);
+    addSocket(s, facing, cup);
+    addIschiumAndPubis(s);
+    cutSocket(s, facing, cup);
     return s;
 }
 
-Sculpture skull() {
-    // Heights: the lower rim of the orbits and the ear canal lie at z = -24.
-    auto vault = std::make_shared<Sculpture>(true);
-    vault->add(ellipsoid({{0, 19, 24}}, {{69, 70, 67}}), 0);
-    vault->add(ellipsoid({{0, -31, 31}}, {{50, 54, 52}}), 28);
-    vault->add(ellipsoid({{0, 48, -2}}, {{52, 41, 40}}), 24);
-    vault->add(ellipsoid({{0, 8, -13}}, {{58, 54, 33}}), 22);
+namespace {
 
-    // The brain's room: the vault less its wall, and less the bone of the base.
+/// The right orbit: its apex, the middle of its opening, and the frame with z from one to the
+/// other.
+struct Orbit {
+    V apex{{12, -34, -10}};
+    V socket{{31, -74, -7}};
+    Frame gaze = Frame::of(socket - apex, kX);
+};
+
+/// The brain's room: the vault less its wall, and less the bone of the base.
+std::shared_ptr<Sculpture> brainCavity(const std::shared_ptr<Sculpture>& vault,
+                                       const Orbit& orbit) {
+    const auto& [apex, socket, gaze] = orbit;
     auto cavity = std::make_shared<Sculpture>(true);
     cavity->add(insetOf(vault, 6.0), 0);
-    const V apex{{12, -34, -10}};
-    const V socket{{31, -74, -7}};
-    const Frame gaze = Frame::of(socket - apex, kX);
     // Roofs of the orbits, and the middle of the base.
     cavity->cut(tube({{socket - 12.0 * gaze.z, 26, 24, gaze.x}, {apex, 15, 14, gaze.x}}), 8);
     cavity->cut(roundTube({{{{0, -90, -16}}, 20},
@@ -333,8 +360,11 @@ Sculpture skull() {
                 8);
     cavity->cut(roundTube({{{{12, -4, -38}}, 9}, {{{34, 4, -30}}, 9}, {{{56, 14, -24}}, 8}}), 8);
 
-    Sculpture s(true);
-    s.add(insetOf(vault, 0), 0);
+    return cavity;
+}
+
+void addFace(Sculpture& s, const Orbit& orbit) {
+    const auto& [apex, socket, gaze] = orbit;
     // Face: the block between the orbits and the teeth.
     s.add(tube({{{{0, -58, -14}}, 20, 26, kX},
                 {{{0, -63, -38}}, 31, 21, kX},
@@ -393,6 +423,9 @@ Sculpture skull() {
                 {{{17, -30, -42}}, 4, 7, kX},
                 {{{18, -29, -57}}, 3, 4, kX}}),
           8);
+}
+
+void addProcesses(Sculpture& s) {
     // Temporal and occipital processes.
     s.add(roundTube({{{{53, 20, -22}}, 16}, {{{53, 20, -38}}, 12}, {{{50, 17, -51}}, 7}}), 12);
     s.add(roundTube({{{{12, 12, -44}}, 5}, {{{17, 22, -44}}, 5}}), 6);
@@ -402,8 +435,10 @@ Sculpture skull() {
                      {{{50, 50, -20}}, 4}}),
           12);
     s.cut(ellipsoid({{68, 8, -29}}, {{14, 3.4, 4.2}}), 3);
+}
 
-    s.cut(insetOf(cavity, 0), 2);
+void cutOpenings(Sculpture& s, const Orbit& orbit) {
+    const auto& [apex, socket, gaze] = orbit;
     // Orbits.
     s.cut(tube({{socket + 20.0 * gaze.z, 20, 16, gaze.x},
                 {socket - 4.0 * gaze.z, 19, 15.8, gaze.x},
@@ -426,7 +461,9 @@ Sculpture skull() {
         3);
     // The way out for the spinal cord.
     s.cut(tube({{{{0, 24, -22}}, 14, 17, kX}, {{{0, 26, -66}}, 14.5, 17.5, kX}}), 4);
+}
 
+void addUpperTeeth(Sculpture& s) {
     const double z = -64;
     for (const Tooth& t :
          std::vector<Tooth>{{{{4.1, -83.5, z}}, {{0.1, -1, 0}}, 4.1, 3.4, 10.5, false},
@@ -437,6 +474,28 @@ Sculpture skull() {
                             {{{25.4, -53.2, z}}, {{0.96, -0.26, 0}}, 5.3, 5.3, 7.8, true},
                             {{{28.0, -43.0, z}}, {{0.97, -0.22, 0}}, 5.1, 5.2, 7.4, true}})
         addTooth(s, t, -1);
+}
+
+}  // namespace
+
+Sculpture skull() {
+    // Heights: the lower rim of the orbits and the ear canal lie at z = -24.
+    auto vault = std::make_shared<Sculpture>(true);
+    vault->add(ellipsoid({{0, 19, 24}}, {{69, 70, 67}}), 0);
+    vault->add(ellipsoid({{0, -31, 31}}, {{50, 54, 52}}), 28);
+    vault->add(ellipsoid({{0, 48, -2}}, {{52, 41, 40}}), 24);
+    vault->add(ellipsoid({{0, 8, -13}}, {{58, 54, 33}}), 22);
+
+    const Orbit orbit;
+    const auto cavity = brainCavity(vault, orbit);
+
+    Sculpture s(true);
+    s.add(insetOf(vault, 0), 0);
+    addFace(s, orbit);
+    addProcesses(s);
+    s.cut(insetOf(cavity, 0), 2);
+    cutOpenings(s, orbit);
+    addUpperTeeth(s);
     return s;
 }
 
