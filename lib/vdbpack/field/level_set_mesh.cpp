@@ -5,9 +5,7 @@
 #include "vdbpack/field/vdb_grid.h"
 
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
 #include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/ValueTransformer.h>
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <cmath>
@@ -140,13 +138,13 @@ TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
     const openvdb::math::Transform transform = grid->transform();
     // Contoured in voxels and moved in double: a translation far from zero would cost digits.
     grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
-    openvdb::tools::VolumeToMesh mesher(0.0);
-    mesher(*grid);
+    std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec4I> quads;
+    openvdb::tools::volumeToMesh(*grid, points, quads);
 
     TriangleMesh mesh;
-    mesh.vertices.reserve(mesher.pointListSize());
-    for (std::size_t i = 0; i < mesher.pointListSize(); ++i) {
-        const openvdb::Vec3s& p = mesher.pointList()[i];
+    mesh.vertices.reserve(points.size());
+    for (const openvdb::Vec3s& p : points) {
         const openvdb::Vec3d x = transform.indexToWorld(openvdb::Vec3d(p));
         mesh.vertices.push_back({{x[0], x[1], x[2]}});
         if (!isFinite(mesh.vertices.back()))
@@ -164,17 +162,10 @@ TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
         else
             mesh.triangles.push_back({a, c, b});
     };
-    for (std::size_t i = 0; i < mesher.polygonPoolListSize(); ++i) {
-        const auto& pool = mesher.polygonPoolList()[i];
-        for (std::size_t k = 0; k < pool.numQuads(); ++k) {
-            const openvdb::Vec4I& q = pool.quad(k);
-            add(q[0], q[1], q[2]);
-            add(q[0], q[2], q[3]);
-        }
-        for (std::size_t k = 0; k < pool.numTriangles(); ++k) {
-            const openvdb::Vec3I& t = pool.triangle(k);
-            add(t[0], t[1], t[2]);
-        }
+    mesh.triangles.reserve(2 * quads.size());
+    for (const openvdb::Vec4I& q : quads) {
+        add(q[0], q[1], q[2]);
+        add(q[0], q[2], q[3]);
     }
     if (mesh.triangles.empty())
         throw InputError(
@@ -202,10 +193,8 @@ std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::
         grid->transform().postScale(scale);
         if (scale != 1) {
             // Every value, in the band or not, is a distance.
-            const auto inMm = [&](const auto& value) {
+            for (auto value = grid->beginValueAll(); value; ++value)
                 value.setValue(*value * static_cast<float>(scale));
-            };
-            openvdb::tools::foreach (grid->beginValueAll(), inMm);
             openvdb::tools::changeBackground(grid->tree(),
                                              grid->background() * static_cast<float>(scale));
         }

@@ -2,10 +2,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/field/vdb_check.h"
+#include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,7 @@
 #include "vdbpack/field/vdb_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/narrow_band.h"
 #include "vdbpack/field/surface_level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
@@ -9,9 +10,8 @@
 #include <fmt/format.h>
 #include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/MeshToVolume.h>
 #include <openvdb/tools/Prune.h>
-#include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -27,41 +27,6 @@ using openvdb::FloatGrid;
 using Leaf = FloatGrid::TreeType::LeafNodeType;
 
 constexpr float kOutsideVoxels = 3;
-
-/// Some triangles of a mesh in voxels about the origin of the lattice, in double throughout.
-class Triangles {
-public:
-    Triangles(const TriangleMesh& mesh, std::vector<std::uint32_t> chosen, const Vec<3>& origin,
-              double voxelSize)
-        : mesh_(mesh), chosen_(std::move(chosen)), origin_(origin), inverse_(1 / voxelSize) {}
-
-    std::size_t polygonCount() const {
-        return chosen_.empty() ? mesh_.triangles.size() : chosen_.size();
-    }
-    std::size_t pointCount() const { return mesh_.vertices.size(); }
-    std::size_t vertexCount(std::size_t) const { return 3; }
-    void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& p) const {
-        const std::size_t triangle = chosen_.empty() ? polygon : chosen_[polygon];
-        const Vec<3> x = mesh_.vertices[mesh_.triangles[triangle][corner]] - origin_;
-        p = openvdb::Vec3d(x[0] * inverse_, x[1] * inverse_, x[2] * inverse_);
-    }
-
-private:
-    const TriangleMesh& mesh_;
-    std::vector<std::uint32_t> chosen_;  // all, if empty
-    Vec<3> origin_;
-    double inverse_;
-};
-
-/// What OpenVDB asks, from any thread, whether to go on.
-struct Interrupter {
-    explicit Interrupter(const Callbacks& callbacks) : request(callbacks.cancelled) {}
-    void start(const char* = nullptr) {}
-    void end() {}
-    bool wasInterrupted(int = -1) { return request.made(); }
-
-    StopRequest request;
-};
 
 }  // namespace
 
@@ -102,7 +67,6 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
                    double voxelSize, double depth, const Callbacks& callbacks)
     : impl_(std::make_unique<Impl>()) {
     initializeOpenVdb();
-    Interrupter interrupter(callbacks);
     const double insideVoxels =
         std::max(static_cast<double>(kOutsideVoxels), std::ceil(depth / voxelSize) + 1);
     impl_->voxelSize = voxelSize;
@@ -112,21 +76,17 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
     const int deepest = depthOfTriangle.empty()
                             ? 0
                             : *std::max_element(depthOfTriangle.begin(), depthOfTriangle.end());
-    const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
     const auto fieldAtDepth = [&](int level) {
         std::vector<std::uint32_t> chosen;
         if (deepest > 0)
             for (std::size_t i = 0; i < depthOfTriangle.size(); ++i)
                 if (depthOfTriangle[i] == level) chosen.push_back(static_cast<std::uint32_t>(i));
-        const Triangles triangles(mesh, std::move(chosen), impl_->origin, voxelSize);
+        const LatticeMesh triangles{mesh, std::move(chosen), impl_->origin, voxelSize};
         const auto inside = static_cast<float>(insideVoxels);
         // What lies outside of a cavity's shell is inside of the bone.
         const bool cavity = level % 2 == 1;
-        auto grid = openvdb::tools::meshToVolume<FloatGrid>(
-            interrupter, triangles, *transform, cavity ? inside : kOutsideVoxels,
-            cavity ? kOutsideVoxels : inside, openvdb::tools::DISABLE_RENORMALIZATION);
-        interrupter.request.stop();  // an unfinished grid is no field
-        return grid;
+        return narrowBand(triangles, cavity ? kOutsideVoxels : inside,
+                          cavity ? inside : kOutsideVoxels, callbacks);
     };
     try {
         // Each level takes off what the next one encloses, from the inside out.

@@ -1,22 +1,23 @@
 #include "vdbpack/mesh/repair/resurface.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/narrow_band.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/repair/marching_cubes.h"
 #include "vdbpack/mesh/repair/winding_number.h"
 #include "vdbpack/mesh/vertical_line.h"
 
 #include <fmt/format.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/MeshToVolume.h>
-#include <openvdb/tree/LeafManager.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <bitset>
 #include <cmath>
 #include <new>
+#include <unordered_map>
+#include <unordered_set>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,7 @@ namespace {
 using openvdb::Coord;
 using openvdb::FloatGrid;
 using Tree = FloatGrid::TreeType;
-using MaskTree = openvdb::MaskGrid::TreeType;
+using Leaf = Tree::LeafNodeType;
 using Accessor = openvdb::tree::ValueAccessor<const Tree>;
 
 constexpr double kHalf = 0.5;
@@ -120,19 +121,7 @@ private:
 
     /// Active: all points of cells that hold a triangle, and a few more.
     void layBand() {
-        struct Adapter {
-            const TriangleMesh& mesh;
-            std::size_t polygonCount() const { return mesh.triangles.size(); }
-            std::size_t pointCount() const { return mesh.vertices.size(); }
-            std::size_t vertexCount(std::size_t) const { return 3; }
-            void getIndexSpacePoint(std::size_t t, std::size_t k, openvdb::Vec3d& p) const {
-                const Vec<3>& v = mesh.vertices[mesh.triangles[t][k]];
-                p = openvdb::Vec3d(v[0], v[1], v[2]);
-            }
-        };
-        const auto transform = openvdb::math::Transform::createLinearTransform(1);
-        grid_ = openvdb::tools::meshToVolume<FloatGrid>(Adapter{local_}, *transform, 1.8f, 1.8f,
-                                                        openvdb::tools::UNSIGNED_DISTANCE_FIELD);
+        grid_ = unsignedBand({local_, {}, {}, 1}, 1.8f, callbacks_);
         grid_->tree().voxelizeActiveTiles();
     }
 
@@ -142,42 +131,37 @@ private:
     /// unless the rim of a hole is near. So the points of a leaf that hang together take that of
     /// one of them where no rim is within a leaf's width, and a clear answer comes out alike twice.
     void evaluate() {
-        const MaskTree rims = leafsNearRims();
-        std::array<MaskTree, 3> crossed;
-        for (const Crossing& crossing : crossings_) {
-            const auto [lower, axis] = edgeOf(crossing.edge);
-            crossed[static_cast<std::size_t>(axis)].setValueOn(lower);
-        }
+        const std::unordered_set<EdgeKey> rims = leafsNearRims();
+        const auto crossed = crossedEdges();
         openvdb::tree::LeafManager<Tree> leafs(grid_->tree());
-        leafs.foreach ([&](Tree::LeafNodeType& leaf, std::size_t) {
+        leafs.foreach ([&](Leaf& leaf, std::size_t) {
             const Coord corner = leaf.origin();
-            if (rims.isValueOn(Coord(corner[0] >> 3, corner[1] >> 3, corner[2] >> 3))) {
+            if (rims.count(leafKeyOf(corner)) != 0) {
                 for (auto value = leaf.beginValueOn(); value; ++value)
                     value.setValue(windingAt(value.getCoord()));
                 return;
             }
-            std::array<const MaskTree::LeafNodeType*, 3> walls{};
-            for (std::size_t d = 0; d < 3; ++d) walls[d] = crossed[d].probeConstLeaf(corner);
-            constexpr openvdb::Index kSize = Tree::LeafNodeType::SIZE;
-            constexpr int kDim = Tree::LeafNodeType::DIM;
-            std::array<char, kSize> done{};
+            const auto found = crossed.find(leafKeyOf(corner));
+            const EdgeMasks* walls = found == crossed.end() ? nullptr : &found->second;
+            constexpr int kDim = Leaf::DIM;
+            std::array<char, Leaf::SIZE> done{};
             std::vector<openvdb::Index> group;
             for (auto value = leaf.beginValueOn(); value; ++value) {
                 if (done[value.pos()] != 0) continue;
                 group.assign(1, value.pos());
                 done[value.pos()] = 1;
                 for (std::size_t k = 0; k < group.size(); ++k) {
-                    const Coord p = Tree::LeafNodeType::offsetToLocalCoord(group[k]);
+                    const Coord p = Leaf::offsetToLocalCoord(group[k]);
                     for (int axis = 0; axis < 3; ++axis)
                         for (int way = -1; way <= 1; way += 2) {
                             Coord q = p;
                             q[axis] += way;
                             if (q[axis] < 0 || q[axis] >= kDim) continue;
-                            const openvdb::Index at = Tree::LeafNodeType::coordToOffset(q);
+                            const openvdb::Index at = Leaf::coordToOffset(q);
                             if (done[at] != 0 || !leaf.isValueOn(at)) continue;
-                            const auto* wall = walls[static_cast<std::size_t>(axis)];
                             const openvdb::Index lower = way > 0 ? group[k] : at;
-                            if (wall != nullptr && wall->isValueOn(lower)) continue;
+                            if (walls != nullptr && (*walls)[static_cast<std::size_t>(axis)][lower])
+                                continue;
                             done[at] = 1;
                             group.push_back(at);
                         }
@@ -196,10 +180,25 @@ private:
         });
     }
 
-    /// Leafs, by their corners over eight, with an edge in them or next to them at which triangles
+    /// By leaf: the edges from its points along each axis that triangles cross.
+    using EdgeMasks = std::array<std::bitset<Leaf::SIZE>, 3>;
+    std::unordered_map<EdgeKey, EdgeMasks> crossedEdges() const {
+        std::unordered_map<EdgeKey, EdgeMasks> crossed;
+        for (const Crossing& crossing : crossings_) {
+            const auto [lower, axis] = edgeOf(crossing.edge);
+            crossed[leafKeyOf(lower)][static_cast<std::size_t>(axis)].set(
+                Leaf::coordToOffset(lower));
+        }
+        return crossed;
+    }
+    static EdgeKey leafKeyOf(const Coord& p) {
+        return keyOf(Coord(p[0] >> 3, p[1] >> 3, p[2] >> 3), 0);
+    }
+
+    /// Leafs, by their keys, with an edge in them or next to them at which triangles
     /// do not cancel.
-    MaskTree leafsNearRims() const {
-        MaskTree near;
+    std::unordered_set<EdgeKey> leafsNearRims() const {
+        std::unordered_set<EdgeKey> near;
         const EdgeTable edges(local_);
         edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                           const EdgeTable::Use* last) {
@@ -216,7 +215,7 @@ private:
                 if (at == before) continue;
                 before = at;
                 for (int i = 0; i < 27; ++i)
-                    near.setValueOn(at.offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1));
+                    near.insert(keyOf(at.offsetBy(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1), 0));
             }
         });
         return near;
