@@ -7,11 +7,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/run/convert.h"
 #include "vdbpack/run/forecast.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/study.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -25,7 +26,7 @@
 #include <exception>
 #include <memory>
 #include <new>
-#include <system_error>
+#include <variant>
 
 using namespace vdbpack;
 
@@ -106,18 +107,53 @@ void printJson(const nlohmann::ordered_json& json) {
                            2, ' ', false, nlohmann::ordered_json::error_handler_t::replace)));
 }
 
-/// A pack for each of several seeds.
-int study(const CliOptions& options, const Callbacks& callbacks) {
-    const StudyResult result = runStudy(options.pack, options.seeds, options.table, callbacks);
+template <class Result>
+void print(const Result& result, const PrintOptions& how) {
     clearProgressLine();
-    if (options.json) {
+    if (how.json)
+        printJson(toJson(result));
+    else if (!how.quiet)
+        printText(summary(result));
+}
+
+void print(const RunResult& run, const PrintOptions& how) {
+    clearProgressLine();
+    if (how.json)
+        printJson(toJson(run));
+    else if (!how.quiet)
+        printText(summary(run.report));
+}
+
+/// The exit code of a pack that must pass its checks.
+int judged(const RunResult& run) {
+    if (run.report.interrupted) return kInterrupted;
+    if (run.passed) return kDone;
+    fmt::print(stderr, "{}", failures(run));
+    return kCheckFailed;
+}
+
+int dryRun(const PackJob& job, const PrintOptions& how, const Callbacks& callbacks) {
+    const Forecast forecast = forecastPack(job, callbacks);
+    if (interrupted) return kInterrupted;
+    PrintOptions always = how;
+    always.quiet = false;
+    print(forecast, always);
+    std::fflush(stdout);
+    requireResources(forecast.needs, memoryLimit(job.memoryLimit));
+    return kDone;
+}
+
+/// A pack for each of several seeds.
+int study(const PackJob& job, const PrintOptions& how, const Callbacks& callbacks) {
+    const StudyResult result = runStudy(job, job.seeds, job.table, callbacks);
+    clearProgressLine();
+    if (how.json) {
         auto all = nlohmann::ordered_json::array();
         for (const auto& report : result.reports) all.push_back(toJson(report));
         printJson(all);
-    } else if (!options.quiet) {
+    } else if (!how.quiet) {
         printText(summary(result));
-        if (!options.table.empty() && !result.reports.empty())
-            fmt::print("written    {}\n", options.table);
+        if (!job.table.empty() && !result.reports.empty()) fmt::print("written    {}\n", job.table);
     }
     if (result.interrupted) return kInterrupted;
     if (result.passed) return kDone;
@@ -125,130 +161,65 @@ int study(const CliOptions& options, const Callbacks& callbacks) {
     return kCheckFailed;
 }
 
-int printed(const RunResult& run, const CliOptions& options) {
-    clearProgressLine();
-    if (options.json)
-        printJson(toJson(run));
-    else if (!options.quiet)
-        printText(summary(run.report));
-    return kDone;
-}
+/// Each command: runs, prints, and returns the exit code.
+struct Perform {
+    const PrintOptions& how;
+    const Callbacks& callbacks;
 
-/// The same of a pack that must pass its checks.
-int judged(const RunResult& run, const CliOptions& options) {
-    printed(run, options);
-    if (run.report.interrupted) return kInterrupted;
-    if (run.passed) return kDone;
-    fmt::print(stderr, "{}", failures(run));
-    return kCheckFailed;
-}
+    int operator()(const PackJob& job) const {
+        if (job.dryRun) return dryRun(job, how, callbacks);
+        if (job.seeds.size() > 1 || !job.table.empty()) return study(job, how, callbacks);
+        const RunResult run = runPack(recipeForSeed(job, job.seeds.front()), callbacks);
+        print(run, how);
+        return judged(run);
+    }
+    int operator()(const DensifyRecipe& recipe) const {
+        const RunResult run = runDensify(recipe, callbacks);
+        print(run, how);
+        return judged(run);
+    }
+    int operator()(const VoidsRecipe& recipe) const { return printed(runVoids(recipe, callbacks)); }
+    int operator()(const CarveRecipe& recipe) const { return printed(runCarve(recipe, callbacks)); }
+    int operator()(const VerifyRecipe& recipe) const {
+        const RunResult run = runVerify(recipe, callbacks);
+        print(run, how);
+        if (run.places && !how.json)
+            fmt::print(
+                "vacancies  {} of {} points have room for {:.5g} mm (1.02 mean radii); largest "
+                "{:.5g} mm\n",
+                run.places->count, run.places->samples, run.places->radius, run.places->largest);
+        return judged(run);
+    }
+    int operator()(const MeasureRecipe& recipe) const {
+        return printed(runMeasure(recipe, callbacks));
+    }
+    int operator()(const ConvertRecipe& recipe) const {
+        return printed(runConvert(recipe, callbacks));
+    }
+    int operator()(const MeshRecipe& recipe) const { return printed(runMesh(recipe, callbacks)); }
+
+    template <class Result>
+    int printed(const Result& result) const {
+        print(result, how);
+        return kDone;
+    }
+};
 
 /// The file that options were read from is an input like others.
 void keepConfig(const CliOptions& options) {
     if (options.config.empty()) return;
-    const auto check = [&](const auto& recipe, const std::string& report,
-                           const std::string& picture) {
-        auto outputs = recipe.outputs;
-        if (!options.table.empty()) outputs.push_back("contacts:" + options.table);
-        checkFiles(outputs, report, {options.config}, picture);
-    };
-    switch (options.command) {
-        case CliOptions::Command::pack:
-            return check(options.pack, options.pack.reportFile, options.pack.preview.file);
-        case CliOptions::Command::densify:
-            return check(options.densify, options.densify.reportFile, options.densify.preview.file);
-        case CliOptions::Command::voids:
-            return check(options.voids, options.voids.reportFile, options.voids.preview.file);
-        case CliOptions::Command::carve:
-            return check(options.carve, options.carve.reportFile, options.carve.preview.file);
-        case CliOptions::Command::measure:
-            return check(options.measure, options.measure.reportFile, {});
-        case CliOptions::Command::convert:
-            return check(options.convert, {}, options.convert.preview.file);
-        case CliOptions::Command::mesh:
-            return check(options.mesh, {}, {});
-        case CliOptions::Command::verify:
-            return;
-    }
+    const RunSettings& settings =
+        std::visit([](const auto& job) -> const RunSettings& { return job; }, options.job);
+    auto outputs = settings.outputs;
+    if (const auto* pack = std::get_if<PackJob>(&options.job); pack && !pack->table.empty())
+        outputs.push_back("contacts:" + pack->table);
+    checkFiles(outputs, settings.reportFile, {options.config}, settings.preview.file);
 }
 
 int runCommand(const CliOptions& options) {
     keepConfig(options);
-    const Callbacks callbacks = makeCallbacks(options.quiet);
-    switch (options.command) {
-        case CliOptions::Command::pack: {
-            if (options.dryRun) {
-                const Forecast forecast = forecastPack(options.pack, callbacks);
-                if (interrupted) return kInterrupted;
-                if (options.json)
-                    printJson(toJson(forecast));
-                else
-                    printText(summary(forecast));
-                std::fflush(stdout);
-                requireResources(forecast.needs, memoryLimit(options.pack.memoryLimit));
-                return kDone;
-            }
-            if (options.seeds.size() > 1 || !options.table.empty())
-                return study(options, callbacks);
-            PackRecipe recipe = options.pack;
-            for (auto& output : recipe.outputs) output = withSeed(output, recipe.seed);
-            recipe.reportFile = withSeed(recipe.reportFile, recipe.seed);
-            recipe.preview.file = withSeed(recipe.preview.file, recipe.seed);
-            const RunResult run = runPack(recipe, callbacks);
-            return judged(run, options);
-        }
-        case CliOptions::Command::densify:
-            return judged(runDensify(options.densify, callbacks), options);
-        case CliOptions::Command::voids:
-            return printed(runVoids(options.voids, callbacks), options);
-        case CliOptions::Command::carve:
-            return printed(runCarve(options.carve, callbacks), options);
-        case CliOptions::Command::verify: {
-            const RunResult run = runVerify(options.verify, callbacks);
-            clearProgressLine();
-            if (options.json)
-                printJson(toJson(run));
-            else
-                printText(summary(run.report));
-            if (run.places && !options.json)
-                fmt::print(
-                    "places     {} of {} points have room for {:.5g} mm (1.02 mean radii); "
-                    "largest {:.5g} mm\n",
-                    run.places->count, run.places->samples, run.places->radius,
-                    run.places->largest);
-            if (run.passed) return kDone;
-            fmt::print(stderr, "{}", failures(run));
-            return kCheckFailed;
-        }
-        case CliOptions::Command::measure: {
-            const MeasureResult result = runMeasure(options.measure, callbacks);
-            clearProgressLine();
-            if (options.json)
-                printJson(toJson(result));
-            else
-                printText(summary(result));
-            return kDone;
-        }
-        case CliOptions::Command::convert: {
-            const ConvertResult result = runConvert(options.convert, callbacks);
-            clearProgressLine();
-            if (options.json)
-                printJson(toJson(result));
-            else if (!options.quiet)
-                printText(summary(result));
-            return kDone;
-        }
-        case CliOptions::Command::mesh: {
-            const MeshResult result = runMesh(options.mesh, callbacks);
-            clearProgressLine();
-            if (options.json)
-                printJson(toJson(result));
-            else
-                printText(summary(result));
-            return kDone;
-        }
-    }
-    return kUsage;
+    const Callbacks callbacks = makeCallbacks(options.print.quiet);
+    return std::visit(Perform{options.print, callbacks}, options.job);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/verify/verify.h"
 
@@ -82,7 +82,7 @@ TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[
                                                     "fog:" + (scratch.file("fog.vdb")),
                                                     "levelsets:" + (scratch.file("l.vdb"))});
     recipe.density = "bulk:1000";
-    REQUIRE_THROWS_WITH(runConvert(recipe), Contains("--domain"));
+    REQUIRE_THROWS_WITH(runConvert(recipe), Contains("`domain`"));
     recipe.domain.source = "ball:2";
     recipe.outUnit = Unit::meter;
     runConvert(recipe);
@@ -126,17 +126,17 @@ TEST_CASE("solids are converted between level set and surface", "[convert]") {
 TEST_CASE("a conversion that cannot be is refused before anything is written", "[convert]") {
     const TemporaryFolder scratch;
     writePack(latticePack<3>(5, {}, 4, 1), scratch.file("p.csv"), {});
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {})), Contains("-o"));
+    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {})), Contains("`outputs`"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.csv")})),
                         Contains("input itself"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
-                        Contains("have no surface") && Contains("--domain"));
+                        Contains("have no surface") && Contains("`domain`"));
     REQUIRE_THROWS_WITH(
         runConvert(recipeFor(scratch.file("p.csv"), {"fog:" + (scratch.file("p.txt"))})),
         Contains("fog:FILE.vdb"));
     REQUIRE_THROWS_WITH(
         runConvert(recipeFor(scratch.file("p.csv"), {"solid:" + (scratch.file("p.stl"))})),
-        Contains("--grid solid -o"));
+        Contains("`packGrid` solid"));
     REQUIRE_THROWS_WITH(
         runConvert(recipeFor(scratch.file("p.csv"), {"list:" + (scratch.file("v.csv"))})),
         Contains("no list of voids"));

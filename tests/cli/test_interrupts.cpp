@@ -7,7 +7,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/verify.h"
 

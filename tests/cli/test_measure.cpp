@@ -6,6 +6,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/study.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -131,7 +132,7 @@ TEST_CASE("measure needs no domain", "[run]") {
     for (const double f : part.structure.profile->fraction) CHECK(f < 0.8);
     recipe.domain.source.clear();
     recipe.domain.unit = Unit::meter;
-    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("--pack-unit"));
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("`packUnit`"));
     recipe.domain.unit = Unit::millimeter;
     recipe.shell = 1;
     CHECK_THROWS_AS(runMeasure(recipe), ParameterError);

@@ -44,7 +44,7 @@ TEST_CASE("outputs that a run has nothing for are refused with what it has", "[o
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.vdb"}, RunKind::voids, voids, 2),
                         Contains("no level set of space"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.svg"}, RunKind::pack, none, 3), Contains("circles"));
-    REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, none), Contains("--voids"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, none), Contains("`voids`"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, thinning),
                         Contains("no voids to list"));
     REQUIRE_NOTHROW(checkOutputKinds({"list:v.csv", "p.vdb"}, RunKind::voids, voids, 3));
@@ -59,7 +59,7 @@ TEST_CASE("a bulk density is that of the spheres times their solid fraction", "[
     REQUIRE(particleDensity("", std::nullopt) == 0);
     REQUIRE(particleDensity("1900", std::nullopt) == 1900);
     REQUIRE(particleDensity("bulk:1200", 0.6) == 2000);
-    REQUIRE_THROWS_WITH(particleDensity("bulk:1200", std::nullopt), Contains("--domain"));
+    REQUIRE_THROWS_WITH(particleDensity("bulk:1200", std::nullopt), Contains("`domain`"));
     for (const char* bad : {"bulk:", "-3", "0", "heavy", "1900kg", "inf", "bulk:nan"}) {
         CAPTURE(bad);
         REQUIRE_THROWS_AS(checkDensity(bad), ParameterError);

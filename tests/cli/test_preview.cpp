@@ -3,8 +3,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/study.h"
 
 #include <catch2/catch.hpp>
 
@@ -140,10 +141,10 @@ TEST_CASE("pictures that cannot be are refused before the work", "[preview][run]
     CHECK_THROWS_WITH(runPack(flat), Catch::Contains("flat"));
     auto unseen = drawn("ball:10", "");
     unseen.preview.cut = PreviewCut{0, 0};
-    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("add --preview"));
+    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("`preview.file`"));
     unseen.preview.cut.reset();
     unseen.preview.color = PreviewColor::region;
-    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("--preview-color says how"));
+    CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("`preview.color`"));
     auto missed = drawn("ball:10", folder.file("a.png"));
     missed.preview.cut = PreviewCut{2, 11};
     CHECK_THROWS_WITH(runPack(missed),

@@ -147,7 +147,7 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     CHECK(packed.report.warnings == warned);
     MeasureRecipe measure;
     measure.pack = recipe.outputs[0];
-    CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("--pack-unit"));
+    CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("`packUnit`"));
 }
 
 TEST_CASE("ids that several spheres share are warned of", "[run]") {

@@ -431,7 +431,7 @@ TEMPLATE_TEST_CASE_SIG("steps too large for a target are told", "[run][voids]", 
     Listener listener;
     const auto run = runVoids(recipe, listener.callbacks);
     CHECK(std::fabs(*run.report.voids->bvtv - 0.9) > 0.005);
-    CHECK(listener.heard("--target-bvtv 0.9: 0."));
+    CHECK(listener.heard("`targetBvtv` 0.9: 0."));
 }
 
 TEMPLATE_TEST_CASE_SIG("carve does to a pack what pack does with the same voids", "[run][voids]",
@@ -561,15 +561,15 @@ TEST_CASE("what needs the front says so where there is none", "[run][voids]") {
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(thin); }),
                Contains("takes spheres out of a pack"));
     thin.voids = {};
-    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(thin); }), Contains("no voids are asked"));
+    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(thin); }), Contains("`voids`"));
     CarveRecipe nothing;
     nothing.pack = folder.file("p.csv");
     nothing.domain = whole.domain;
     CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }),
-               Contains("nothing is to be cut"));
+               Contains("`voids`"));
     nothing.voids = methodRecipe<3>("threshold").voids;
     nothing.domain = {};
-    CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }), Contains("--domain"));
+    CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }), Contains("`domain`"));
 }
 
 TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voids]") {
@@ -629,7 +629,7 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
         parameter, "boolean", [](R& r) { r.voids.radius = "uniform:2"; }, "uniform");
     refuse(
         input, "boolean", [](R& r) { r.voids.shell = 12; },
-        "--shell 12 mm: everything is cortical");
+        "`shell` 12 mm: everything is cortical");
     refuse(
         input, "",
         [](R& r) {

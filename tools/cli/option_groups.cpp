@@ -232,23 +232,23 @@ void addDensityOption(CLI::App& command, std::string& density) {
         ->group("Spheres");
 }
 
-void addGivenPack(CLI::App& command, GivenPack& given, const char* name, const std::string& help) {
-    command.add_option(name, given.pack, help)->required();
-    command.add_option("--domain", given.domain.source, kDomainHelp)
+void addInputPack(CLI::App& command, InputPack& input, const char* name, const std::string& help) {
+    command.add_option(name, input.pack, help)->required();
+    command.add_option("--domain", input.domain.source, kDomainHelp)
         ->option_text("DOMAIN")
         ->group("Domain");
-    addDomainOptions(command, given.domain);
-    addUnit(command, "--pack-unit", given.packUnit,
+    addDomainOptions(command, input.domain);
+    addUnit(command, "--pack-unit", input.packUnit,
             "unit of " + std::string(name) + ", if it says none");
-    addSizeOptions(command, given.radius, given.weightBy,
+    addSizeOptions(command, input.radius, input.weightBy,
                    "; to hold the radii of the pack against");
-    addContactTolerance(command, given.contactTolerance);
-    addThreads(command, given.threads, "threads");
-    addMemoryLimit(command, given.memoryLimit);
+    addContactTolerance(command, input.contactTolerance);
+    addThreads(command, input.threads, "threads");
+    addMemoryLimit(command, input.memoryLimit);
 }
 
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
-                   CliOptions& options) {
+                   PrintOptions& print) {
     command.add_option("--seed", seed, "another seed, other voids")
         ->option_text("S [1]")
         ->transform(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()))
@@ -257,9 +257,9 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
         .add_option("--report", report, "write the report as JSON, or as a page for the browser")
         ->option_text("FILE.json|.html")
         ->group("Run");
-    command.add_flag("--json", options.json, "print the report as JSON instead of the summary")
+    command.add_flag("--json", print.json, "print the report as JSON instead of the summary")
         ->group("Run");
-    command.add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+    command.add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
 }
 
 void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {

@@ -65,12 +65,12 @@ void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);
 void addDensityOption(CLI::App& command, std::string& density);
-/// A pack of a file as the positional `name`, and what to hold it against.
-void addGivenPack(CLI::App& command, vdbpack::GivenPack& given, const char* name,
+/// A pack of a file as the positional `name`, and what to compare it with.
+void addInputPack(CLI::App& command, vdbpack::InputPack& input, const char* name,
                   const std::string& help);
 /// What runs that are no study have in common.
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
-                   CliOptions& options);
+                   PrintOptions& print);
 void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);
 
 /// What there is to cut: spheres while they are packed, those of a file, or none.

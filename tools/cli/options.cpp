@@ -14,6 +14,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <limits>
 #include <memory>
 #include <utility>
@@ -51,251 +52,267 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
-CLI::App* addPack(CLI::App& app, CliOptions& options, std::string& seeds) {
+CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
-    command->add_option("DOMAIN", options.pack.domain.source, kDomainHelp);
-    addOutputs(*command, options.pack.outputs, kOutputHelp);
-    addDomainOptions(*command, options.pack.domain);
-    addUnit(*command, "--out-unit", options.pack.outUnit, "unit of what is written");
-    addSizeOptions(*command, options.pack.radius, options.pack.weightBy,
+    command->add_option("DOMAIN", job.domain.source, kDomainHelp);
+    addOutputs(*command, job.outputs, kOutputHelp);
+    addDomainOptions(*command, job.domain);
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addSizeOptions(*command, job.radius, job.weightBy,
                    " (default: uniform with ratio 1:2, about 100,000 spheres)");
     command
-        ->add_option("--target-count", options.pack.targetCount,
+        ->add_option("--target-count", job.targetCount,
                      "scale the radii so that about N spheres fill the domain (beside those of "
                      "--existing)")
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
-    command->add_option("--max-count", options.pack.maxCount, "stop when N spheres are placed")
+    command->add_option("--max-count", job.maxCount, "stop when N spheres are placed")
         ->option_text("N")
         ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
-    addChoice(*command, "--effort", options.pack.effort, kEfforts,
+    addChoice(*command, "--effort", job.effort, kEfforts,
               "fast: places as they come; normal: the tightest first; dense: more pending radii")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
-    addChoice(*command, "--order", options.pack.order, kOrders,
+    addChoice(*command, "--order", job.order, kOrders,
               "which place is taken next: the lowest along a diagonal, the nearest to the wall or "
               "to the middle, the one found first; all but sweep run on one thread, for "
               "comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
     command
-        ->add_option("--gap", options.pack.gap,
+        ->add_option("--gap", job.gap,
                      "least distance between spheres, and of spheres to the wall, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
-    addDensify(*command, options.pack.densify,
+    addDensify(*command, job.densify,
                "go on beyond the front, radii untouched: add and move spheres until the solid "
                "fraction is F, or as dense as it gets");
     command
         ->add_option(
-            "--existing", options.pack.existing,
+            "--existing", job.existing,
             "pack around the spheres of a pack file (as verify reads it); they are written "
             "again, before the others")
         ->option_text("FILE")
         ->check(notEmpty())
         ->group("Spheres");
-    addUnit(*command, "--pack-unit", options.pack.packUnit, "unit of --existing, if it says none");
-    addDensityOption(*command, options.pack.density);
-    addVoidOptions(*command, options.pack.voids, VoidsIn::pack);
+    addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if it says none");
+    addDensityOption(*command, job.density);
+    addVoidOptions(*command, job.voids, VoidsIn::pack);
     command
-        ->add_option("--seed", seeds,
-                     "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
-                     "each from one field ({seed} in names of outputs)")
+        ->add_option_function<std::string>(
+            "--seed", [&job](const std::string& text) { job.seeds = parseSeeds(text); },
+            "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
+            "each from one field ({seed} in names of outputs)")
         ->option_text("S [1]")
         ->group("Run");
-    command->add_option("--table", options.table, "write a row for each seed")
+    command->add_option("--table", job.table, "write a row for each seed")
         ->option_text("FILE.csv")
         ->group("Run");
-    addThreads(*command, options.pack.threads, "threads; the pack does not depend on it");
-    addMemoryLimit(*command, options.pack.memoryLimit);
+    addThreads(*command, job.threads, "threads; the pack does not depend on it");
+    addMemoryLimit(*command, job.memoryLimit);
     command
-        ->add_flag("--dry-run", options.dryRun,
+        ->add_flag("--dry-run", job.dryRun,
                    "tell count, solid fraction, time and memory to expect; writes nothing")
         ->group("Run");
-    addContactTolerance(*command, options.pack.contactTolerance);
+    addContactTolerance(*command, job.contactTolerance);
     command
-        ->add_option("--report", options.pack.reportFile,
+        ->add_option("--report", job.reportFile,
                      "write the report: .json for programs, .html as a page with charts for the "
                      "browser (measures more, as measure does)")
         ->option_text("FILE.json|FILE.html")
         ->group("Run");
-    addPreviewOptions(*command, options.pack.preview);
-    command->add_flag("--json", options.json, "print the report as JSON instead of the summary")
+    addPreviewOptions(*command, job.preview);
+    command->add_flag("--json", print.json, "print the report as JSON instead of the summary")
         ->group("Run");
-    command->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+    command->add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
     return command;
 }
 
-CLI::App* addVoids(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("voids", "the voids and the solid alone, without a pack")->fallthrough();
-    command->add_option("DOMAIN", options.voids.domain.source, kDomainHelp);
-    addOutputs(*command, options.voids.outputs,
+    command->add_option("DOMAIN", job.domain.source, kDomainHelp);
+    addOutputs(*command, job.outputs,
                "file to write: .vdb (level sets surface, voids, solid), .stl (of solid; "
                "surface: or voids:FILE.stl chooses), fog:FILE.vdb, list:FILE.csv for the "
                "list of voids; may be repeated");
-    addDomainOptions(*command, options.voids.domain);
-    addUnit(*command, "--out-unit", options.voids.outUnit, "unit of what is written");
-    addVoidOptions(*command, options.voids.voids, VoidsIn::nothing);
-    addRunOptions(*command, options.voids.seed, options.voids.reportFile, options);
-    addPreviewOptions(*command, options.voids.preview);
-    addThreads(*command, options.voids.threads, "threads");
-    addMemoryLimit(*command, options.voids.memoryLimit);
+    addDomainOptions(*command, job.domain);
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addVoidOptions(*command, job.voids, VoidsIn::nothing);
+    addRunOptions(*command, job.seed, job.reportFile, print);
+    addPreviewOptions(*command, job.preview);
+    addThreads(*command, job.threads, "threads");
+    addMemoryLimit(*command, job.memoryLimit);
     return command;
 }
 
-CLI::App* addCarve(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("carve", "cut voids into a pack that exists")->fallthrough();
-    addGivenPack(*command, options.carve, "PACK", kPackHelp);
-    addOutputs(*command, options.carve.outputs, kOutputHelp);
-    addUnit(*command, "--out-unit", options.carve.outUnit, "unit of what is written");
-    addDensityOption(*command, options.carve.density);
-    addVoidOptions(*command, options.carve.voids, VoidsIn::file);
-    addRunOptions(*command, options.carve.seed, options.carve.reportFile, options);
-    addPreviewOptions(*command, options.carve.preview);
+    addInputPack(*command, job, "PACK", kPackHelp);
+    addOutputs(*command, job.outputs, kOutputHelp);
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addDensityOption(*command, job.density);
+    addVoidOptions(*command, job.voids, VoidsIn::file);
+    addRunOptions(*command, job.seed, job.reportFile, print);
+    addPreviewOptions(*command, job.preview);
     return command;
 }
 
-CLI::App* addDensifyCommand(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("densify",
                            "make a pack that exists denser, or free it of its overlaps; radii are "
                            "kept")
             ->fallthrough();
-    addGivenPack(*command, options.densify, "PACK", kPackHelp);
-    addOutputs(*command, options.densify.outputs, kOutputHelp);
-    addUnit(*command, "--out-unit", options.densify.outUnit, "unit of what is written");
-    addDensityOption(*command, options.densify.density);
-    addDensify(*command, options.densify.fraction,
+    addInputPack(*command, job, "PACK", kPackHelp);
+    addOutputs(*command, job.outputs, kOutputHelp);
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addDensityOption(*command, job.density);
+    addDensify(*command, job.fraction,
                "add and move spheres until the solid fraction is F, or as dense as it gets; left "
                "out, none is added and overlaps alone are removed");
     command
-        ->add_option("--gap", options.densify.gap,
+        ->add_option("--gap", job.gap,
                      "least distance between spheres, and of spheres to the wall, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
-    addRunOptions(*command, options.densify.seed, options.densify.reportFile, options);
-    addPreviewOptions(*command, options.densify.preview);
+    addRunOptions(*command, job.seed, job.reportFile, print);
+    addPreviewOptions(*command, job.preview);
     return command;
 }
 
-CLI::App* addVerify(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
-    addGivenPack(*command, options.verify, "PACK", kPackHelp);
-    command->add_option("--gap", options.verify.gap, "least distance that spheres must keep, mm")
+    addInputPack(*command, job, "PACK", kPackHelp);
+    command->add_option("--gap", job.gap, "least distance that spheres must keep, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
     command
-        ->add_option("--places", options.verify.placeSamples,
+        ->add_option("--places", job.placeSamples,
                      "look at N points of the domain for room for a sphere of 1.02 mean radii")
         ->option_text("N")
         ->transform(wholeNumber(1, kMostPlaces))
         ->group("Run");
-    command->add_flag("--json", options.json, "print the certificate as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print the certificate as JSON")->group("Run");
     return command;
 }
 
-CLI::App* addMeasure(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("measure",
                            "density, contacts, sizes and structure of any pack; morphometry of a "
                            "level set or a mesh")
             ->fallthrough();
-    addGivenPack(*command, options.measure, "FILE",
+    addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
                      "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)");
-    addOutputs(*command, options.measure.outputs, "contacts:FILE.csv: the list of touching pairs");
-    addUnit(*command, "--out-unit", options.measure.outUnit, "unit of what is written");
+    addOutputs(*command, job.outputs, "contacts:FILE.csv: the list of touching pairs");
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     command
-        ->add_option("--shell", options.measure.shell,
+        ->add_option("--shell", job.shell,
                      "tell apart the layer of this thickness along the wall, mm")
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
     command
-        ->add_option("--report", options.measure.reportFile,
+        ->add_option("--report", job.reportFile,
                      "write all figures: .json for programs, .html as a page with charts for the "
                      "browser")
         ->option_text("FILE.json|FILE.html")
         ->group("Run");
-    command->add_flag("--json", options.json, "print all figures as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print all figures as JSON")->group("Run");
     return command;
 }
 
-CLI::App* addConvert(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("convert", "between formats: packs, level sets and meshes")
             ->fallthrough();
     command
-        ->add_option("PACK", options.convert.pack,
+        ->add_option("PACK", job.pack,
                      std::string("a pack: ") + kPackHelp +
                          "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)")
         ->required();
-    addOutputs(*command, options.convert.outputs, kOutputHelp);
-    addUnit(*command, "--pack-unit", options.convert.packUnit, "unit of PACK, if it says none");
-    addUnit(*command, "--out-unit", options.convert.outUnit, "unit of what is written");
-    addUnit(*command, "--unit", options.convert.domain.unit, "unit of the domain's file");
-    command
-        ->add_option("--grid", options.convert.packGrid,
-                     "point grid (or level set) to take from a .vdb")
+    addOutputs(*command, job.outputs, kOutputHelp);
+    addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if it says none");
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addUnit(*command, "--unit", job.domain.unit, "unit of the domain's file");
+    command->add_option("--grid", job.packGrid, "point grid (or level set) to take from a .vdb")
         ->option_text("NAME [first]")
         ->group("Domain");
     command
-        ->add_option("--domain", options.convert.domain.source,
+        ->add_option("--domain", job.domain.source,
                      std::string("written as level set or surface too, and what a bulk density is "
                                  "of: ") +
                          kDomainHelp)
         ->option_text("DOMAIN")
         ->group("Domain");
     command
-        ->add_option("--voxel", options.convert.domain.voxelSize,
+        ->add_option("--voxel", job.domain.voxelSize,
                      "edge of a voxel of the level set made of a mesh, mm")
         ->option_text("H [chosen]")
         ->check(positive())
         ->group("Domain");
-    addContactTolerance(*command, options.convert.contactTolerance);
-    addDensityOption(*command, options.convert.density);
-    addPreviewOptions(*command, options.convert.preview);
-    addThreads(*command, options.convert.threads, "threads");
-    addMemoryLimit(*command, options.convert.memoryLimit);
-    command->add_flag("--json", options.json, "print what was converted as JSON")->group("Run");
-    command->add_flag("--quiet", options.quiet, "print warnings and errors only")->group("Run");
+    addContactTolerance(*command, job.contactTolerance);
+    addDensityOption(*command, job.density);
+    addPreviewOptions(*command, job.preview);
+    addThreads(*command, job.threads, "threads");
+    addMemoryLimit(*command, job.memoryLimit);
+    command->add_flag("--json", print.json, "print what was converted as JSON")->group("Run");
+    command->add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
     return command;
 }
 
-CLI::App* addMesh(CLI::App& app, CliOptions& options) {
+CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
     CLI::App* command = app.add_subcommand("mesh", "health report of a mesh, and its repair");
-    command->add_option("FILE", options.mesh.domain.source, "mesh (.stl .obj .ply .off)")
-        ->required();
-    command->add_option("-o", options.mesh.outputs, "write the mesh, repaired if asked for: .stl")
+    command->add_option("FILE", job.domain.source, "mesh (.stl .obj .ply .off)")->required();
+    command->add_option("-o", job.outputs, "write the mesh, repaired if asked for: .stl")
         ->option_text("FILE.stl");
-    addRepairOptions(*command, options.mesh.domain);
-    addThreads(*command, options.mesh.threads, "threads");
-    addUnit(*command, "--unit", options.mesh.domain.unit, "unit of the file");
-    command->add_option("--scale", options.mesh.domain.scale, "further factor on its lengths")
+    addRepairOptions(*command, job.domain);
+    addThreads(*command, job.threads, "threads");
+    addUnit(*command, "--unit", job.domain.unit, "unit of the file");
+    command->add_option("--scale", job.domain.scale, "further factor on its lengths")
         ->option_text("F [1]")
         ->group("Units");
-    command->add_flag("--json", options.json, "print the report as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print the report as JSON")->group("Run");
     return command;
 }
 
-}  // namespace
+/// A command with the recipe that its options fill in.
+struct Command {
+    CLI::App* app;
+    std::unique_ptr<Job> job;
+};
 
-std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
-    CliOptions options;
-    std::string seeds = "1";
-    CLI::App app(
-        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB, an "
-        "advancing front packs it densely without overlap, and the result is checked and written "
-        "for Houdini, Blender, ParaView and DEM programs.");
+template <class Recipe>
+void add(std::vector<Command>& commands, CLI::App& app, PrintOptions& print) {
+    auto job = std::make_unique<Job>(Recipe());
+    CLI::App* const command = addCommand(app, std::get<Recipe>(*job), print);
+    commands.push_back({command, std::move(job)});
+}
+
+std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
+    std::vector<Command> commands;
+    add<PackJob>(commands, app, print);
+    add<VoidsRecipe>(commands, app, print);
+    add<CarveRecipe>(commands, app, print);
+    add<DensifyRecipe>(commands, app, print);
+    add<VerifyRecipe>(commands, app, print);
+    add<MeasureRecipe>(commands, app, print);
+    add<ConvertRecipe>(commands, app, print);
+    add<MeshRecipe>(commands, app, print);
+    return commands;
+}
+
+void describe(CLI::App& app) {
     app.name("vdb_pack");
     app.set_version_flag("--version", versionText, "print the versions of program and libraries");
     app.require_subcommand(1);
@@ -313,16 +330,33 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     app.config_formatter(std::make_shared<RecipeFormat>(app));
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();
+}
 
-    CLI::App* const pack = addPack(app, options, seeds);
-    CLI::App* const voids = addVoids(app, options);
-    CLI::App* const carve = addCarve(app, options);
-    CLI::App* const densify = addDensifyCommand(app, options);
-    CLI::App* const verify = addVerify(app, options);
-    CLI::App* const measure = addMeasure(app, options);
-    CLI::App* const convert = addConvert(app, options);
-    addMesh(app, options);
+/// What the options alone do not set in the recipe of the command that was parsed.
+void complete(const Command& command, const std::vector<std::string>& arguments) {
+    std::visit(
+        [&](auto& recipe) {
+            DomainRecipe& domain = recipe.domain;
+            if (domain.source.empty()) domain.source = parseShells(domain.shells).outer;
+            if (domain.source.empty() && command.app->get_option_no_throw("DOMAIN"))
+                throw CLI::RequiredError("DOMAIN");
+            recipe.optionsText = recipeText(*command.app);
+            for (const auto& word : arguments)
+                recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
+        },
+        *command.job);
+}
 
+}  // namespace
+
+std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
+    CliOptions options;
+    CLI::App app(
+        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB, an "
+        "advancing front packs it densely without overlap, and the result is checked and written "
+        "for Houdini, Blender, ParaView and DEM programs.");
+    describe(app);
+    const std::vector<Command> commands = addCommands(app, options.print);
     std::string shell;
     CLI::App* completion = app.add_subcommand(
         "completion", "what a shell needs to complete options: source <(vdb_pack completion bash)");
@@ -333,28 +367,24 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     const auto refuse = [&](const std::string& message) {
         fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), withOptionNames(message));
         exitCode = 2;
+        return std::nullopt;
     };
     try {
         app.parse(argc, argv);
-        if (app.get_config_ptr()->count() > 0)
-            options.config = app.get_config_ptr()->as<std::string>();
-        options.seeds = parseSeeds(seeds);
-        options.pack.seed = options.seeds.front();
-        for (DomainRecipe* domain :
-             {&options.pack.domain, &options.voids.domain, &options.carve.domain,
-              &options.densify.domain, &options.verify.domain, &options.measure.domain})
-            if (domain->source.empty()) domain->source = parseShells(domain->shells).outer;
-        if ((pack->parsed() && options.pack.domain.source.empty()) ||
-            (voids->parsed() && options.voids.domain.source.empty()))
-            throw CLI::RequiredError("DOMAIN");
         if (completion->parsed()) {
             fmt::print("{}", completionScript(app, shell));
             exitCode = 0;
             return std::nullopt;
         }
+        const auto command = std::find_if(commands.begin(), commands.end(),
+                                          [](const Command& c) { return c.app->parsed(); });
+        complete(*command, arguments);
+        options.job = std::move(*command->job);
+        if (app.get_config_ptr()->count() > 0)
+            options.config = app.get_config_ptr()->as<std::string>();
+        return options;
     } catch (const ParameterError& e) {
-        refuse(e.what());
-        return std::nullopt;
+        return refuse(e.what());
     } catch (const CLI::ParseError& e) {
         exitCode = 0;
         if (e.get_exit_code() == 0) {
@@ -363,26 +393,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         }
         refuse(usageError(app, e, arguments));
         const auto running = app.get_subcommands();
-        fmt::print(stderr, "vdb_pack {}--help tells what there is\n",
+        fmt::print(stderr, "vdb_pack {}--help lists the options\n",
                    running.empty() ? "" : running.front()->get_name() + ' ');
         return std::nullopt;
     }
-    for (const CLI::App* command : {pack, voids, carve, densify})
-        if (command->parsed())
-            options.pack.optionsText = options.voids.optionsText = options.carve.optionsText =
-                options.densify.optionsText = recipeText(*command);
-    std::string line;
-    for (const auto& word : arguments) line += (line.empty() ? "" : " ") + shellQuoted(word);
-    options.voids.command = options.carve.command = options.densify.command = line;
-    options.convert.command = line;
-    options.pack.command = options.verify.command = options.measure.command = line;
-    options.command = pack->parsed()      ? CliOptions::Command::pack
-                      : voids->parsed()   ? CliOptions::Command::voids
-                      : carve->parsed()   ? CliOptions::Command::carve
-                      : densify->parsed() ? CliOptions::Command::densify
-                      : verify->parsed()  ? CliOptions::Command::verify
-                      : measure->parsed() ? CliOptions::Command::measure
-                      : convert->parsed() ? CliOptions::Command::convert
-                                          : CliOptions::Command::mesh;
-    return options;
 }

@@ -1,33 +1,37 @@
 // The command line of vdb_pack.
 #pragma once
 
-#include "vdbpack/run/convert.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_mesh.h"
 
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
-/// What was asked for.
-struct CliOptions {
-    enum class Command { pack, voids, carve, densify, verify, measure, convert, mesh };
-    Command command = Command::pack;
-    vdbpack::PackRecipe pack;
-    std::vector<std::uint64_t> seeds{1};  ///< of pack: one run each
+struct PackJob : vdbpack::PackRecipe {
+    std::vector<std::uint64_t> seeds{1};  ///< one run each
     std::string table;                    ///< .csv with a row a run; empty: none
-    vdbpack::VoidsRecipe voids;
-    vdbpack::CarveRecipe carve;
-    vdbpack::DensifyRecipe densify;
-    vdbpack::VerifyRecipe verify;
-    vdbpack::MeasureRecipe measure;
-    vdbpack::ConvertRecipe convert;
-    vdbpack::MeshRecipe mesh;
-    std::string config;  ///< file that options were read from; empty: none
+    bool dryRun = false;
+};
+
+/// The recipe of the command. All have `domain` and the fields of RunSettings.
+using Job = std::variant<PackJob, vdbpack::VoidsRecipe, vdbpack::CarveRecipe,
+                         vdbpack::DensifyRecipe, vdbpack::VerifyRecipe, vdbpack::MeasureRecipe,
+                         vdbpack::ConvertRecipe, vdbpack::MeshRecipe>;
+
+/// How the result is printed.
+struct PrintOptions {
     bool json = false;
     bool quiet = false;
-    bool dryRun = false;
+};
+
+struct CliOptions {
+    Job job;
+    std::string config;  ///< file that options were read from; empty: none
+    PrintOptions print;
 };
 
 /// Parses the command line.

@@ -3,8 +3,8 @@
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/run/clock.h"
 #include "vdbpack/run/recipe.h"
-#include "vdbpack/run/run_stages.h"
 
 #include <fmt/format.h>
 

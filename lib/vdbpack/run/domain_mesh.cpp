@@ -79,7 +79,7 @@ ShellChoice parseShells(const std::string& text) {
     }
     if (rest.rfind(inner, 0) == 0) choice.inner = rest.substr(inner.size());
     if (choice.inner.empty() || (text.rfind(outer, 0) == 0 && choice.outer.empty()))
-        throw ParameterError("--shells " + text +
+        throw ParameterError("`shells` " + text +
                              ": write cavity, solid, inner=FILE or outer=FILE,inner=FILE");
     return choice;
 }
@@ -95,7 +95,7 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     const std::string& file = recipe.source;
     if (!shells.outer.empty() && shells.outer != file)
         throw ParameterError(
-            fmt::format("--shells names {} as the outer surface and DOMAIN is {}: "
+            fmt::format("`shells` names {} as the outer surface and DOMAIN is {}: "
                         "give one of the two",
                         shells.outer, file));
     TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);
@@ -111,7 +111,7 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     if (!recipe.repair)
         throw InputError(fmt::format(
             "{}: leaves {}: the {} surface has a point at ({:.6g}, {:.6g}, {:.6g}) {} the other; "
-            "pass --repair to take the inside of the one without that of the other",
+            "pass `repair` to take the inside of the one without that of the other",
             shells.inner, file, outside ? "inner" : "outer", (*stray)[0], (*stray)[1], (*stray)[2],
             outside ? "outside of" : "inside"));
     RepairOptions options;

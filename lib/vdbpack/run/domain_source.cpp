@@ -35,7 +35,7 @@ std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, doubl
         if (squaredLength(line.normal) > 0) {
             lines.push_back(line);
         } else if (line.offset < 0) {
-            throw InputError(fmt::format("--clip leaves nothing at z = {}", height));
+            throw InputError(fmt::format("`clips` leaves nothing at z = {}", height));
         }
     }
     return lines;
@@ -85,10 +85,10 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     for (const auto& clip : recipe.clips)
         for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
     if (recipe.slices.size() > 1)
-        throw ParameterError("--slice is given twice; a pack has one plane: run once for each");
+        throw ParameterError("`slices` is given twice; a pack has one plane: run once for each");
     if (!recipe.slices.empty()) slice_ = parseSlice(recipe.slices.front());
     if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
-        throw ParameterError(fmt::format("--scale {} must be positive", recipe.scale));
+        throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
 
     if (const auto shape = parseShape(text)) {
         space_ = shape->space;
@@ -98,7 +98,8 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         else
             wall3_ = spaceWall(*shape);
         if (slice_ && plane_)
-            throw ParameterError("--slice cuts a domain of space; '" + text + "' is plane already");
+            throw ParameterError("`slices` cuts a domain of space; '" + text +
+                                 "' is plane already");
         return;
     }
     const double scale = recipe.scale * millimetersPer(recipe.unit);
@@ -118,13 +119,13 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     if (!(extent > kSmallestExtent))
         throw InputError(fmt::format(
             "{}: is {:.3g} mm across, too small to be computed with; the file is read in {}: check "
-            "--unit and --scale",
+            "`unit` and `scale`",
             text, extent, unitName(recipe.unit)));
     if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "
-            "--unit m, cm, mm or um if that is wrong",
+            "`unit` m, cm, mm or um if that is wrong",
             text, extent, unitName(recipe.unit)));
 }
 
@@ -133,15 +134,15 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     const std::string& text = recipe.source;
     const bool levelSet = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
     if (!recipe.gridName.empty() && !levelSet)
-        callbacks.warn("--grid " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+        callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
     if (levelSet && (recipe.repair || !recipe.shells.empty()))
-        callbacks.warn("--repair and --shells have no effect: " + text + " is a level set");
+        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a level set");
     if (source.isFile()) return;
     if (recipe.repair || !recipe.shells.empty())
-        callbacks.warn("--repair and --shells have no effect: " + text + " is a shape");
+        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
-        callbacks.warn("--unit has no effect: " + text + " is a shape, in mm");
-    if (recipe.scale != 1) callbacks.warn("--scale has no effect: " + text + " is a shape, in mm");
+        callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
+    if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
 }
 
 int DomainSource::dim() const {
@@ -250,7 +251,8 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) 
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
     if (wall2_ || wall3_) {
         auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *slice_);
-        if (!wall) throw InputError(fmt::format("--slice z={} misses {}", *slice_, recipe_.source));
+        if (!wall)
+            throw InputError(fmt::format("`slices` z={} misses {}", *slice_, recipe_.source));
         wall->clips = inPlane(clips_, slice_.value_or(0));
         return checkProtrusion(circles, *wall);
     }

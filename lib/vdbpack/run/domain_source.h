@@ -8,6 +8,7 @@
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/verify/verify.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <string>
@@ -113,6 +114,21 @@ private:
     Box<3> fileBounds_;
     double fileVolume_ = 0, fileArea_ = 0;
 };
+
+/// The domain of that dimension. Null where it has another.
+template <int Dim>
+const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built) {
+    if constexpr (Dim == 3)
+        return built.space;
+    else
+        return built.plane;
+}
+
+/// Radius that the field is made for, mm: in wide distributions the smallest spheres follow the
+/// triangles anyway, and a field as fine as them would cost more than the pack.
+inline double fieldDetail(double smallest, double mean) {
+    return std::max(smallest, 0.5 * mean);
+}
 
 /// Warns of settings that mean nothing to such a domain: units of shapes, grids of meshes.
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,

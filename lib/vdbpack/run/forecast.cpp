@@ -3,7 +3,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/densify.h"
-#include "vdbpack/run/run_stages.h"
+#include "vdbpack/run/clock.h"
+#include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/pack_stage.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -246,15 +249,14 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
 }  // namespace
 
 Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks) {
-    checkOutputs(recipe);
-    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    checkRecipe(recipe);
     return withThreads(recipe.threads, [&] {
         Clock clock;
         const DomainSource source(recipe.domain, callbacks);
         const double mesh = clock.lap();
         Forecast f = source.dim() == 3 ? forecast<3>(recipe, source, callbacks)
                                        : forecast<2>(recipe, source, callbacks);
-        f.threads = recipe.threads > 0 ? recipe.threads : tbb::info::default_concurrency();
+        f.threads = effectiveThreads(recipe.threads);
         f.seconds.mesh = mesh;
         f.seconds.total =
             mesh + f.seconds.domain + f.seconds.pack + f.seconds.densify + f.seconds.measure;

@@ -4,8 +4,9 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/run/outputs.h"
+#include "vdbpack/run/pack_stage.h"
 #include "vdbpack/run/recipe.h"
-#include "vdbpack/run/run_stages.h"
+#include "vdbpack/run/stages.h"
 #include "vdbpack/run/void_stage.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -391,6 +392,14 @@ void requireResources(const Needs& n, double limit) {
                     : std::string(),
                 bytesText(there)));
     }
+}
+
+void requireRoom(const RunSettings& settings, Extent extent) {
+    extent.outputs = settings.outputs;
+    extent.preview = settings.preview;
+    extent.reportFile = settings.reportFile;
+    extent.threads = effectiveThreads(settings.threads);
+    requireResources(needsOf(extent), memoryLimit(settings.memoryLimit));
 }
 
 void requireResources(const PackRecipe& recipe, const DomainSource& source) {

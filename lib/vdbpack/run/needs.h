@@ -1,8 +1,8 @@
 // What a run will take of memory and space, told before the work.
 #pragma once
 
-#include "vdbpack/preview/preview_recipe.h"
 #include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/settings.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -69,6 +69,9 @@ double memoryLimit(double limit);
 /// has no room.
 /// @throws ResourceError with what is needed, what there is, which part takes it and a remedy.
 void requireResources(const Needs& needs, double limit);
+
+/// The same of a run with these settings; sets what they decide in `extent`. @throws ResourceError
+void requireRoom(const RunSettings& settings, Extent extent);
 
 /// The same of a pack to come. @throws ResourceError
 void requireResources(const PackRecipe& recipe, const DomainSource& source);

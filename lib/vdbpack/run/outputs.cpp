@@ -90,10 +90,10 @@ std::string volumeAmong(const std::vector<std::string>& outputs) {
 void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
     const VoidMethod method = methodOf(recipe);
     if (method == VoidMethod::none)
-        throw ParameterError(output + ": lists voids, and none are asked for; add --voids");
+        throw ParameterError(output + ": lists voids, and none are asked for; add `voids`");
     if (isThinning(method))
         throw ParameterError(
-            fmt::format("{}: --voids {} takes spheres out and makes no voids to list; leave it out",
+            fmt::format("{}: `voids` {} takes spheres out and makes no voids to list; leave it out",
                         output, recipe.method));
 }
 
@@ -181,7 +181,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     if (!reportFile.empty()) {
         const std::string extension = fs::path(reportFile).extension().string();
         if (extension != ".json" && extension != ".html")
-            throw ParameterError("--report " + reportFile +
+            throw ParameterError("`reportFile` " + reportFile +
                                  ": reports are JSON or a page for the browser; name it .json or "
                                  ".html");
         files.push_back(reportFile);
@@ -228,21 +228,21 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
         if (levelSet && dim == 2)
             throw ParameterError(output +
                                  ": is made from a level set of space, and circles have none; "
-                                 "write .svg, or leave --slice out");
+                                 "write .svg, or leave `slices` out");
         if (run == RunKind::convert) {
             if (target.kind == OutputKind::voidList)
                 throw ParameterError(
                     output + ": a pack holds no list of voids; vdb_pack pack and voids write it");
             if (target.grid == kVoids || target.grid == kSolid)
                 throw ParameterError(fmt::format(
-                    "{}: convert makes no voids; take the level set of a .vdb by its name: --grid "
-                    "{} -o {}",
+                    "{}: convert makes no voids; name the level set of a .vdb (`packGrid` "
+                    "{}), and write {}",
                     output, target.grid, target.file));
         } else if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
             const VoidMethod method = methodOf(voids);
             if (method == VoidMethod::none || isThinning(method))
                 throw ParameterError(
-                    fmt::format("{}: there is no level set '{}' without voids; add --voids with a "
+                    fmt::format("{}: there is no level set '{}' without voids; add `voids` with a "
                                 "method that makes some, or write surface:{}",
                                 output, target.grid, target.file));
         }
@@ -260,16 +260,16 @@ double particleDensity(const std::string& text, std::optional<double> solidFract
     const double value = std::strtod(number.c_str(), &end);
     if (number.empty() || *end != 0 || !(value > 0) || !std::isfinite(value))
         throw ParameterError(fmt::format(
-            "--density '{}': is no density; write that of the spheres in kg/m³ (1900), or bulk:D "
+            "`density` '{}': is no density; write that of the spheres in kg/m³ (1900), or bulk:D "
             "for that of the whole (bulk:1100)",
             text));
     if (!isBulk) return value;
     if (!solidFraction)
         throw ParameterError(fmt::format(
-            "--density {}: a bulk density is that of a domain; give one with --domain", text));
+            "`density` {}: a bulk density is that of a domain; give one with `domain`", text));
     if (!(*solidFraction > 0))
         throw ParameterError(
-            fmt::format("--density {}: no sphere lies in the domain to carry its mass", text));
+            fmt::format("`density` {}: no sphere lies in the domain to carry its mass", text));
     return value / *solidFraction;
 }
 

@@ -4,7 +4,6 @@
 #include "vdbpack/field/surface_level_set.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/run_stages.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -157,12 +156,13 @@ void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
     const std::string& file = recipe.file;
     if (!file.empty() &&
         (file.size() <= end.size() || file.compare(file.size() - end.size(), end.size(), end) != 0))
-        throw ParameterError("--preview " + file + ": pictures are PNG; name it .png");
+        throw ParameterError("`preview.file` " + file + ": pictures are PNG; name it .png");
     const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
     if (asked && file.empty() && !isPage(reportFile))
-        throw ParameterError(std::string(recipe.cut ? "--preview-cut" : "--preview-color") +
-                             " says how to draw, and nothing is drawn; add --preview FILE.png or "
-                             "--report FILE.html");
+        throw ParameterError(
+            std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
+            " says how to draw, and nothing is drawn; add `preview.file` FILE.png or "
+            "`reportFile` FILE.html");
 }
 
 template <int Dim>
@@ -171,13 +171,13 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
         renderPreview(SpacePreview{}, PreviewOptions{});  // throws, with what to install
     if (recipe.cut) {
         if constexpr (Dim == 2)
-            throw ParameterError("--preview-cut: a plane is flat already; leave it out");
+            throw ParameterError("`preview.cut`: a plane is flat already; leave it out");
         else
             checkPreviewCut(*recipe.cut, domain.bounds());
     }
     if (pack && recipe.color == PreviewColor::order && pack->order.size() != pack->spheres.size())
         throw ParameterError(
-            "--preview-color order: the pack does not tell in which order it was made; color by "
+            "`preview.color` order: the pack does not tell in which order it was made; color by "
             "radius");
 }
 

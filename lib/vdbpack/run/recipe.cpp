@@ -2,8 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/outputs.h"
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
 
@@ -28,7 +27,7 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     constexpr std::uint64_t kMostSeeds = 1'000'000;
     const auto fail = [&](const char* why) {
         throw ParameterError(
-            fmt::format("--seed '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
+            fmt::format("`seed` '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
                         "1,4,9",
                         text, why));
     };
@@ -66,6 +65,21 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
     return seeds;
 }
 
+std::string withSeed(std::string name, std::uint64_t seed) {
+    const std::string mark = "{seed}";
+    for (std::size_t at = name.find(mark); at != std::string::npos; at = name.find(mark, at))
+        name.replace(at, mark.size(), std::to_string(seed));
+    return name;
+}
+
+PackRecipe recipeForSeed(PackRecipe recipe, std::uint64_t seed) {
+    recipe.seed = seed;
+    for (auto& output : recipe.outputs) output = withSeed(output, seed);
+    recipe.reportFile = withSeed(recipe.reportFile, seed);
+    recipe.preview.file = withSeed(recipe.preview.file, seed);
+    return recipe;
+}
+
 double parseDensify(const std::string& text) {
     if (text == "max") return std::numeric_limits<double>::infinity();
     double fraction = 0;
@@ -73,7 +87,7 @@ double parseDensify(const std::string& text) {
     if (failed != std::errc() || end != text.data() + text.size() ||
         !(fraction > 0 && fraction < 1))
         throw ParameterError(
-            "--densify '" + text +
+            "`densify` '" + text +
             "': must be max or a solid fraction above 0 and below 1, such as 0.64");
     return fraction;
 }
@@ -83,19 +97,21 @@ std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
             recipe.aspect};
 }
 
-void checkOutputs(const PackRecipe& recipe) {
+void checkRecipe(const PackRecipe& recipe) {
+    if (recipe.densify > 0 && recipe.maxCount > 0)
+        throw ParameterError("`maxCount` stops the pack before `densify` goes on; leave one out");
+    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
+        throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
+                             recipe.voids.method +
+                             "; use voids that are cut afterwards, such as boolean");
+    // A malformed SPEC is found before a large mesh is read.
+    if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    checkVoids(recipe.voids, true, true);
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
-    checkPreview(recipe.preview, recipe.reportFile);
-    if (recipe.densify > 0 && recipe.maxCount > 0)
-        throw ParameterError("--max-count stops the pack before --densify goes on; leave one out");
-    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
-        throw ParameterError("--densify would move the holes among the spheres of --voids " +
-                             recipe.voids.method +
-                             "; use voids that are cut afterwards, such as boolean");
-    checkFiles(recipe.outputs, recipe.reportFile, inputs, recipe.preview.file);
+    checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
 }
 
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
@@ -113,10 +129,10 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     if (!(r.targetCount > 0)) {
         r.targetCount = kDefaultCount;
         r.chosen.push_back(
-            fmt::format("about {:.0f} spheres, since neither --radius nor --target-count is given",
+            fmt::format("about {:.0f} spheres, since neither `radius` nor `targetCount` is given",
                         kDefaultCount));
     }
-    r.chosen.push_back("radii uniform with ratio 1:2, since --radius is not given");
+    r.chosen.push_back("radii uniform with ratio 1:2, since `radius` is not given");
     return r;
 }
 
@@ -152,7 +168,8 @@ std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t mo
 
 }  // namespace
 
-void requireRoomToNumber(const Pack<3>& pack, const std::string& file) {
+template <int Dim>
+void requireRoomToNumber(const Pack<Dim>& pack, const std::string& file) {
     constexpr std::size_t kMostAdded = std::size_t{1} << 32;
     try {
         if (!pack.id.empty()) lastBefore(pack.id, kMostAdded, "id");
@@ -239,6 +256,8 @@ Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
     return base;
 }
 
+template void requireRoomToNumber(const Pack<2>&, const std::string&);
+template void requireRoomToNumber(const Pack<3>&, const std::string&);
 template Pack<2> readExisting(const PackRecipe&, double);
 template Pack<3> readExisting(const PackRecipe&, double);
 template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);

@@ -1,11 +1,10 @@
-// What a pack is made from, as the command line, the tests and library users fill it in.
+// The recipe of a pack, and what follows from it.
 #pragma once
 
 #include "vdbpack/core/pack.h"
-#include "vdbpack/core/units.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/preview/preview_recipe.h"
 #include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/settings.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
@@ -14,8 +13,8 @@
 
 namespace vdbpack {
 
-/// Everything that decides a pack: what the command line, the tests and library users fill in.
-struct PackRecipe {
+/// What a pack is made from.
+struct PackRecipe : RunSettings {
     DomainRecipe domain;
     /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
     std::string radius;
@@ -28,31 +27,24 @@ struct PackRecipe {
     /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
     double densify = 0;
     VoidRecipe voids;
-    std::string existing;              ///< pack file with spheres that stand; empty: none
-    Unit packUnit = Unit::millimeter;  ///< of `existing`, if it says none
-    std::uint64_t seed = 1;
-    int threads = 0;  ///< 0: all cores
-    Unit outUnit = Unit::millimeter;
-    double contactTolerance = 1e-3;  ///< of the smaller radius
-    double memoryLimit = 0;          ///< bytes that may be held; 0: what there is at the start
-    std::string density;             ///< of the spheres in DEM files, as `particleDensity` takes it
-    std::vector<std::string> outputs;  ///< -o
-    std::string reportFile;            ///< .json or .html; empty: none
-    PreviewRecipe preview;
-    std::string command;  ///< for the report; empty: what is packed
-    /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
-    /// output as NAME.recipe.toml. Empty: none is written.
-    std::string optionsText;
+    std::string existing;              ///< pack file with spheres to pack around; empty: none
+    Unit packUnit = Unit::millimeter;  ///< of `existing`, if the file states none
 };
 
-/// Refuses before the work what would fail after it: formats, folders, outputs that are inputs.
-/// @throws ParameterError, IoError
-void checkOutputs(const PackRecipe& recipe);
+/// Refuses before the work what would fail after it: formats, folders, outputs that are inputs,
+/// settings that exclude one another. @throws ParameterError, IoError
+void checkRecipe(const PackRecipe& recipe);
 
 /// "7", "1..50" or "1,4,9..12" as seeds, in that order.
 /// @throws ParameterError for anything else, a range that falls, a seed named twice, or more than
 /// a million seeds.
 std::vector<std::uint64_t> parseSeeds(const std::string& text);
+
+/// `name` with each {seed} replaced.
+std::string withSeed(std::string name, std::uint64_t seed);
+
+/// The recipe of the pack with one of several seeds: {seed} in names of files is replaced.
+PackRecipe recipeForSeed(PackRecipe recipe, std::uint64_t seed);
 
 /// "max" as infinity, or a solid fraction from above 0 to below 1.
 /// @throws ParameterError for anything else.
@@ -79,7 +71,8 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
 
 /// @throws InputError "file: ..." where ids or orders end so close to 2^63 that none are left for
 /// spheres that are added.
-void requireRoomToNumber(const Pack<3>& pack, const std::string& file);
+template <int Dim>
+void requireRoomToNumber(const Pack<Dim>& pack, const std::string& file);
 
 /// The spheres of `recipe.existing`; an empty pack if there are none.
 /// @throws as readPack; InputError if they don't lie in the plane of a 2D domain at `sliceHeight`.
@@ -96,12 +89,5 @@ Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added);
 /// its columns. Depths and contacts of all are dropped.
 template <int Dim>
 Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added);
-
-extern template Pack<2> readExisting(const PackRecipe&, double);
-extern template Pack<3> readExisting(const PackRecipe&, double);
-extern template Pack<2> appended(Pack<2>, const std::vector<Sphere<2>>&);
-extern template Pack<3> appended(Pack<3>, const std::vector<Sphere<3>>&);
-extern template Pack<2> joined(Pack<2>, const Pack<2>&);
-extern template Pack<3> joined(Pack<3>, const Pack<3>&);
 
 }  // namespace vdbpack

@@ -2,7 +2,7 @@
 
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/run/outputs.h"
-#include "vdbpack/run/run.h"
+#include "vdbpack/run/recipe.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

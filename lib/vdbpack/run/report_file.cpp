@@ -2,6 +2,7 @@
 
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/report/report_page.h"
+#include "vdbpack/run/measure_stage.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -203,6 +204,7 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
 }
 
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe) {
+    if (recipe.reportFile.empty()) return;
     Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     addTo(figures, details.structure);
@@ -221,6 +223,7 @@ namespace {
 /// The report of a run on a pack that exists.
 template <class Recipe>
 void writeOfGiven(const RunResult& run, const Recipe& recipe) {
+    if (recipe.reportFile.empty()) return;
     const Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     ReportPage page;
@@ -243,6 +246,7 @@ void writeReport(const RunResult& run, const DensifyRecipe& recipe) {
 }
 
 void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
+    if (recipe.reportFile.empty()) return;
     const Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     ReportPage page;
@@ -260,6 +264,7 @@ void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
 }
 
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
+    if (recipe.reportFile.empty()) return;
     const Json figures = toJson(result);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     ReportPage page;

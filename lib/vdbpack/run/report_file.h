@@ -3,7 +3,6 @@
 
 #include "vdbpack/measure/radius_histogram.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/run_stages.h"
 
 #include <string>
 
@@ -27,18 +26,11 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
                         const Report& report, const Callbacks& callbacks);
 
-/// Writes `recipe.reportFile` in the format of its extension. @throws IoError
+/// Writes `recipe.reportFile`, if it is set, in the format of its extension. @throws IoError
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
 void writeReport(const RunResult& run, const CarveRecipe& recipe);
 void writeReport(const RunResult& run, const DensifyRecipe& recipe);
 void writeReport(const RunResult& run, const VoidsRecipe& recipe);
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
-
-extern template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
-                                           const SizeDistribution&, const Report&,
-                                           const Callbacks&);
-extern template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
-                                           const SizeDistribution&, const Report&,
-                                           const Callbacks&);
 
 }  // namespace vdbpack

@@ -5,6 +5,7 @@
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/settings.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -14,10 +15,9 @@
 
 namespace vdbpack {
 
-struct MeshRecipe {
-    DomainRecipe domain;               ///< source, unit, scale, and how to repair
-    std::vector<std::string> outputs;  ///< .stl, mm
-    int threads = 0;                   ///< 0: all cores
+/// Outputs are .stl, in mm.
+struct MeshRecipe : RunSettings {
+    DomainRecipe domain;  ///< source, unit, scale, and how to repair
 };
 
 struct MeshResult {

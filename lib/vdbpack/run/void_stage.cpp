@@ -69,7 +69,7 @@ std::string radiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* chos
     if (chosen)
         chosen->push_back(
             fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere, since "
-                        "--void-radius is not given",
+                        "`voids.radius` is not given",
                         spec));
     return spec;
 }
@@ -92,7 +92,7 @@ VoidShape<Dim> shapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chos
     if (aspect.empty()) {
         aspect = "constant:2";
         if (chosen)
-            chosen->push_back("voids twice as long as wide, since --void-aspect is not given");
+            chosen->push_back("voids twice as long as wide, since `voids.aspect` is not given");
     }
     return {SizeDistribution::parse(radiusSpec(s, chosen), Dim),
             SizeDistribution::parse(aspect, Dim),
@@ -149,7 +149,7 @@ void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
     if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
         return;
     s.callbacks.warn(fmt::format(
-        "--target-bvtv {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
+        "`targetBvtv` {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
         *s.recipe.targetBvtv, *report.bvtv));
 }
 
@@ -199,7 +199,7 @@ Family<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* c
     Family<Dim> family;
     family.most = static_cast<double>(voids.size());
     family.guess = 0.5 * family.most;
-    family.remedy = "; take a smaller --void-aspect, or --voids boolean, whose voids overlap";
+    family.remedy = "; take a smaller `voids.aspect`, or `voids` boolean, whose voids overlap";
     family.leastHalfAxis = leastHalfAxis(voids);
     family.list = [voids](double count) {
         const auto n = static_cast<std::ptrdiff_t>(
@@ -221,7 +221,7 @@ Family<Dim> gridFamily(const VoidSetting<Dim>& s) {
     Family<Dim> family;
     family.most = 1;
     family.guess = 0.5;
-    family.remedy = "; take --voids boolean, whose voids overlap";
+    family.remedy = "; take `voids` boolean, whose voids overlap";
     const auto& setting = s;
     family.list = [&setting, lattice, matrix](double probability) {
         return latticeVoids(regionOf(setting), lattice, matrix.get(), probability, setting.seed);
@@ -240,7 +240,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     const double side = *std::min_element(size.c.begin(), size.c.end());
     if (!(target < 0.25 * side))
         throw ParameterError(
-            fmt::format("--target-tbth {}: not reachable, trabeculae in a domain of {:.4g} mm are "
+            fmt::format("`targetTbth` {}: not reachable, trabeculae in a domain of {:.4g} mm are "
                         "thinner than a "
                         "quarter of it; give a smaller one",
                         target, side));
@@ -264,7 +264,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
             trabecularThickness(*made.solid.grid, sample, s.domain, s.recipe.shell);
         if (!thickness)
             throw InputError(fmt::format(
-                "--target-tbth {}: no solid is left to measure; give a higher --target-bvtv",
+                "`targetTbth` {}: no solid is left to measure; give a higher `targetBvtv`",
                 target));
         made.report.thickness = thickness;
         made.report.radius = recipe.radius;
@@ -275,13 +275,13 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     }
     if (std::fabs(*made.report.thickness - target) > 0.05 * target)
         s.callbacks.warn(fmt::format(
-            "--target-tbth {}: {:.4g} mm is as near as it gets; give a larger domain or a smaller "
-            "--void-voxel",
+            "`targetTbth` {}: {:.4g} mm is as near as it gets; give a larger domain or a smaller "
+            "`voids.voxelSize`",
             target, *made.report.thickness));
 }
 void solveThickness(const VoidSetting<2>&, MadeVoids<2>&,
                     const std::function<void(const VoidSetting<2>&, MadeVoids<2>&)>&) {
-    throw ParameterError("--target-tbth is measured in space; leave it out in a plane");
+    throw ParameterError("`targetTbth` is measured in space; leave it out in a plane");
 }
 
 }  // namespace
@@ -335,7 +335,7 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = coreOf(s);
     if (!(core > 1e-9 * s.domain.volume()))
         throw InputError(fmt::format(
-            "--shell {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
+            "`shell` {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
             "place lies {:.4g} mm below the wall); give a thinner shell",
             s.recipe.shell, largestPlace(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
@@ -343,10 +343,11 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const Vec<Dim> size = s.domain.bounds().size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
     if (!(s.recipe.voxelSize <= longest))
-        throw ParameterError(fmt::format(
-            "--void-voxel {}: larger than the domain, which is {:.4g} mm long; give a quarter of "
-            "the shorter half-axis of the voids, or leave it out",
-            s.recipe.voxelSize, longest));
+        throw ParameterError(
+            fmt::format("`voids.voxelSize` {}: larger than the domain, which is {:.4g} mm long; "
+                        "give a quarter of "
+                        "the shorter half-axis of the voids, or leave it out",
+                        s.recipe.voxelSize, longest));
     if (method == VoidMethod::list && !early) return;
     double half = 0;
     if (method == VoidMethod::grid || method == VoidMethod::list) {
@@ -402,7 +403,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
             decided.targetBvtv = kDefaultBvtv;
             chosen.push_back(
                 fmt::format("as many voids as make BV/TV {}, since neither "
-                            "--target-bvtv nor --void-count is given",
+                            "`targetBvtv` nor `voids.count` is given",
                             kDefaultBvtv));
         }
         bool told = false;
@@ -434,7 +435,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         warnIfOff(s, made.report);
         if (method == VoidMethod::overlay && r.count &&
             *r.count > static_cast<double>(made.list.size()) + 0.5)
-            s.callbacks.warn(fmt::format("--void-count {:.0f}: {} fill the domain, no more fit",
+            s.callbacks.warn(fmt::format("`voids.count` {:.0f}: {} fill the domain, no more fit",
                                          *r.count, made.list.size()));
     }
     if (made.list.empty())
@@ -494,20 +495,20 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         const double left = -std::log(*r.targetBvtv);
         const double guess = std::clamp(left * ball / (left * ball + each), 1e-4, 0.3);
         solveForBvtv(r, 0, guess, kMostProbability, kPackedTolerance,
-                     "; take larger or longer voids, or --voids boolean, whose voids overlap",
+                     "; take larger or longer voids, or `voids` boolean, whose voids overlap",
                      bvtvAt);
         if (!result.interrupted) warnIfOff(s, made.report);
     } else {
         if (!r.probability)
             made.report.chosen.push_back(
-                fmt::format("a hole with probability {}, since neither --void-probability nor "
-                            "--target-bvtv is given",
+                fmt::format("a hole with probability {}, since neither `voids.probability` nor "
+                            "`targetBvtv` is given",
                             kDefaultProbability));
         bvtvAt(r.probability.value_or(kDefaultProbability));
     }
     if (holes == 0)
         s.callbacks.warn(
-            "no hole found room: give smaller ones, a larger --void-probability or a "
+            "no hole found room: give smaller ones, a larger `voids.probability` or a "
             "thinner shell");
     else if (const auto found = static_cast<double>(holes);
              found < 0.8 * wanted && found < wanted - 3 * std::sqrt(wanted))  // no chance

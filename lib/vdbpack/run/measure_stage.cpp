@@ -1,28 +1,19 @@
-#include "vdbpack/run/run_stages.h"
+#include "vdbpack/run/measure_stage.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
-#include "vdbpack/run/void_stage.h"
 
 #include <fmt/format.h>
-#include <sys/resource.h>
-#include <tbb/info.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <utility>
 #include <vector>
 
 namespace vdbpack {
 
 namespace {
-
-/// How far the final count may be from --target-count before the pack is made again.
-constexpr double kCountTolerance = 0.018;
-constexpr int kCountAttempts = 8;
 
 /// Bins of the density profile, how deep it goes, and cells of the local fraction, in diameters
 /// (mean, largest, mean).
@@ -74,78 +65,6 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
 
 }  // namespace
 
-std::uint64_t peakMemory() {
-    // What getrusage tells goes back to before the program was started, by one that may hold more.
-    std::ifstream status("/proc/self/status");
-    for (std::string word; status >> word;)
-        if (std::uint64_t kibibytes = 0; word == "VmHWM:" && status >> kibibytes)
-            return kibibytes * 1024;
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
-}
-
-int effectiveThreads(int threads) {
-    return threads > 0 ? threads : tbb::info::default_concurrency();
-}
-
-bool passed(const Report& report) {
-    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
-           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
-           keepsGap(report);
-}
-
-template <int Dim>
-PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
-                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
-    const SizeDistribution sizes = options.sizes;
-    PackResult<Dim> best;
-    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1;
-    double tooSmall = 0, tooLarge = std::numeric_limits<double>::infinity();
-    double scale = scaleForCount(domain, options, target, callbacks, existing);
-    double lastScale = 0, lastCount = 0;
-    for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
-        options.sizes = scaledSizes(sizes, scale, Dim);
-        PackResult<Dim> result;
-        try {
-            result = packSpheres(domain, options, callbacks, existing);
-        } catch (const InputError&) {  // nothing fits
-            if (attempt + 1 == kCountAttempts && best.pack.spheres.empty()) throw;
-        }
-        const auto count = static_cast<double>(result.pack.spheres.size());
-        const bool interrupted = result.interrupted;
-        // Where the last one was interrupted, the one that has more is kept.
-        if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
-            bestOff = std::fabs(count - target);
-            bestScale = scale;
-            best = std::move(result);
-        }
-        best.interrupted = interrupted;
-        if (best.interrupted || options.maxCount > 0 || bestOff < 1.5 ||
-            bestOff < kCountTolerance * target)
-            break;
-        (count > target ? tooSmall : tooLarge) = scale;
-        double next = scale * std::pow(std::max(count, 0.5) / target, 1.0 / Dim);
-        if (lastCount > 0 && count > 0 && lastCount != count && lastScale != scale)
-            next = scale * std::exp(std::log(target / count) * std::log(lastScale / scale) /
-                                    std::log(lastCount / count));
-        // Between what was too few and too many, or not too far.
-        if (!(next > tooSmall && next < tooLarge))
-            next = tooSmall > 0 && tooLarge < std::numeric_limits<double>::infinity()
-                       ? std::sqrt(tooSmall * tooLarge)
-                       : std::clamp(next, 0.5 * scale, 2 * scale);
-        lastScale = scale;
-        lastCount = count;
-        scale = next;
-    }
-    options.sizes = scaledSizes(sizes, bestScale, Dim);
-    if (!best.interrupted && options.maxCount == 0 && bestOff >= 1.5 &&
-        bestOff >= kCountTolerance * target)
-        callbacks.warn(fmt::format("{} {} are as near to the {:.0f} asked for as it gets",
-                                   best.pack.spheres.size(), Measure<Dim>::kSpheres, target));
-    return best;
-}
-
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report,
@@ -188,33 +107,6 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     else if (report.gapAsked > 0 || goesOn())
         report.smallestGap = smallestGap(pack.spheres, report.existing);
     if (contacts) pack.contacts = std::move(contacts->counts);
-}
-
-FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
-                      const DomainSource& source) {
-    const SizeDistribution& sizes = requested.sizes;
-    const int dim = source.dim();
-    FieldRadii radii;
-    if (requested.targetCount > 0) {
-        // Half full is the lowest that is to be expected: the field is deep and fine enough.
-        const double guess = source.volume() / (requested.targetCount * sizes.meanBall(dim));
-        radii.scale = std::pow((dim == 3 ? 0.58 : 0.8) * guess, 1.0 / dim);
-    }
-    radii.detail = fieldDetail(sizes.min(), sizes.mean()) * radii.scale;
-    radii.reach =
-        std::max(sizes.max() * radii.scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3);
-    return radii;
-}
-
-void requireShell(double shell, const DomainSource& source) {
-    if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
-    const Vec<3> size = source.fileBounds().size();
-    const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
-    if (2 * shell < thin) return;
-    throw InputError(fmt::format(
-        "--shell {} mm: everything is cortical, the domain is {:.4g} mm thick at the most; give a "
-        "thinner shell, or check the unit of the domain",
-        shell, thin));
 }
 
 double structureDepth(const RadiusStatistics& radius, double shell) {
@@ -262,7 +154,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     if (domain && shell > 0) {
         if (shell > known)
             throw ParameterError(fmt::format(
-                "--shell {} mm: the field knows depths up to {:.4g} mm; give a thinner shell",
+                "`shell` {} mm: the field knows depths up to {:.4g} mm; give a thinner shell",
                 shell, known));
         result.shell = shell;
         const double all = domain->volume(), core = domain->volumeDeeperThan(shell);
@@ -275,10 +167,6 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     return result;
 }
 
-template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
-                                   const std::vector<Sphere<2>>&);
-template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
-                                   const std::vector<Sphere<3>>&);
 template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double,
                                        const Callbacks&);
 template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double,

@@ -13,13 +13,9 @@ namespace vdbpack {
 
 /// `pack` is what is converted, `packGrid` the point grid or level set in a .vdb. With
 /// `domain.source` level sets and surface of that domain can be written beside the spheres;
-/// `domain.voxelSize` is also that of the level set made of a mesh. `radius` is not looked at.
-struct ConvertRecipe : GivenPack {
-    std::string density;               ///< of spheres in DEM files, as `particleDensity` takes it
-    std::vector<std::string> outputs;  ///< as `writeOutput` names them; at least one, or a picture
-    PreviewRecipe preview;
-    Unit outUnit = Unit::millimeter;
-};
+/// `domain.voxelSize` is also that of the level set made of a mesh. `outputs` or a picture are
+/// required; `radius` and `reportFile` are not used.
+struct ConvertRecipe : InputPack {};
 
 struct ConvertResult {
     std::string kind;         ///< "spheres", "circles", "level set" or "mesh"

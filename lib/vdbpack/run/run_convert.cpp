@@ -1,16 +1,11 @@
-#include "vdbpack/run/convert.h"
+#include "vdbpack/run/run_convert.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
-#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/needs.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/preview_stage.h"
-#include "vdbpack/run/run_given.h"
-#include "vdbpack/run/run_stages.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -35,21 +30,13 @@ std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& call
     for (const char* mesh : {".stl", ".obj", ".off"})
         if (endsWith(recipe.pack, mesh)) return std::nullopt;
     try {
-        return readGiven(recipe, callbacks);
+        return readInputPack(recipe, callbacks);
     } catch (const InputError&) {
         if (endsWith(recipe.pack, ".ply")) return std::nullopt;  // without radii: a mesh
         // Without points it may be a level set; if it is neither, the first message is the better.
         if (!endsWith(recipe.pack, ".vdb") || !holdsLevelSet(recipe.pack)) throw;
         return std::nullopt;
     }
-}
-
-/// Refuses what memory or disks have no room for.
-void requireRoom(const ConvertRecipe& recipe, Extent extent) {
-    extent.outputs = recipe.outputs;
-    extent.preview = recipe.preview;
-    extent.threads = effectiveThreads(recipe.threads);
-    requireResources(needsOf(extent), memoryLimit(recipe.memoryLimit));
 }
 
 template <int Dim>
@@ -60,8 +47,8 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
         if (recipe.domain.source.empty() && isSolidOutput(output) &&
             (filePart(output) != output || endsWith(output, ".stl")))
             throw ParameterError(output +
-                                 ": spheres alone have no surface; give their --domain, or name a "
-                                 "level set of a .vdb with --grid");
+                                 ": spheres alone have no surface; set their `domain`, or name "
+                                 "a level set of a .vdb with `packGrid`");
     RunOutputs<Dim> have;
     have.pack = &pack;
     PackWriteOptions& write = have.options;
@@ -111,10 +98,10 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
 /// A level set or a mesh.
 void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Callbacks& callbacks) {
     if (!recipe.domain.source.empty())
-        throw ParameterError("--domain " + recipe.domain.source + ": goes with a pack, and " +
+        throw ParameterError("`domain` " + recipe.domain.source + ": goes with a pack, and " +
                              recipe.pack + " is a solid; leave it out");
     if (!recipe.density.empty())
-        throw ParameterError("--density is that of spheres, and " + recipe.pack +
+        throw ParameterError("`density` is that of spheres, and " + recipe.pack +
                              " holds none; leave it out");
     const std::string generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     RunOutputs<3> have;
@@ -171,15 +158,10 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
 
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks) {
     if (recipe.outputs.empty() && recipe.preview.file.empty())
-        throw ParameterError("nothing is to be written; name a file with -o or --preview");
-    checkPreview(recipe.preview, {});
-    checkDensity(recipe.density);
-    requireContactTolerance(recipe.contactTolerance);
-    checkOutputKinds(recipe.outputs, RunKind::convert, {});
+        throw ParameterError(
+            "nothing is to be written; name a file in `outputs` or `preview.file`");
     requireDomain(recipe);
-    auto inputs = domainInputs(recipe.domain);
-    inputs.push_back(recipe.pack);
-    checkFiles(recipe.outputs, {}, inputs, recipe.preview.file);
+    checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ConvertResult result;
     std::vector<std::string> warnings;
     const Callbacks heard =

@@ -1,0 +1,85 @@
+#include "vdbpack/run/input_pack.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Warns of ids that several spheres have: contacts name spheres by them.
+void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbacks& callbacks) {
+    std::vector<std::int64_t> ids = pack.id;
+    if (!std::is_sorted(ids.begin(), ids.end())) std::sort(ids.begin(), ids.end());
+    const auto shared = std::adjacent_find(ids.begin(), ids.end());
+    if (shared == ids.end()) return;
+    const std::int64_t first = *shared;
+    const auto different = std::unique(ids.begin(), ids.end()) - ids.begin();
+    callbacks.warn(
+        fmt::format("{}: {} spheres have {} different ids; several share {}. Contacts name spheres "
+                    "by their ids: "
+                    "renumber the spheres, or leave the ids out",
+                    file, pack.id.size(), different, first));
+}
+
+}  // namespace
+
+Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
+    callbacks.stopIfCancelled();
+    PackReadOptions read;
+    read.unit = recipe.packUnit;
+    read.gridName = recipe.packGrid;
+    Pack<3> pack = readPack(recipe.pack, read);
+    if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    warnOfSharedIds(pack, recipe.pack, callbacks);
+    Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
+    for (const auto& s : pack.spheres)
+        for (int d = 0; d < 3; ++d) {
+            box.lo[d] = std::min(box.lo[d], s.center[d] - s.radius);
+            box.hi[d] = std::max(box.hi[d], s.center[d] + s.radius);
+        }
+    const double extent = length(box.size());
+    if (extent < 2 || extent > 5000)
+        callbacks.warn(fmt::format(
+            "{}: the pack is {:.3g} mm across, which is unlikely for a bone. Set `packUnit` to "
+            "m, cm, mm or um if its lengths are not in mm",
+            recipe.pack, extent));
+    return pack;
+}
+
+void requireDomain(const InputPack& recipe) {
+    const DomainRecipe& d = recipe.domain;
+    if (!d.source.empty()) return;
+    const char* set = d.unit != Unit::millimeter ? "`unit`"
+                      : d.scale != 1             ? "`scale`"
+                      : !d.slices.empty()        ? "`slices`"
+                      : !d.clips.empty()         ? "`clips`"
+                                                 : nullptr;
+    if (set)
+        throw ParameterError(
+            fmt::format("{} is about the domain, and there is none; set `domain` (the unit of the "
+                        "file itself is "
+                        "`packUnit`)",
+                        set));
+}
+
+bool isPlane(const Pack<3>& pack) {
+    const double z = pack.spheres.front().center[2];
+    return pack.spheres.size() > 2 &&
+           std::all_of(pack.spheres.begin(), pack.spheres.end(),
+                       [z](const Sphere<3>& s) { return s.center[2] == z; });
+}
+
+std::vector<std::string> inputFiles(const InputPack& recipe) {
+    auto files = domainInputs(recipe.domain);
+    files.push_back(recipe.pack);
+    files.push_back(recipe.radius);  // table:FILE
+    return files;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,113 @@
+// Private to runs: packs that are read, and the runs that work on them.
+#pragma once
+
+#include "vdbpack/core/memory.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/stages.h"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// The spheres of a run's pack; warns of shared ids and of a size that is unlikely for a bone.
+/// @throws as readPack; InputError if there are none
+Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks);
+
+/// Refuses settings of a domain that is not there. @throws ParameterError
+void requireDomain(const InputPack& recipe);
+
+/// Whether all spheres of a pack lie in one plane.
+bool isPlane(const Pack<3>& pack);
+
+/// The files that a run on a pack reads.
+std::vector<std::string> inputFiles(const InputPack& recipe);
+
+/// Reads pack and domain, and returns what `stages(run)` makes of the run of their dimension.
+/// @param voids  that will be cut; without a method, none are.
+template <class Stages>
+RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRecipe& voids,
+                         const Callbacks& caller, const Stages& stages) {
+    const Callbacks limited = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    Report report = begunReport(recipe, task, recipe.pack);
+    report.seed = recipe.seed;
+    return withThreads(recipe.threads, [&] {
+        Clock clock;
+        const Callbacks heard = keepingWarnings(limited, report.warnings);
+        const Pack<3> pack = readInputPack(recipe, heard);
+        const DomainSource source(recipe.domain, heard);
+        report.seconds.mesh = clock.lap();
+        checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
+        if (source.dim() == 2) {
+            Run<2> run(recipe, source, report, clock, limited);
+            run.pack = asCircles(pack);
+            return stages(run);
+        }
+        Run<3> run(recipe, source, report, clock, limited);
+        run.pack = pack;
+        return stages(run);
+    });
+}
+
+/// Reads the domain of a pack and takes the measures that every report has; then calls
+/// `further(pack, domain or null, report)`.
+/// @param depthFor  depth up to which the field must know distances for such radii, mm.
+template <class Further>
+RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report,
+                           const std::function<double(const RadiusStatistics&)>& depthFor,
+                           const Callbacks& callbacks, const Further& further) {
+    Clock clock;
+    requireDomain(recipe);
+    std::optional<DomainSource> source;
+    if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
+    report.seconds.mesh += clock.lap();
+    RunResult run;
+    const auto measure = [&](auto& pack, auto dim) {
+        constexpr int Dim = decltype(dim)::value;
+        std::optional<SizeDistribution> sizes;
+        if (!recipe.radius.empty())
+            sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+        DomainSource::Built built;
+        Extent extent;
+        extent.dim = Dim;
+        const auto radius = radiusStatistics(pack.spheres);
+        const double detail = fieldDetail(radius.min, radius.mean), reach = depthFor(radius) / 3;
+        if (source) extent = extentOf(*source, detail, reach);
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireRoom(recipe, extent);
+        if (source) built = source->build(detail, reach, callbacks);
+        report.seconds.domain = clock.lap();
+        const Domain<Dim>* domain = ofDim<Dim>(built).get();
+        measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
+                    recipe.contactTolerance, report, callbacks);
+        if (report.interrupted) throw Interrupted();
+        further(pack, domain, report);
+        report.seconds.measure = clock.lap();
+    };
+    const bool plane = isPlane(given);
+    if (source && source->dim() == 3 && plane)
+        callbacks.warn(recipe.pack +
+                       ": all its spheres lie at one height. Set `slices` to z=V to "
+                       "measure them as circles of a plane");
+    if (source ? source->dim() == 2 : plane) {
+        Pack<2> circles = asCircles(given);
+        measure(circles, std::integral_constant<int, 2>());
+        run.pack = std::move(circles);
+    } else {
+        measure(given, std::integral_constant<int, 3>());
+        run.pack = std::move(given);
+    }
+    report.seconds.total = clock.total();
+    report.peakMemoryBytes = peakMemory();
+    run.passed = passed(report);
+    run.report = std::move(report);
+    return run;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,75 @@
+// The run that cuts voids into a pack that was read: `vdb_pack carve`.
+#include "vdbpack/core/error.h"
+#include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/report_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+
+namespace vdbpack {
+
+namespace {
+
+/// Share of protruding spheres from which on the pack seems to belong to another domain.
+constexpr double kManyOutside = 0.05;
+
+/// Overlaps and protrusions of the input pack are reported, and no failure.
+template <int Dim>
+void acceptInput(Run<Dim>& run, const CarveRecipe& recipe) {
+    Report& report = run.report;
+    report.givenOverlaps = report.overlap->pairs;
+    report.givenProtrusions = report.protrusion->spheres;
+    if (static_cast<double>(report.givenProtrusions) >
+        kManyOutside * static_cast<double>(report.count))
+        run.callbacks.warn(fmt::format(
+            "{}: {} of {} {} protrude from the domain. Check that the pack belongs to it, and that "
+            "`unit` and `packUnit` are right",
+            recipe.pack, report.givenProtrusions, report.count, Measure<Dim>::kSpheres));
+}
+
+template <int Dim>
+RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
+    const RadiusStatistics radius = radiusStatistics(run.pack.spheres);
+    std::optional<SizeDistribution> sizes;
+    if (!recipe.radius.empty())
+        sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
+    run.sizes = sizes ? &*sizes : nullptr;
+    run.voidRecipe = &recipe.voids;
+    run.largestRadius = radius.max;
+    const double detail = fieldDetail(radius.min, radius.mean);
+    const double reach = std::max(radius.max, depthForShell(recipe.voids) / 3);
+    const double voxel = plannedVoxel(recipe.voids, Dim);
+    Extent extent = extentOf(run.source, detail, reach, voxel);
+    extent.count = static_cast<double>(run.pack.spheres.size());
+    addVoids(extent, recipe.voids, radius.max);
+    domainStage(run, extent, detail, reach, voxel);
+    cutStage(run);
+    measureStage(run);
+    acceptInput(run, recipe);
+    writeStage(run);
+    pictureStage(run);
+    RunResult result = finished(run);
+    writeReport(result, recipe);
+    return result;
+}
+
+}  // namespace
+
+RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
+    checkVoids(recipe.voids, true, false);
+    if (recipe.voids.empty() && !(recipe.voids.shell > 0))
+        throw ParameterError(
+            "there is nothing to cut; set how `voids` are made (grid, overlay, concentric, "
+            "threshold, boolean or list:FILE)");
+    if (recipe.domain.source.empty())
+        throw ParameterError("voids are cut into a domain; set the `domain` of the pack");
+    auto inputs = voidInputs(recipe.voids);
+    for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
+    checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
+    return runOnInputPack(recipe, "carve", recipe.voids, callbacks,
+                          [&](auto& run) { return carve(run, recipe); });
+}
+
+}  // namespace vdbpack

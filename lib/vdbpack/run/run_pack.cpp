@@ -1,0 +1,230 @@
+// The run that packs: `vdb_pack pack`.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/pack_each.h"
+#include "vdbpack/run/pack_stage.h"
+#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/report_file.h"
+#include "vdbpack/run/stages.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// What all packs of a recipe share, whatever their seed.
+template <int Dim>
+struct Prepared {
+    RequestedSizes requested;
+    DomainSource::Built built;
+    Pack<Dim> existing;
+    std::uint64_t givenOverlaps = 0, givenProtrusions = 0;
+};
+
+/// Reads the spheres to pack around, and counts what is wrong with them already.
+template <int Dim>
+void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepared<Dim>& prepared,
+                     const Callbacks& callbacks) {
+    if (recipe.existing.empty()) return;
+    prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
+    const auto& spheres = prepared.existing.spheres;
+    const OverlapCheck among = checkOverlap(spheres);
+    if (!among.complete)
+        throw InputError(fmt::format(
+            "{}: more than {} pairs of its {} {} overlap one another. Remove the spheres that lie "
+            "in others",
+            recipe.existing, among.pairs, spheres.size(), Measure<Dim>::kSpheres));
+    prepared.givenOverlaps = among.pairs;
+    prepared.givenProtrusions = source.protrusion(spheres).spheres;
+    if (prepared.givenOverlaps > 0)
+        callbacks.warn(
+            fmt::format("{}: {} pairs of its {} overlap one another; they are kept as "
+                        "they are",
+                        recipe.existing, prepared.givenOverlaps, Measure<Dim>::kSpheres));
+    if (prepared.givenProtrusions > 0)
+        callbacks.warn(
+            fmt::format("{}: {} of its {} protrude from the domain; they are kept as "
+                        "they are",
+                        recipe.existing, prepared.givenProtrusions, Measure<Dim>::kSpheres));
+}
+
+template <int Dim>
+Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
+                      const Callbacks& callbacks) {
+    requireShell(recipe.voids.shell, source);
+    requireResources(recipe, source);
+    Prepared<Dim> prepared{requestedSizes(recipe, Dim), {}, {}};
+    const FieldRadii radii = fieldRadii(recipe, prepared.requested, source);
+    prepared.built =
+        source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
+    const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
+    const double largest = prepared.requested.sizes.max() * radii.scale;
+    if (recipe.voids.shell > 0 || !recipe.voids.empty())
+        checkRoom(VoidSetting<Dim>{recipe.voids, domain, prepared.built.sliceHeight, recipe.seed,
+                                   largest, callbacks},
+                  true);
+    checkPreview<Dim>(recipe.preview, domain, nullptr);
+    prepareExisting(recipe, source, prepared, callbacks);
+    return prepared;
+}
+
+/// About what densifying adds to the solid fraction of a front at most.
+template <int Dim>
+constexpr double kMostGain = Dim == 3 ? 0.045 : 0.02;
+
+template <int Dim>
+std::vector<Sphere<Dim>> joinedSpheres(std::vector<Sphere<Dim>> spheres,
+                                       const std::vector<Sphere<Dim>>& more) {
+    spheres.insert(spheres.end(), more.begin(), more.end());
+    return spheres;
+}
+
+/// Packs about `target` spheres, counting those that densifying will add.
+template <int Dim>
+PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double target,
+                           const std::vector<Sphere<Dim>>& existing, PackOptions& options) {
+    const Domain<Dim>& domain = run.domain();
+    auto result = packToCount(domain, options, target, run.callbacks, existing);
+    if (recipe.densify > 0 && !result.interrupted) {
+        const double front = solidFraction(joinedSpheres(existing, result.pack.spheres), domain);
+        const double after =
+            std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
+        if (after > front)  // fewer, larger spheres
+            result = packToCount(domain, options, target * front / after, run.callbacks, existing);
+    }
+    run.report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
+                                            options.sizes.spec(), target, Measure<Dim>::kSpheres));
+    return result;
+}
+
+/// The front, with the existing spheres before those that it places.
+/// @param options  its sizes are left as packed.
+/// @return whether the voids were made with it.
+template <int Dim>
+bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared,
+               PackOptions& options) {
+    const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
+    const double target = prepared.requested.targetCount;
+    const bool holes = needsFront(methodOf(recipe.voids));
+    PackResult<Dim> result;
+    if (target > 0)
+        result = packTarget(run, recipe, target, existing, options);
+    else if (!holes)
+        result = packSpheres(run.domain(), options, run.callbacks, existing);
+    run.largestRadius = options.sizes.max();
+    if (holes && !result.interrupted)
+        result = packWithHoles(run.voidSetting(), options, existing, run.voids);
+    result.pack.sliceHeight = run.built.sliceHeight;
+    run.report.interrupted = result.interrupted;
+    run.positionStep = result.quantum;
+    if (!recipe.existing.empty()) {
+        if (result.pack.spheres.empty() && !result.interrupted)
+            run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
+        run.fixed = existing.size();
+        run.report.existing = existing.size();
+        run.report.givenOverlaps = prepared.givenOverlaps;
+        run.report.givenProtrusions = prepared.givenProtrusions;
+        result.pack = joined(prepared.existing, result.pack);
+    }
+    run.pack = std::move(result.pack);
+    run.report.seconds.pack = run.clock.lap();
+    return holes;
+}
+
+/// All stages after those that the seeds share.
+template <int Dim>
+RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
+                       const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
+                       const Callbacks& callbacks) {
+    Run<Dim> run(recipe, source, begun, clock, callbacks);
+    run.keepsPack = true;
+    run.built = prepared.built;
+    run.voidRecipe = &recipe.voids;
+    run.report.seed = recipe.seed;
+    run.report.chosen = prepared.requested.chosen;
+    run.report.gapAsked = recipe.gap;
+    clock.lap();
+    PackOptions options = packOptions(recipe, prepared.requested.sizes);
+    run.sizes = &options.sizes;
+    const bool voidsMade = packStage(run, recipe, prepared, options);
+    if (recipe.densify > 0) densifyStage(run, recipe.densify, recipe.gap);
+    cutStage(run, voidsMade);
+    measureStage(run);
+    PageDetails details;
+    if (isPage(recipe.reportFile))
+        run.unlessInterrupted([&] {
+            details =
+                pageDetails(run.pack, source, run.domain(), options.sizes, run.report, callbacks);
+        });
+    writeStage(run);
+    pictureStage(run);
+    RunResult result = finished(run);
+    writeReport(result, details, recipe);
+    return result;
+}
+
+template <int Dim>
+void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& source,
+                const Report& begun, Clock clock, const Callbacks& callbacks,
+                const std::function<bool(RunResult&&)>& done) {
+    Report first = begun;
+    clock.lap();
+    const Prepared<Dim> prepared =
+        prepare<Dim>(recipes.front(), source, keepingWarnings(callbacks, first.warnings));
+    first.seconds.domain = clock.lap();
+    for (const PackRecipe& recipe : recipes) {
+        if (!done(packPrepared(recipe, source, prepared, first, clock, callbacks))) return;
+        // Seconds spent once are reported once.
+        first.seconds = {};
+        clock = Clock();
+    }
+}
+
+}  // namespace
+
+void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
+              const std::function<bool(RunResult&&)>& done) {
+    const PackRecipe& recipe = recipes.front();
+    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    for (const auto& r : recipes) checkRecipe(r);
+    Clock clock;
+    Report report = begunReport(recipe, "pack", recipe.domain.source);
+    const auto work = [&] {
+        const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+        const DomainSource source(recipe.domain, heard);
+        report.seconds.mesh = clock.lap();
+        warnOfUnused(recipe.domain, source, heard);
+        checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
+        if (source.dim() == 3)
+            packDomain<3>(recipes, source, report, clock, callbacks, done);
+        else
+            packDomain<2>(recipes, source, report, clock, callbacks, done);
+    };
+    try {
+        withThreads(recipe.threads, work);
+    } catch (const Interrupted&) {
+        RunResult none;
+        none.report = report;
+        none.report.interrupted = true;
+        none.passed = true;
+        done(std::move(none));
+    }
+}
+
+RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+    RunResult result;
+    packEach({recipe}, callbacks, [&](RunResult&& run) {
+        result = std::move(run);
+        return true;
+    });
+    return result;
+}
+
+}  // namespace vdbpack

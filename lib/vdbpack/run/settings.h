@@ -1,0 +1,30 @@
+// What every run takes, whatever it makes.
+#pragma once
+
+#include "vdbpack/core/units.h"
+#include "vdbpack/preview/preview_recipe.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// Base of all recipes. A command passes over what it has no use for.
+struct RunSettings {
+    int threads = 0;         ///< 0: all cores
+    double memoryLimit = 0;  ///< bytes that the process may hold; 0: what is free at the start
+    std::uint64_t seed = 1;  ///< of whatever is random
+    double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
+    std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
+    Unit outUnit = Unit::millimeter;   ///< of the lengths in them
+    std::string density;     ///< of the spheres in DEM files, as `particleDensity` takes it
+    PreviewRecipe preview;   ///< picture; without a file: none
+    std::string reportFile;  ///< .json or .html; empty: none
+    std::string command;     ///< for the report; empty: the task and what it works on
+    /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
+    /// output as NAME.recipe.toml. Empty: none is written.
+    std::string optionsText;
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,213 @@
+#include "vdbpack/run/stages.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/run/densify_stage.h"
+#include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/recipe_file.h"
+#include "vdbpack/run/report_file.h"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+#include <tbb/info.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+namespace vdbpack {
+
+void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
+                   const std::vector<std::string>& inputs) {
+    checkOutputKinds(settings.outputs, kind, voids);
+    checkDensity(settings.density);
+    requireContactTolerance(settings.contactTolerance);
+    checkPreview(settings.preview, settings.reportFile);
+    checkFiles(settings.outputs, settings.reportFile, inputs, settings.preview.file);
+}
+
+Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
+    Report report;
+    report.version = VDBPACK_VERSION;
+    report.task = task;
+    report.command =
+        settings.command.empty() ? std::string(task) + " " + subject : settings.command;
+    report.threads = effectiveThreads(settings.threads);
+    return report;
+}
+
+int effectiveThreads(int threads) {
+    return threads > 0 ? threads : tbb::info::default_concurrency();
+}
+
+std::uint64_t peakMemory() {
+    // What getrusage tells goes back to before the program was started, by one that may hold more.
+    std::ifstream status("/proc/self/status");
+    for (std::string word; status >> word;)
+        if (std::uint64_t kibibytes = 0; word == "VmHWM:" && status >> kibibytes)
+            return kibibytes * 1024;
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+void requireShell(double shell, const DomainSource& source) {
+    if (!(shell > 0) || !source.isFile()) return;  // a shape has no field to be made
+    const Vec<3> size = source.fileBounds().size();
+    const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
+    if (2 * shell < thin) return;
+    throw InputError(fmt::format(
+        "`shell` {} mm: everything is cortical, the domain is {:.4g} mm thick at the most; give a "
+        "thinner shell, or check the unit of the domain",
+        shell, thin));
+}
+
+template <int Dim>
+void domainStage(Run<Dim>& run, Extent extent, double detail, double reach, double voxelSize) {
+    if (run.voidRecipe) requireShell(run.voidRecipe->shell, run.source);
+    requireRoom(run.settings, std::move(extent));
+    run.built = run.source.build(detail, reach, run.callbacks, voxelSize);
+    run.report.seconds.domain = run.clock.lap();
+    run.callbacks.stopIfCancelled();
+    if (run.cuts()) checkRoom(run.voidSetting(), false);
+    checkPreview<Dim>(run.settings.preview, run.domain(), run.hasPack ? &run.pack : nullptr);
+}
+
+template <int Dim>
+void densifyStage(Run<Dim>& run, double fraction, double gap) {
+    if (!run.goesOn() || run.pack.spheres.empty()) return;
+    densifyPack(run.domain(), {fraction, run.sizes, gap, run.settings.seed, run.fixed}, run.pack,
+                run.report, run.callbacks);
+    run.report.seconds.densify = run.clock.lap();
+}
+
+template <int Dim>
+void cutStage(Run<Dim>& run, bool made) {
+    if (run.cuts()) {
+        // Compared with the requested sizes before any sphere is removed.
+        if (run.hasPack && run.sizes) measureSizes(run.pack, *run.sizes, run.report);
+        if (!made) run.unlessInterrupted([&] { run.voids = makeVoids(run.voidSetting()); });
+        const auto& chosen = run.voids.report.chosen;
+        run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
+    }
+    if (run.hasPack)
+        cullPack(run.voidSetting(), run.settings.contactTolerance, run.fixed, run.voids, run.pack);
+    run.report.seconds.voids = run.clock.lap();
+}
+
+namespace {
+
+template <int Dim>
+void describeDomain(const Domain<Dim>& domain, Report& report) {
+    report.dim = Dim;
+    report.domain = domain.facts();
+    report.volume = domain.volume();
+    report.area = domain.wallArea();
+}
+
+}  // namespace
+
+template <int Dim>
+void measureStage(Run<Dim>& run) {
+    const double tolerance = run.settings.contactTolerance;
+    run.callbacks.report("measure", 0, 0);
+    if (run.cuts()) {
+        run.unlessInterrupted([&] {
+            measureVoids(run.voidSetting(), tolerance, run.hasPack ? &run.pack : nullptr,
+                         run.voids);
+        });
+        run.report.voids = run.voids.report;
+    }
+    if (!run.hasPack) return describeDomain(run.domain(), run.report);
+    measurePack(run.pack, &run.source, &run.domain(), run.cuts() ? nullptr : run.sizes, tolerance,
+                run.report, run.callbacks);
+    if (run.report.interrupted && !run.keepsPack) throw Interrupted();
+}
+
+namespace {
+
+template <int Dim>
+RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
+    RunOutputs<Dim> have;
+    have.pack = run.hasPack ? &run.pack : nullptr;
+    have.domain = &run.domain();
+    if (run.built.mesh) have.wall = &run.built.mesh->wall();
+    have.voidList = &run.voids.list;
+    have.sliceHeight = run.built.sliceHeight;
+    PackWriteOptions& write = have.options;
+    write.contactTolerance = run.settings.contactTolerance;
+    write.unit = run.settings.outUnit;
+    write.generator = "vdb_pack " + run.report.version;
+    write.particleDensity = particleDensity(run.settings.density, run.report.solidFractionTotal);
+    write.levelSets = run.voids.levelSets();
+    if (write.levelSets.empty() && run.built.mesh) write.levelSets = {run.built.mesh->grid()};
+    if constexpr (Dim == 2) write.frame = run.domain().bounds();
+    // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
+    if (run.positionStep > 0)
+        write.pointVoxel = std::min(
+            pointVoxelSize(static_cast<double>(run.report.count), run.domain().volume(), Dim),
+            run.positionStep * 0x1p25);
+    return have;
+}
+
+}  // namespace
+
+template <int Dim>
+void writeStage(Run<Dim>& run) {
+    run.report.seconds.measure = run.clock.lap();
+    // Interrupted before the first sphere: nothing is worth replacing a file.
+    if (run.report.interrupted && run.report.count == 0) return;
+    run.report.files = writeOutputs(run.settings.outputs, outputsOf(run), run.callbacks);
+}
+
+template <int Dim>
+void pictureStage(Run<Dim>& run) {
+    const RunSettings& settings = run.settings;
+    if (settings.preview.file.empty() && !isPage(settings.reportFile)) return;
+    if (run.hasPack && run.pack.spheres.empty()) return;
+    run.callbacks.report("write", 0, 0);
+    run.unlessInterrupted([&] {
+        run.picture = drawPreview(settings.preview, settings.reportFile, run.source, run.built,
+                                  run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks);
+        if (!settings.preview.file.empty()) run.report.files.push_back(settings.preview.file);
+    });
+}
+
+bool passed(const Report& report) {
+    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
+           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
+           keepsGap(report);
+}
+
+template <int Dim>
+RunResult finished(Run<Dim>& run) {
+    const RunSettings& settings = run.settings;
+    Report& report = run.report;
+    if (!report.files.empty())
+        leaveRecipe(settings.optionsText, settings.outputs, report, run.callbacks);
+    report.seconds.write = run.clock.lap();
+    report.seconds.total = run.clock.total();
+    report.peakMemoryBytes = peakMemory();
+    RunResult result;
+    result.passed = passed(report);
+    if (!settings.reportFile.empty()) report.files.push_back(settings.reportFile);
+    result.report = std::move(report);
+    result.picture = std::move(run.picture);
+    if (run.hasPack) result.pack = std::move(run.pack);
+    return result;
+}
+
+#define VDBPACK_INSTANTIATE(Dim)                                          \
+    template void domainStage(Run<Dim>&, Extent, double, double, double); \
+    template void densifyStage(Run<Dim>&, double, double);                \
+    template void cutStage(Run<Dim>&, bool);                              \
+    template void measureStage(Run<Dim>&);                                \
+    template void writeStage(Run<Dim>&);                                  \
+    template void pictureStage(Run<Dim>&);                                \
+    template RunResult finished(Run<Dim>&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
+
+}  // namespace vdbpack

@@ -1,0 +1,143 @@
+// Private to runs: the stages of a run, in their order. Each command is a short list of them.
+//
+//   checkSettings   outputs, report, picture and texts, before anything is read
+//   (command)       domain and input pack are read
+//   domainStage     estimate of memory and disk space, field, checks against the domain
+//   (command)       pack
+//   densifyStage    spheres are moved and added
+//   cutStage        voids are made, spheres in them removed
+//   measureStage    voids, spheres, checks
+//   writeStage      outputs
+//   pictureStage    preview, or picture of the report page
+//   finished        recipe file, result
+//   writeReport     report_file.h
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/run/clock.h"
+#include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/needs.h"
+#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/void_stage.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// A run under way: what its stages pass on to one another.
+template <int Dim>
+struct Run {
+    /// @param begun   with the warnings so far.
+    /// @param limited  callbacks of the caller, within the limit of memory.
+    Run(const RunSettings& ofRun, const DomainSource& ofDomain, Report begun, Clock& running,
+        const Callbacks& limited)
+        : settings(ofRun),
+          source(ofDomain),
+          report(std::move(begun)),
+          clock(running),
+          plain(limited),
+          callbacks(keepingWarnings(limited, report.warnings)) {}
+    Run(const Run&) = delete;
+    Run& operator=(const Run&) = delete;
+
+    const RunSettings& settings;
+    const DomainSource& source;
+    Report report;
+    Clock& clock;
+    const Callbacks& plain;     ///< of the caller
+    const Callbacks callbacks;  ///< the same; `report` keeps the warnings
+    /// Whether an interrupt ends the run with what is complete; else it throws Interrupted.
+    bool keepsPack = false;
+
+    DomainSource::Built built;
+    bool hasPack = true;  ///< or voids alone
+    Pack<Dim> pack;
+    std::size_t fixed = 0;                    ///< the first spheres are neither moved nor removed
+    const SizeDistribution* sizes = nullptr;  ///< requested; null: none
+    double positionStep = 0;                  ///< coordinates are multiples of it, mm; 0: unknown
+
+    const VoidRecipe* voidRecipe = nullptr;  ///< null: none are cut
+    double largestRadius = 0;                ///< of the spheres there are or will be, mm
+    MadeVoids<Dim> voids;
+
+    PreviewPicture picture;
+
+    const Domain<Dim>& domain() const { return *ofDim<Dim>(built); }
+    bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->shell > 0); }
+    VoidSetting<Dim> voidSetting() const {
+        return {*voidRecipe, domain(), built.sliceHeight, settings.seed, largestRadius, callbacks};
+    }
+    /// Whether to go on with what an interrupted run does without. @throws Interrupted
+    bool goesOn() {
+        if (!report.interrupted && callbacks.isCancelled()) {
+            if (!keepsPack) throw Interrupted();
+            report.interrupted = true;
+        }
+        return !report.interrupted;
+    }
+    /// Does what an interrupted run does without.
+    template <class Work>
+    void unlessInterrupted(const Work& work) {
+        if (!goesOn()) return;
+        try {
+            work();
+        } catch (const Interrupted&) {
+            if (!keepsPack) throw;
+            report.interrupted = true;
+        }
+    }
+};
+
+/// Refuses before the work what would fail after it.
+/// @param inputs  files that no output may replace.
+/// @throws ParameterError, IoError
+void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
+                   const std::vector<std::string>& inputs);
+
+/// The head of a report. @param subject  what the run works on.
+Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);
+
+/// How many threads `threads` asks for; 0: all cores.
+int effectiveThreads(int threads);
+
+/// The most memory that the process has held, bytes.
+std::uint64_t peakMemory();
+
+/// Whether the checks found nothing but what the input pack had.
+bool passed(const Report& report);
+
+/// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
+void requireShell(double shell, const DomainSource& source);
+
+/// Builds the field for radii from `detail` to `reach` (mm), if memory and disks suffice for
+/// `extent`, and checks that voids and picture suit the domain.
+/// @param voxelSize  as that of DomainSource::build.
+template <int Dim>
+void domainStage(Run<Dim>& run, Extent extent, double detail, double reach, double voxelSize = 0);
+
+/// @param fraction  to reach, as that of DensifyOptions. @param gap  mm
+template <int Dim>
+void densifyStage(Run<Dim>& run, double fraction, double gap);
+
+/// @param made  whether packing made the voids (`run.voids`) already.
+template <int Dim>
+void cutStage(Run<Dim>& run, bool made = false);
+
+template <int Dim>
+void measureStage(Run<Dim>& run);
+
+template <int Dim>
+void writeStage(Run<Dim>& run);
+
+template <int Dim>
+void pictureStage(Run<Dim>& run);
+
+/// Leaves the recipe file, and takes the result out of the run.
+template <int Dim>
+RunResult finished(Run<Dim>& run);
+
+}  // namespace vdbpack

@@ -1,0 +1,31 @@
+// Packs of one recipe with several seeds, and what they have in common.
+#pragma once
+
+#include "vdbpack/run/run.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+struct StudyResult {
+    std::vector<Report> reports;  ///< one a seed, in their order
+    bool passed = true;           ///< no check failed in any run
+    bool interrupted = false;     ///< `reports` are of the runs before that
+    std::string failures;         ///< of all runs
+};
+
+/// A pack for each seed, as `runPack` makes it; the domain is made once.
+/// @param recipe  names of outputs and of the report may hold {seed}, and must with several seeds.
+/// @param table   .csv with a row a run (`studyTable`); empty: none.
+/// @throws as runPack; ParameterError for names that runs would share.
+StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks = {});
+
+/// CSV: a line of names, then a line a report; cells without a value are empty.
+std::string studyTable(const std::vector<Report>& reports);
+/// For people: a line a run, then mean and standard deviation over the runs.
+std::string summary(const StudyResult& study);
+
+}  // namespace vdbpack
