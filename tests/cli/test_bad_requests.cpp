@@ -187,9 +187,9 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
 }
 
 TEST_CASE("spheres that are too large for a thin domain are refused at once", "[cli][bad]") {
-    check({{"pack box:1e12,1,1 --target-count 20", 3, "largest place has radius 0.5 mm"},
-           {"pack box:1e300,1,1 --target-count 20", 3, "largest place has radius 0.5 mm"},
-           {"pack cylinder:1e6,1e-6 --target-count 20", 3, "largest place has radius 5e-07 mm"}},
+    check({{"pack box:1e12,1,1 --target-count 20", 3, "has radius 0.5 mm"},
+           {"pack box:1e300,1,1 --target-count 20", 3, "has radius 0.5 mm"},
+           {"pack cylinder:1e6,1e-6 --target-count 20", 3, "has radius 5e-07 mm"}},
           {});
 }
 

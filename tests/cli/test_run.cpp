@@ -259,7 +259,7 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
         CHECK_THROWS_WITH(runPack(r), Catch::Contains("not closed") && Catch::Contains("vertex"));
     });
     refuse(recipeFor("ball:3", "uniform:4,5"), [](const PackRecipe& r) {
-        CHECK_THROWS_WITH(runPack(r), Catch::Contains("largest place"));
+        CHECK_THROWS_WITH(runPack(r), Catch::Contains("radius"));
     });
     refuse(recipeFor("ball:10", "uniform:2"), parameter);
     refuse(recipeFor("ball:10", "uniform:1e-9,1"), parameter);

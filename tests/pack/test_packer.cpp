@@ -1,6 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/pack/packer.h"
 
 #include <catch2/catch.hpp>
@@ -271,30 +272,30 @@ TEST_CASE("the maximum count stops the pack", "[pack]") {
     CHECK(packSpheres(*domain, options).pack.spheres.size() == 100);
 }
 
-TEST_CASE("a radius that fits nowhere is refused with the largest place", "[pack]") {
+TEST_CASE("a radius that fits nowhere is refused with the largest that fits", "[pack]") {
     const auto domain = ballDomain<3>(3.0);
     PackOptions options(SizeDistribution::parse("uniform:4,5", 3));
     CHECK_THROWS_AS(packSpheres(*domain, options), InputError);
-    CHECK_THROWS_WITH(packSpheres(*domain, options), Catch::Contains("largest place has radius 3"));
-    const Sphere<3> place = largestPlace(*domain);
-    CHECK(place.radius == Approx(3).epsilon(1e-4));
-    CHECK(length(place.center) < 0.01);
+    CHECK_THROWS_WITH(packSpheres(*domain, options), Catch::Contains("radius 3"));
+    const Sphere<3> ball = largestBall(*domain);
+    CHECK(ball.radius == Approx(3).epsilon(1e-4));
+    CHECK(length(ball.center) < 0.01);
 }
 
-TEST_CASE("the largest place is found in corners and on ridges", "[pack]") {
+TEST_CASE("the largest ball is found in corners and on ridges", "[pack]") {
     // An even number of cells has no center in the middle.
     for (const double side : {0.02, 20.0, 2e4}) {
-        const Sphere<3> place = largestPlace(*boxDomain<3>(cube<3>(side)));
-        CHECK(place.radius == Approx(side / 2).epsilon(1e-7));
+        const Sphere<3> ball = largestBall(*boxDomain<3>(cube<3>(side)));
+        CHECK(ball.radius == Approx(side / 2).epsilon(1e-7));
     }
-    CHECK(largestPlace(*boxDomain<2>(cube<2>(7))).radius == Approx(3.5).epsilon(1e-7));
+    CHECK(largestBall(*boxDomain<2>(cube<2>(7))).radius == Approx(3.5).epsilon(1e-7));
     // Between oblique walls: the corner of a cube and a plane across it; its incenter by hand.
     HalfSpace<3> cut;
     cut.normal = {{1, 1, 1}};
     cut.offset = -7.5;
     const auto corner = clippedDomain<3>(boxDomain<3>(cube<3>(10)), {cut});
     const double expected = 7.5 / (3 + std::sqrt(3.0));
-    CHECK(largestPlace(*corner).radius == Approx(expected).epsilon(1e-6));
+    CHECK(largestBall(*corner).radius == Approx(expected).epsilon(1e-6));
 }
 
 TEST_CASE("a sphere as large as its box is placed", "[pack]") {
@@ -307,7 +308,7 @@ TEST_CASE("a sphere as large as its box is placed", "[pack]") {
     }
     CHECK_THROWS_WITH(packSpheres(*boxDomain<3>(cube<3>(20)),
                                   PackOptions(SizeDistribution::parse("constant:10.001", 3))),
-                      Catch::Contains("largest place has radius 10 mm"));
+                      Catch::Contains("has radius 10 mm"));
 }
 
 TEST_CASE("an absurd count is refused before the work", "[pack]") {

@@ -6,6 +6,7 @@
 #include "vdbpack/field/surface_level_set.h"
 #include "vdbpack/measure/attached.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
+#include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/void_list.h"
@@ -249,7 +250,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     if (s.recipe.radius.empty())
         recipe.radius = timesSpec(recipe.radius, 1.2 * target / first.mean(), 3);
     // A part of a large bone tells the thickness of all.
-    const Sphere<3> deepest = largestPlace(s.domain);
+    const Sphere<3> deepest = largestBall(s.domain);
     for (int round = 0;; ++round) {
         const VoidSetting<3> setting{recipe, s.domain,        s.sliceHeight,
                                      s.seed, s.largestRadius, s.callbacks};
@@ -337,7 +338,7 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
         throw InputError(fmt::format(
             "`shell` {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
             "place lies {:.4g} mm below the wall); give a thinner shell",
-            s.recipe.shell, largestPlace(s.domain).radius));
+            s.recipe.shell, largestBall(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
     const Vec<Dim> size = s.domain.bounds().size();

@@ -1,0 +1,75 @@
+#include "vdbpack/core/error.h"
+#include "vdbpack/pack/kernel_settings.h"
+#include "vdbpack/pack/packer.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+template <int Dim>
+double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
+                     const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
+    if (!(count >= 1 && std::isfinite(count)))
+        throw ParameterError(
+            fmt::format("target count {}: must be a number of spheres, 1 or more", count));
+    const double shell = shellOf(options);
+    const double guess = Dim == 3 ? 0.58 : 0.8;
+    const double most = guess * domain.volume() / ballWithShell<Dim>(options.sizes, 0, shell);
+    if (!(count < most))
+        throw ParameterError(
+            fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
+                        "are: at most about {:.0f} can; ask for fewer or for a smaller gap",
+                        count, Measure<Dim>::kSpheres, options.gap, most));
+    // Where `n` spheres with their shells fill that fraction of the domain.
+    const auto scaleFor = [&](double fraction, double n) {
+        const double ball = fraction * domain.volume() / n;
+        double lo = 0, hi = std::pow(ball / options.sizes.meanBall(Dim), 1.0 / Dim);
+        for (int i = 0; shell > 0 && i < 100; ++i) {
+            const double middle = 0.5 * (lo + hi);
+            (ballWithShell<Dim>(options.sizes, middle, shell) < ball ? lo : hi) = middle;
+        }
+        return hi;
+    };
+    PackOptions trial = options;
+    trial.maxCount = 0;
+    Callbacks quiet = callbacks;
+    quiet.progress = nullptr;
+    const auto fractionAt = [&](double scale) {
+        trial.sizes = options.sizes.scaled(scale);
+        const auto result = packSpheres(domain, trial, quiet, existing);
+        double sum = 0;
+        for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius + shell);
+        return sum / domain.volume();
+    };
+    // Room beside the existing spheres.
+    double taken = 0;
+    const auto sampler = domain.sampler();
+    for (const auto& s : existing)
+        if (sampler->signedDistance(s.center) < 0) taken += Measure<Dim>::ball(s.radius + shell);
+    const double room = guess * std::max(0.05, 1 - taken / domain.volume());
+    // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
+    // along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
+    const double coarse = scaleFor(room, std::max(count / 20, 50.0));
+    const double fine = scaleFor(room, std::max(count / 5, 100.0));
+    if (callbacks.isCancelled()) return fine;
+    const double f1 = fractionAt(coarse);
+    if (callbacks.isCancelled()) return fine;
+    const double f2 = fractionAt(fine);
+    const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
+    double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);
+    for (int i = 0; i < 20; ++i) {
+        const double fraction = std::clamp(f2 + slope * (fine - scale), 0.01, 0.9);
+        scale = scaleFor(fraction, count);
+    }
+    return scale;
+}
+
+template double scaleForCount(const Domain<2>&, const PackOptions&, double, const Callbacks&,
+                              const std::vector<Sphere<2>>&);
+template double scaleForCount(const Domain<3>&, const PackOptions&, double, const Callbacks&,
+                              const std::vector<Sphere<3>>&);
+
+}  // namespace vdbpack
