@@ -3,6 +3,9 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/measure/density_profile.h"
+#include "vdbpack/measure/local_fraction.h"
+#include "vdbpack/measure/vacancies.h"
 
 #include <catch2/catch.hpp>
 
@@ -108,12 +111,12 @@ TEST_CASE("a field that ends at the depth asked for gives the same interior", "[
 
 TEST_CASE("an empty ball has its largest place in the middle", "[measure]") {
     const auto domain = ballDomain<3>(10, {{5, 6, 7}});
-    const auto check = findPlaces<3>({}, *domain, 9.0, 200000);
+    const auto check = findVacancies<3>({}, *domain, 9.0, 200000);
     REQUIRE(check.largest <= 10);
     REQUIRE(check.largest > 10 - check.spacing);
     REQUIRE(length(check.at - Vec<3>{{5, 6, 7}}) < check.spacing);
     // Points within 1 of the middle: a thousandth of them all.
-    REQUIRE(static_cast<double>(check.places) == Approx(200).epsilon(0.1));
+    REQUIRE(static_cast<double>(check.points) == Approx(200).epsilon(0.1));
 }
 
 TEMPLATE_TEST_CASE_SIG("a sphere taken out leaves a place of its size", "[measure]",
@@ -125,14 +128,14 @@ TEMPLATE_TEST_CASE_SIG("a sphere taken out leaves a place of its size", "[measur
     const auto domain = boxDomain<Dim>(box);
     const std::uint64_t points = 300000;
     // Between touching spheres of a square or cubic lattice: sqrt(Dim) - 1.
-    auto check = findPlaces<Dim>(spheres, *domain, 0.75, points);
-    REQUIRE(check.places == 0);
+    auto check = findVacancies<Dim>(spheres, *domain, 0.75, points);
+    REQUIRE(check.points == 0);
     REQUIRE(check.largest <= std::sqrt(Dim) - 1 + 1e-9);
     REQUIRE(check.largest > std::sqrt(Dim) - 1 - check.spacing);
     const auto at = spheres[spheres.size() / 2 + n / 2].center;
     spheres.erase(spheres.begin() + static_cast<std::ptrdiff_t>(spheres.size() / 2 + n / 2));
-    check = findPlaces<Dim>(spheres, *domain, 0.75, points);
-    REQUIRE(check.places > 0);
+    check = findVacancies<Dim>(spheres, *domain, 0.75, points);
+    REQUIRE(check.points > 0);
     REQUIRE(check.largest <= 1 + 1e-9);
     REQUIRE(check.largest > 1 - check.spacing);
     REQUIRE(length(check.at - at) < 2 * check.spacing);
@@ -142,7 +145,7 @@ TEST_CASE("places are those of a search over the same clearances", "[measure]") 
     const auto spheres = randomSpheres<3>(300, 18, 0.5, 8, 21);
     const auto domain = cylinderDomain(8, 14);
     const double radius = 1.2;
-    const auto check = findPlaces<3>(spheres, *domain, radius, 400000);
+    const auto check = findVacancies<3>(spheres, *domain, radius, 400000);
     RandomStream random(8, 8);
     const auto sampler = domain->sampler();
     const auto clearance = [&](const Vec<3>& x) {
@@ -164,9 +167,9 @@ TEST_CASE("places are those of a search over the same clearances", "[measure]") 
         REQUIRE(c <= check.largest + check.spacing);
     }
     // Ten times fewer points at random: four standard errors.
-    REQUIRE(static_cast<double>(check.places) / 10 ==
+    REQUIRE(static_cast<double>(check.points) / 10 ==
             Approx(places).margin(4 * std::sqrt(static_cast<double>(places)) + 4));
-    REQUIRE_THROWS_AS(findPlaces<3>(spheres, *domain, 0.0), ParameterError);
+    REQUIRE_THROWS_AS(findVacancies<3>(spheres, *domain, 0.0), ParameterError);
 }
 
 TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[measure]",

@@ -1,7 +1,8 @@
 // What `vdb_pack measure` tells of a pack beside its report.
 #pragma once
 
-#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/density_profile.h"
+#include "vdbpack/measure/local_fraction.h"
 #include "vdbpack/measure/pair_correlation.h"
 
 #include <nlohmann/json_fwd.hpp>

@@ -3,7 +3,6 @@
 
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/density.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/stages.h"
 

@@ -1,5 +1,6 @@
 // The run that checks any pack: `vdb_pack verify`.
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
 
 #include <optional>
@@ -27,9 +28,9 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
                 left.radius = 1.02 * measured.radius.mean;
                 left.samples = recipe.placeSamples;
                 const auto found =
-                    findPlaces(pack.spheres, *domain, left.radius, recipe.placeSamples);
+                    findVacancies(pack.spheres, *domain, left.radius, recipe.placeSamples);
                 left.largest = found.largest;
-                left.count = found.places;
+                left.count = found.points;
                 places = left;
             });
         run.places = places;

@@ -1,0 +1,137 @@
+#include "vdbpack/measure/density_profile.h"
+
+#include "vdbpack/core/cell_levels.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/measure/sampling.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// What spheres cover of each bin, mm^Dim, with the variance of that.
+struct BinSums {
+    std::vector<double> covered, variance;
+
+    void add(const BinSums& other) {
+        for (std::size_t k = 0; k < other.covered.size(); ++k) {
+            covered[k] += other.covered[k];
+            variance[k] += other.variance[k];
+        }
+    }
+};
+
+/// Adds one sphere, sampled by `points` points. `hits` is zero for each bin, before and after.
+template <int Dim>
+void addSphere(const Sphere<Dim>& sphere, std::size_t seed, int points, double width, double rough,
+               DomainSampler<Dim>& sampler, std::vector<int>& hits, BinSums& sums) {
+    const std::size_t count = hits.size();
+    Spread<Dim> spread(seed);
+    std::size_t first = count, last = 0;
+    for (int k = 0; k < points; ++k) {
+        const Vec<Dim> x = sphere.center + ballPoint<Dim>(spread.next()) * sphere.radius;
+        // Where the field takes a hair of a sphere for outside, it is at the wall.
+        double d = -sampler.signedDistance(x);
+        if (d < -rough) continue;
+        d = std::max(0.0, d);
+        const double bin = d / width;
+        if (!(bin < static_cast<double>(count))) continue;
+        const auto b = static_cast<std::size_t>(bin);
+        first = std::min(first, b);
+        last = std::max(last, b);
+        ++hits[b];
+    }
+    const double ball = Measure<Dim>::ball(sphere.radius);
+    for (std::size_t b = first; b <= last && b < count; ++b) {
+        const double share = static_cast<double>(hits[b]) / points;
+        hits[b] = 0;
+        sums.covered[b] += share * ball;
+        sums.variance[b] += share * (1 - share) / points * ball * ball;
+    }
+}
+
+template <int Dim>
+BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain, double width,
+                   std::size_t count) {
+    const double known = domain.fieldDepth();
+    // Spheres that may lie in a bin, partly or wholly.
+    Samplers<Dim> samplers(domain);
+    const double end = static_cast<double>(count) * width;
+    const double rough = std::max(domain.facts().voxelSize, 1e-9 * width);
+    std::vector<unsigned char> near(spheres.size());
+    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+        auto& sampler = samplers.local();
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            const double d = -sampler.signedDistance(spheres[i].center);
+            near[i] = d >= known * (1 - 1e-6) || d - spheres[i].radius < end;
+        }
+    });
+    const auto crossing = static_cast<double>(std::count(near.begin(), near.end(), 1));
+    const int points = static_cast<int>(std::clamp(1.2e7 / std::max(crossing, 1.0), 16.0, 1000.0));
+    return tbb::parallel_deterministic_reduce(
+        Blocks(0, spheres.size(), 8192), BinSums{},
+        [&](const Blocks& block, BinSums mine) {
+            mine.covered.resize(count);
+            mine.variance.resize(count);
+            auto& sampler = samplers.local();
+            std::vector<int> hits(count);
+            for (std::size_t i = block.begin(); i < block.end(); ++i)
+                if (near[i]) addSphere(spheres[i], i, points, width, rough, sampler, hits, mine);
+            return mine;
+        },
+        [&](BinSums a, const BinSums& b) {
+            if (a.covered.empty()) return b;
+            a.add(b);
+            return a;
+        });
+}
+
+}  // namespace
+
+template <int Dim>
+DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                              double width, double deepest) {
+    const double known = domain.fieldDepth();
+    if (!(width > 0 && deepest >= width) || deepest > known * (1 + 1e-6))
+        throw ParameterError(
+            fmt::format("profile: bins of {} mm down to {} mm; give a positive width and a depth "
+                        "from that to {} mm, the depth of the field",
+                        width, deepest, known));
+    requireUsable(spheres);
+    const auto count = static_cast<std::size_t>(std::floor(deepest / width * (1 + 1e-9)));
+    if (count > 100000)
+        throw ParameterError(
+            fmt::format("profile: {} bins are more than the 100000 that it may have; give wider "
+                        "ones than {} mm",
+                        count, width));
+    const BinSums sum = sumsOfBins(spheres, domain, width, count);
+    DensityProfile profile;
+    profile.width = width;
+    double outer = domain.volumeDeeperThan(0);
+    for (std::size_t b = 0; b < count; ++b) {
+        const double inner =
+            domain.volumeDeeperThan(std::min(static_cast<double>(b + 1) * width, known));
+        const double part = outer - inner;
+        outer = inner;
+        if (!(part > 1e-9 * domain.volume())) break;
+        const bool any = !sum.covered.empty();
+        profile.volume.push_back(part);
+        profile.fraction.push_back(any ? sum.covered[b] / part : 0);
+        profile.error.push_back(any ? std::sqrt(sum.variance[b]) / part : 0);
+    }
+    return profile;
+}
+
+template DensityProfile densityProfile<2>(const std::vector<Sphere<2>>&, const Domain<2>&, double,
+                                          double);
+template DensityProfile densityProfile<3>(const std::vector<Sphere<3>>&, const Domain<3>&, double,
+                                          double);
+
+}  // namespace vdbpack
