@@ -57,13 +57,13 @@ std::string inFolder(const TemporaryFolder& scratch, const std::string& file) {
     const auto colon = file.find(':');
     return colon == std::string::npos
                ? scratch.file(file)
-               : file.substr(0, colon + 1) + (scratch.file(file.substr)(colon + 1));
+               : file.substr(0, colon + 1) + scratch.file(file.substr(colon + 1));
 }
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[export]", ((int Dim), Dim),
-                       2, 3) {
+TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[formats]",
+                       ((int Dim), Dim), 2, 3) {
     const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv");
     const double away = GENERATE(0.0, 730.0, -730.0, 1e4, -1e4);
     const auto seed = GENERATE(range(1u, 4u));
@@ -103,7 +103,7 @@ TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[export]
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "[export]",
+TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "[formats]",
                        ((int Dim), Dim), 2, 3) {
     auto pack = latticePack<Dim>(2000, Vec<Dim>{}, 900, 3);
     const TemporaryFolder scratch;
@@ -121,7 +121,7 @@ TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "
     REQUIRE(read.region == pack.region);
 }
 
-TEST_CASE("PLY keeps every digit, far from the origin too", "[export]") {
+TEST_CASE("PLY keeps every digit, far from the origin too", "[formats]") {
     const double far = GENERATE(0.0, 1e4, 1e6);
     auto pack = latticePack<3>(2000, {{730 + far, -40, far}}, 60, 4);
     pack.id.resize(pack.spheres.size());
@@ -138,7 +138,7 @@ TEST_CASE("PLY keeps every digit, far from the origin too", "[export]") {
     }
 }
 
-TEST_CASE("the unit that was written is the unit that is read", "[export]") {
+TEST_CASE("the unit that was written is the unit that is read", "[formats]") {
     const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(file, unitName(unit));
@@ -161,7 +161,7 @@ TEST_CASE("the unit that was written is the unit that is read", "[export]") {
         REQUIRE(read.depth[i] == Approx(pack.depth[i]).epsilon(1e-6));
 }
 
-TEST_CASE("a pack without attributes or without spheres survives every format", "[export]") {
+TEST_CASE("a pack without attributes or without spheres survives every format", "[formats]") {
     const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
     const std::size_t count = GENERATE(0u, 1u, 40u);
     CAPTURE(file, count);
@@ -175,7 +175,7 @@ TEST_CASE("a pack without attributes or without spheres survives every format", 
     REQUIRE(read.columns.empty());
 }
 
-TEST_CASE("ids that are not indices come back with their spheres", "[export]") {
+TEST_CASE("ids that are not indices come back with their spheres", "[formats]") {
     const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv");
     auto pack = latticePack<3>(1000, {}, 30, 7);
     const std::int64_t step = GENERATE(2, 5'000'000'000);
@@ -189,7 +189,7 @@ TEST_CASE("ids that are not indices come back with their spheres", "[export]") {
     REQUIRE(read.order == pack.order);
 }
 
-TEST_CASE("names and texts of columns come back whatever they hold", "[export]") {
+TEST_CASE("names and texts of columns come back whatever they hold", "[formats]") {
     const auto file = GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.npz");
     CAPTURE(file);
     const std::vector<std::string> odd{"a<b> & \"c\" 'd'", "&amp; &#65; &lt;", "]]> <!-- --> ?>",
@@ -214,7 +214,7 @@ TEST_CASE("names and texts of columns come back whatever they hold", "[export]")
     }
 }
 
-TEST_CASE("names in XML are UTF-8, and references in them are read", "[export]") {
+TEST_CASE("names in XML are UTF-8, and references in them are read", "[formats]") {
     Pack<3> pack;
     pack.spheres.push_back({{{0, 0, 0}}, 1.0});
     pack.columns.push_back({"h\xf6he", {1}, {}});  // Latin-1
@@ -227,16 +227,14 @@ TEST_CASE("names in XML are UTF-8, and references in them are read", "[export]")
     CHECK(read.columns[1].name == "line break");
     std::string text = contentOf(scratch.file("p.vtp"));
     const std::string name = "line break";
-    text.replace(text.find(name), name.size(),
-                 "h&#246;he &#x9aa8;&#x1F9B4; &#xd800; &#1; &#9 &#; &#x");
+    text.replace(text.find(name), name.size(), "h&#246;he &#x9aa8;&#x1F9B4; &#9 &#; &#x");
     putContent(scratch.file("p.vtp"), text);
     read = readPack(scratch.file("p.vtp"));
     REQUIRE(read.columns.size() == 2);
-    CHECK(read.columns[1].name ==
-          "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#xd800; &#1; &#9 &#; &#x");
+    CHECK(read.columns[1].name == "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#9 &#; &#x");
 }
 
-TEST_CASE("CSV numbers keep their decimal point", "[export]") {
+TEST_CASE("CSV numbers keep their decimal point", "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{1e-5, -3, 0.1}}, 2}, {{{1e22, 1.5e-300, -0.0}}, 1e-7}};
     pack.region = {1, 0};
@@ -248,14 +246,14 @@ TEST_CASE("CSV numbers keep their decimal point", "[export]") {
             "1,1.0e+22,1.5000000000000001e-300,-0.0,9.9999999999999995e-08,0\n");
 }
 
-TEST_CASE("CSV with every attribute has the header that scripts expect", "[export]") {
+TEST_CASE("CSV with every attribute has the header that scripts expect", "[formats]") {
     const TemporaryFolder scratch;
     writePack(latticePack<3>(3, {}, 4, 8), scratch.file("p.csv"), {});
     const auto text = contentOf(scratch.file("p.csv"));
     REQUIRE(text.substr(0, text.find('\n')) == "id,x,y,z,radius,region,order,depth,contacts");
 }
 
-TEST_CASE("an unknown format is refused before anything is written", "[export]") {
+TEST_CASE("an unknown format is refused before anything is written", "[formats]") {
     const TemporaryFolder scratch;
     for (const char* file : {"pack.odt", "pack", "dump:p.data", "p.yade", "dir.csv/pack", "csv:"}) {
         CAPTURE(file);
@@ -268,7 +266,7 @@ TEST_CASE("an unknown format is refused before anything is written", "[export]")
     REQUIRE(scratch.files() == 0);
 }
 
-TEST_CASE("spheres that no file can hold are the caller's mistake", "[export]") {
+TEST_CASE("spheres that no file can hold are the caller's mistake", "[formats]") {
     const TemporaryFolder scratch;
     Pack<3> pack = latticePack<3>(5, {}, 4, 9);
     SECTION("radius") {
@@ -290,7 +288,7 @@ TEST_CASE("spheres that no file can hold are the caller's mistake", "[export]") 
     REQUIRE(scratch.files() == 0);
 }
 
-TEST_CASE("a failed write leaves the former file and no other", "[export]") {
+TEST_CASE("a failed write leaves the former file and no other", "[formats]") {
     const std::string name =
         GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt");
     const std::size_t limit = GENERATE(0u, 100u, 20'000u);
@@ -308,7 +306,7 @@ TEST_CASE("a failed write leaves the former file and no other", "[export]") {
     REQUIRE(readPack(file).spheres.size() == before.spheres.size());
 }
 
-TEST_CASE("a folder that does not exist is an IoError", "[export]") {
+TEST_CASE("a folder that does not exist is an IoError", "[formats]") {
     const TemporaryFolder scratch;
     for (const char* name : kFiles) {
         CAPTURE(name);
@@ -318,7 +316,7 @@ TEST_CASE("a folder that does not exist is an IoError", "[export]") {
     }
 }
 
-TEST_CASE("spheres at different heights are no circles", "[export]") {
+TEST_CASE("spheres at different heights are no circles", "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 1}}, 1}, {{{3, 0, 1.01}}, 1}};
     REQUIRE_THROWS_WITH(asCircles(pack), Contains("sphere 1"));
@@ -327,7 +325,7 @@ TEST_CASE("spheres at different heights are no circles", "[export]") {
     REQUIRE(asCircles(pack).sliceHeight == 1);
 }
 
-TEST_CASE("the voxel of the point grid is a power of two with about 8 points", "[export]") {
+TEST_CASE("the voxel of the point grid is a power of two with about 8 points", "[formats]") {
     for (const int dim : {2, 3})
         for (const double count : {1.0, 1e3, 5e7})
             for (const double measure : {1e-6, 3.0, 1e9}) {

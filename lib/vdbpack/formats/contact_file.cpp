@@ -5,6 +5,7 @@
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/row_writer.h"
 
 #include <fmt/format.h>
 

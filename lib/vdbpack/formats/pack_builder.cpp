@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
@@ -16,12 +17,6 @@
 namespace vdbpack {
 
 namespace {
-
-std::string lowered(std::string text) {
-    for (char& c : text)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    return text;
-}
 
 /// Puts a value into a cell. @return false if the cell cannot hold it.
 bool put(double& cell, double value) {
@@ -105,6 +100,9 @@ bool PackBuilder::isWhole(std::size_t column) const {
 }
 
 void PackBuilder::makeText(std::size_t column) {
+    if (!isFurther(column))
+        throw InputError(fmt::format("{}: column '{}' holds texts; numbers are needed", file_,
+                                     names_[column].substr(0, 40)));
     const auto further = std::find_if(pack_.columns.begin(), pack_.columns.end(),
                                       [numbers = std::get<Numbers>(columns_[column])](
                                           const Column& c) { return &c.numbers == numbers; });

@@ -13,7 +13,7 @@
 
 namespace vdbpack {
 
-/// Empties ids that count 0, 1, 2, ...: an empty `id` means just that.
+/// Removes ids that count 0, 1, 2, ...: an empty `id` means the same.
 void dropDefaultIds(Pack<3>& pack);
 
 /// Collects the rows of a pack file. Names say what a column holds, in any case: x, y, z (also
@@ -34,7 +34,8 @@ public:
     bool isFurther(std::size_t column) const {
         return std::holds_alternative<Numbers>(columns_[column]) || isText(column);
     }
-    /// Makes a further column one of texts; before the first row.
+    /// Makes a further column one of texts; before the first row, once per column.
+    /// @throws InputError for a column that the pack knows by name: those are numbers.
     void makeText(std::size_t column);
     bool isText(std::size_t column) const {
         return std::holds_alternative<Texts>(columns_[column]);
@@ -50,7 +51,7 @@ public:
     /// The cell of the last row from text. @return false if the column cannot hold it.
     bool parse(std::size_t column, std::string_view text);
 
-    /// What is wrong with the last row ("radius is -1; ..."), or an empty text.
+    /// The error in the last row ("radius is -1; ..."), or an empty text.
     std::string problem() const;
 
     /// @throws InputError "file: where: column 'name' is 'value'; ..."
@@ -59,7 +60,7 @@ public:
     /// @throws InputError "file: where: problem"
     [[noreturn]] void failRow(const std::string& where) const;
 
-    /// The pack in mm, without ids that say nothing.
+    /// The pack in mm, without ids 0, 1, 2, ...
     Pack<3> finish();
 
 private:

@@ -3,10 +3,9 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -72,15 +71,13 @@ struct Target {
     std::string path;
 };
 
-const FormatName* formatNamed(std::string name) {
-    for (char& c : name)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+const FormatName* formatNamed(const std::string& name) {
     for (const auto& known : kFormatNames)
-        if (name == known.name) return &known;
+        if (lowered(name) == known.name) return &known;
     return nullptr;
 }
 
-/// The format that the prefix names and the file behind it, if there is such a prefix.
+/// The format named by the prefix and the file after it, if there is such a prefix.
 std::optional<Target> prefixed(const std::string& file) {
     const auto colon = file.find(':');
     if (colon == std::string::npos) return std::nullopt;
@@ -91,7 +88,7 @@ std::optional<Target> prefixed(const std::string& file) {
     return Target{known->format, file.substr(colon + 1)};
 }
 
-/// Format by prefix, else by extension. `formats` tells which there are.
+/// Format by prefix, else by extension. `formats` lists the known ones, for messages.
 Target target(const std::string& file, const char* formats) {
     if (auto known = prefixed(file)) return *std::move(known);
     const auto dot = file.rfind('.');
@@ -128,7 +125,7 @@ void checkPack(const Pack<Dim>& pack) {
     });
     for (std::size_t i = 0; i < n; ++i) {
         const auto& s = pack.spheres[i];
-        // Float holds no more, in any unit.
+        // Larger ones do not fit a float in every unit.
         bool sound = s.radius > 1e-30 && s.radius < 1e30;
         for (int d = 0; d < Dim; ++d) sound = sound && std::abs(s.center[d]) < 1e30;
         if (!sound)
@@ -267,7 +264,8 @@ Pack<2> asCircles(const Pack<3>& pack) {
     if (!pack.spheres.empty()) circles.sliceHeight = pack.spheres.front().center[2];
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const auto& s = pack.spheres[i];
-        // One height written in 32 bits and in another unit may come back a little off.
+        // A height that was written in 32 bits and in another unit may come back slightly
+        // different.
         const double tolerance = 1e-6 * std::max(s.radius, std::abs(circles.sliceHeight));
         if (std::abs(s.center[2] - circles.sliceHeight) > tolerance)
             throw InputError(fmt::format(
@@ -278,80 +276,6 @@ Pack<2> asCircles(const Pack<3>& pack) {
     }
     static_cast<PackAttributes&>(circles) = pack;
     return circles;
-}
-
-void writeRows(OutputFile& out, std::size_t rows,
-               const std::function<void(std::string&, std::size_t)>& append) {
-    constexpr std::size_t kRowsPerChunk = 8192;
-    constexpr std::size_t kChunks = 64;
-    std::vector<std::string> chunks(kChunks);
-    for (std::size_t first = 0; first < rows; first += kRowsPerChunk * kChunks) {
-        tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t c) {
-            chunks[c].clear();
-            const std::size_t begin = std::min(rows, first + c * kRowsPerChunk);
-            const std::size_t end = std::min(rows, begin + kRowsPerChunk);
-            for (std::size_t row = begin; row < end; ++row) append(chunks[c], row);
-        });
-        for (const auto& chunk : chunks) out.write(chunk);
-    }
-}
-
-std::string oneLine(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20) c = ' ';
-    return text;
-}
-
-namespace {
-
-/// Bytes that are no UTF-8, as in names of Latin-1 files, become U+FFFD: parsers of XML refuse
-/// them.
-std::string asUtf8(const std::string& text) {
-    const bool ascii = std::all_of(text.begin(), text.end(),
-                                   [](char c) { return static_cast<unsigned char>(c) < 0x80; });
-    if (ascii) return text;
-    using nlohmann::json;
-    return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace))
-        .get<std::string>();
-}
-
-}  // namespace
-
-std::string escapedXml(std::string_view text) {
-    std::string out;
-    for (const char c : asUtf8(oneLine(std::string(text)))) {
-        switch (c) {
-            case '&':
-                out += "&amp;";
-                break;
-            case '<':
-                out += "&lt;";
-                break;
-            case '>':
-                out += "&gt;";
-                break;
-            case '"':
-                out += "&quot;";
-                break;
-            default:
-                out += c;
-        }
-    }
-    return out;
-}
-
-bool parseUnitComment(std::string_view comment, Unit& unit) {
-    const std::string_view key = kUnitComment;
-    const auto at = comment.find(key);
-    if (at == std::string_view::npos) return true;
-    auto name = comment.substr(at + key.size());
-    while (!name.empty() && (name.back() == ' ' || name.back() == '\r')) name.remove_suffix(1);
-    try {
-        unit = parseUnit(std::string(name));
-    } catch (const ParameterError&) {
-        return false;
-    }
-    return true;
 }
 
 }  // namespace vdbpack

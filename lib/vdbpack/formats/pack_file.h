@@ -32,11 +32,12 @@ struct PackWriteOptions {
     /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
-    /// Density of the spheres for DEM programs, kg/m³; 0: that of the pack's column `density`, as
-    /// it stands there, or else `kDefaultDensity`.
+    /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
+    /// `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    double contactTolerance = 1e-3;  ///< gap up to which bonds are written, in smaller radii
-    /// Drawn around the circles of an .svg and shown whole: the bounds of the domain, mm.
+    /// Bonds are written up to this gap, in radii of the smaller sphere.
+    double contactTolerance = 1e-3;
+    /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
     std::optional<Box<2>> frame;
 };
 
@@ -47,18 +48,17 @@ struct PackWriteOptions {
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
-/// points lie sorted by place, and `readPack` gives them back by id. .ply (double positions,
+/// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
 /// radius, id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture:
-/// y up, so cy = -y, numbers to six digits of its extent, colors by region. Columns of attributes
-/// that are empty are left out. The unit is recorded in every format but .csv, which has no place
-/// for it. 2D: z = `sliceHeight`.
+/// y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
+/// attributes are left out. The unit is recorded in every format but .csv, which has no metadata. 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
-/// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. Ids
-/// that begin with 0 are one more in the file; where some are negative, double or beyond 2^31 - 1,
-/// atoms are counted from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si), g/cm³
+/// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. If the
+/// smallest id is 0, ids are one more in the file; if some are negative, equal or beyond 2^31 - 1,
+/// atoms are numbered from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si), g/cm³
 /// (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and pressures in
-/// MPa. The title says all that, and `readPack` takes it back. lammps-bonds adds a bond of type 1
+/// MPa. The title records all that, and `readPack` undoes it. lammps-bonds adds a bond of type 1
 /// for each touching pair; it is for atom style hybrid sphere bond: `id type x y z diameter density
 /// molecule`.
 ///
@@ -74,17 +74,16 @@ extern template void writePack<3>(const Pack<3>&, const std::string&, const Pack
 void writeLevelSets(const std::string& file, const PackWriteOptions& options);
 
 /// Writes the inside of a level set as fog, alone in a .vdb: FloatGrid `density`, 0 outside, rising
-/// from 0 at the wall to 1 at the depth of its band. Whole or absent. `options.levelSets` are not
-/// looked at. @throws IoError
+/// from 0 at the wall to 1 at the depth of its band. Whole or absent. `options.levelSets` are
+/// ignored. @throws IoError
 void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteOptions& options);
 
-/// Whether `file` names a format that `writePack` knows, and one for packs of `dim` dimensions (0:
-/// not known yet). @throws ParameterError if not, with the list of formats: ask before hours of
-/// work.
+/// Checks that `file` names a format that `writePack` knows, and one for packs of `dim` dimensions
+/// (0: not known yet). Cheap: to be called before the work whose result is written.
+/// @throws ParameterError if not, with the list of formats.
 void checkPackFormat(const std::string& file, int dim = 0);
 
-/// The file that a name stands for: what follows the prefix, if that names a format ("yade:f.txt"),
-/// else all of it. @throws ParameterError for a prefix without a file
+/// The path in a name: what follows the prefix of a format ("yade:f.txt"), else all of it. @throws ParameterError for a prefix without a file
 std::string packPath(const std::string& file);
 
 struct PackReadOptions {
@@ -98,7 +97,7 @@ struct PackReadOptions {
 ///
 /// - .vdb: a grid of points.
 /// - .vtp: ASCII, base64 or raw, plain or deflated. .ply: text or binary, either byte order.
-/// - .csv: commas, semicolons, tabs or blanks between the cells, the columns named by the first
+/// - .csv: cells separated by commas, semicolons, tabs or blanks, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
 /// - .xyz: extended XYZ with a column radius; of several frames the last one.
@@ -110,9 +109,10 @@ struct PackReadOptions {
 /// - .dump, .lammpstrj, dump: their text dumps with a column radius or diameter; of several frames
 ///   the last one. x y z are taken, or else xs ys zs, xu yu zu or xsu ysu zsu.
 ///
-/// LAMMPS files that name their units (si, cgs or micro) count as recording their own.
+/// LAMMPS files that name their units (si, cgs or micro) record their own unit.
 ///
-/// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are in proportion to the file.
+/// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are
+/// proportional to the size of the file.
 /// @throws IoError, InputError (with line or offset), ParameterError (unknown format),
 /// ResourceError (not enough memory)
 Pack<3> readPack(const std::string& file, const PackReadOptions& options = {});

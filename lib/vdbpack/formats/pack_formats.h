@@ -1,4 +1,4 @@
-// Private: the writers and readers of the pack formats, and rows of text made in parallel.
+// Private: the writers and readers of the pack formats.
 #pragma once
 
 #include "vdbpack/formats/pack_file.h"
@@ -45,29 +45,5 @@ Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
-
-/// Writes rows 0 to `rows` - 1 in order; `append(text, row)` adds one row with its line end to
-/// `text` and is called from several threads.
-void writeRows(OutputFile& out, std::size_t rows,
-               const std::function<void(std::string&, std::size_t)>& append);
-
-/// `text` as one line of a comment: control characters become blanks.
-std::string oneLine(std::string text);
-
-/// The same as text or attribute of an XML file.
-std::string escapedXml(std::string_view text);
-
-/// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
-/// @return false if it names a unit that is not known.
-bool parseUnitComment(std::string_view comment, Unit& unit);
-
-/// What the title of our LAMMPS data files says of the numbers below, so that they can be undone.
-inline constexpr const char* kLammpsIdShift = "atom = id + 1";
-inline constexpr const char* kLammpsTypeIsRegion = "type = region + 1";
-inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
-
-/// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
-/// whose lengths (angstrom, reduced) are none of ours.
-void takeLammpsUnits(std::string_view style, Unit& unit);
 
 }  // namespace vdbpack

@@ -15,13 +15,8 @@
 
 namespace vdbpack {
 
-/// Name of the unit in the metadata of .vdb and .vtp, and how comments of .ply and YADE begin.
-inline constexpr const char* kUnitKey = "unit_of_length";
-inline constexpr const char* kUnitComment = "unit of length: ";
-inline constexpr const char* kGeneratorKey = "generator";
-
-/// The best double for `mm` in `unit`: divided by a whole number rather than multiplied by its
-/// inexact inverse.
+/// `mm` in `unit`, correctly rounded: divided by a whole number rather than multiplied by its inexact
+/// inverse.
 inline double fromMillimeters(double mm, Unit unit) {
     return unit == Unit::micrometer ? mm * 1000.0 : mm / millimetersPer(unit);
 }
@@ -33,7 +28,7 @@ inline double toMillimeters(double value, Unit unit) {
 template <class Vector>
 using ValueOf = typename std::decay_t<Vector>::value_type;
 
-/// Reads a pack without copying it; must not outlive the pack.
+/// Refers to a pack; must not outlive it.
 class PackView {
 public:
     template <int Dim>
@@ -65,7 +60,7 @@ public:
         return fromMillimeters(circles_ != nullptr ? circles_[i].radius : spheres_[i].radius,
                                unit_);
     }
-    /// Around whole spheres, in the unit that is written; of one length where there are none.
+    /// Around whole spheres, in the unit that is written; a unit cube if there are none.
     Box<3> bounds() const {
         Box<3> box;
         for (std::size_t i = 0; i < size_; ++i) {

@@ -2,6 +2,7 @@
 // bpm/sphere. Source: LAMMPS manual, read_data.
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
@@ -21,8 +22,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Sections with one line for each of what the header counts under the name beside. All others
-/// (Bodies, PairIJ Coeffs, those of fixes) end where a line begins with no number.
+/// Sections with one line per item, and the name under which the header counts the items. All
+/// other sections (Bodies, PairIJ Coeffs, those of fixes) end at a line that begins with a word.
 struct CountedSection {
     const char* name;
     const char* counted;
@@ -257,7 +258,7 @@ private:
                                 "({}); use atom_style sphere (LIGGGHTS: granular), or complete "
                                 "the file",
                                 cells.size(), table.names.size(), row + 1, count, columns));
-            // What other styles hold in these places (charges, molecules) shows here.
+            // Charges or molecules, which other styles have in these columns, are found here.
             std::int64_t number = 0;
             if (parseNumber(cells[type], number) &&
                 (number < 1 || static_cast<std::uint64_t>(number) > largestType))
@@ -281,7 +282,7 @@ private:
             };
         Pack<3> pack = readTable(file_, table);
         if (table.names.back() == "molecule")
-            pack.columns.pop_back();  // molecules that say nothing
+            pack.columns.pop_back();  // our writer puts all atoms into no molecule
         if (nextContent(line) && isNumber(words_.front()))
             fail(fmt::format("more atoms follow than the {} of the header; correct it", count));
         return pack;
@@ -289,18 +290,12 @@ private:
 
     InputFile file_;
     Unit unit_;
-    bool shifted_ = false, regions_ = false, bonded_ = false;   ///< as the title says
+    bool shifted_ = false, regions_ = false, bonded_ = false;   ///< according to the title
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;
 };
 
 }  // namespace
-
-void takeLammpsUnits(std::string_view style, Unit& unit) {
-    if (style == "si") unit = Unit::meter;
-    if (style == "cgs") unit = Unit::centimeter;
-    if (style == "micro") unit = Unit::micrometer;
-}
 
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options) {
     return DataFile(path, options).read();

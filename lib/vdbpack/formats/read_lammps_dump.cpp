@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
@@ -23,7 +24,7 @@ namespace {
 constexpr std::string_view kItem = "ITEM:";
 constexpr const char* kRemedy = "write it with dump custom ... id type x y z radius";
 
-/// Where a frame's atoms stand in the file, and what its header says.
+/// The header of a frame, and the position of its atoms in the file.
 struct Frame {
     std::uint64_t atoms = 0;
     std::vector<std::string> names;
@@ -32,14 +33,14 @@ struct Frame {
     std::uint64_t line = 0;                     ///< before it
 };
 
-/// Edges of the simulation box: a scaled position s stands for origin + sum of s[i] * edge[i].
+/// The simulation box: a scaled position s is at origin + sum of s[i] * edge[i].
 struct SimulationBox {
     Vec<3> origin;
     std::array<Vec<3>, 3> edge;
 };
 
-/// Names of the columns of a position, best first: those in the box before those that moved on
-/// through periodic boundaries.
+/// Names of the columns of a position, best first: wrapped into the box before unwrapped ones, which
+/// continue across periodic boundaries.
 struct PositionColumns {
     std::array<const char*, 3> names;
     bool scaled;
@@ -100,96 +101,117 @@ private:
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(fmt::format("{}: line {}: {}", file_.path(), file_.lineNumber(), what));
     }
-    [[noreturn]] void failBegun(std::uint64_t frameLine, const std::string& what) const {
+    [[noreturn]] void failBegun(const std::string& what) const {
         throw InputError(fmt::format(
             "{}: ends within the frame that begins in line {}: {}; remove that frame to take the "
             "one before",
-            file_.path(), frameLine, what));
+            file_.path(), frameLine_, what));
     }
 
     /// Walks over all frames. @return the last one.
     Frame lastFrame() {
-        Frame frame, last;
-        bool any = false;      // a whole frame was found
-        bool begun = false;    // a frame's header has begun
-        bool counted = false;  // and says how many atoms it has
-        bool skips = false;    // lines of an item that does not matter
-        std::uint64_t frameLine = 0;
-        std::string_view line;
-        Cells words;
-        while (file_.nextLine(line)) {
-            line = trimmed(line);
-            if (line.substr(0, kItem.size()) != kItem) {
-                if (line.empty() || skips) continue;
-                if (!any && !begun)
-                    throw InputError(file_.path() +
-                                     ": is not a LAMMPS text dump: it does not begin with ITEM:; "
-                                     "name the format before the file if it is another (csv:FILE)");
-                fail("more lines follow than the item announces; correct NUMBER OF ATOMS");
+        Frame last;
+        bool any = false;
+        std::string_view item;
+        while (nextItem(any, item)) {
+            if (!begun_ || begins(item, "TIMESTEP")) {
+                frame_ = {};
+                counted_ = false;
+                // Units and time may come before the time step.
+                if (!begun_) frameLine_ = file_.lineNumber();
+                begun_ = true;
             }
-            const auto item = trimmed(line.substr(kItem.size()));
-            const auto begins = [item](std::string_view name) {
-                return item.substr(0, name.size()) == name;
-            };
-            skips = false;
-            if (!begun || begins("TIMESTEP")) {
-                frame = {};
-                counted = false;
-                // Units and time may stand before the time step.
-                if (!begun) frameLine = file_.lineNumber();
-                begun = true;
-            }
-            if (begins("NUMBER OF ATOMS")) {
-                std::int64_t atoms = 0;
-                if (!file_.nextLine(line)) failBegun(frameLine, "the number of atoms is missing");
-                if (!parseNumber(line, atoms) || atoms < 0)
-                    fail(fmt::format("'{}' is no number of atoms; correct it",
-                                     trimmed(line).substr(0, 40)));
-                frame.atoms = static_cast<std::uint64_t>(atoms);
-                counted = true;
-            } else if (begins("BOX BOUNDS")) {
-                for (auto& bounds : frame.bounds) {
-                    if (!file_.nextLine(line))
-                        failBegun(frameLine, "bounds of the box are missing");
-                    splitAtBlanks(line, words);
-                    bounds.assign(std::min<std::size_t>(words.size(), 5), 0);
-                    for (std::size_t i = 0; i < bounds.size(); ++i)
-                        if (!parseNumber(words[i], bounds[i]))
-                            fail(fmt::format("'{}' is no bound of the box; correct it",
-                                             words[i].substr(0, 40)));
-                }
-            } else if (begins("UNITS")) {
-                if (!file_.nextLine(line)) failBegun(frameLine, "the units are missing");
+            if (begins(item, "NUMBER OF ATOMS")) {
+                readCount();
+            } else if (begins(item, "BOX BOUNDS")) {
+                readBounds();
+            } else if (begins(item, "UNITS")) {
+                std::string_view line;
+                if (!file_.nextLine(line)) failBegun("the units are missing");
                 takeLammpsUnits(trimmed(line), unit_);
-            } else if (begins("ATOMS")) {
-                if (!counted) fail("ITEM: NUMBER OF ATOMS is missing before ITEM: ATOMS; add it");
-                splitAtBlanks(item.substr(std::string_view("ATOMS").size()), words);
-                frame.names.assign(words.begin(), words.end());
-                frame.offset = file_.nextOffset();
-                frame.line = file_.lineNumber();
-                for (std::uint64_t i = 0; i < frame.atoms; ++i) {
-                    if (!file_.nextLine(line))
-                        failBegun(frameLine,
-                                  fmt::format("{} of its {} atoms are there", i, frame.atoms));
-                    if (line.substr(0, kItem.size()) == kItem)
-                        fail(
-                            fmt::format("an item begins after {} of {} atoms; correct NUMBER OF "
-                                        "ATOMS",
-                                        i, frame.atoms));
-                }
-                last = frame;
+            } else if (begins(item, "ATOMS")) {
+                passAtoms(item.substr(std::string_view("ATOMS").size()));
+                last = frame_;
                 any = true;
-                begun = false;
+                begun_ = false;
             } else {
-                skips = true;
+                skips_ = true;
             }
         }
         if (!any)
             throw InputError(file_.path() +
                              ": holds no whole frame of atoms (ITEM: ATOMS); check that it is a "
                              "complete text dump of atoms");
-        if (begun) failBegun(frameLine, "it has no atoms");
+        if (begun_) failBegun("it has no atoms");
         return last;
+    }
+
+    static bool begins(std::string_view item, std::string_view name) {
+        return item.substr(0, name.size()) == name;
+    }
+
+    /// Moves on to the next item, past the lines of one that does not matter.
+    /// @return false at the end of the file.
+    bool nextItem(bool any, std::string_view& item) {
+        std::string_view line;
+        while (file_.nextLine(line)) {
+            line = trimmed(line);
+            if (line.substr(0, kItem.size()) == kItem) {
+                item = trimmed(line.substr(kItem.size()));
+                skips_ = false;
+                return true;
+            }
+            if (line.empty() || skips_) continue;
+            if (!any && !begun_)
+                throw InputError(file_.path() +
+                                 ": is not a LAMMPS text dump: it does not begin with ITEM:; "
+                                 "name the format before the file if it is another (csv:FILE)");
+            fail("more lines follow than the item announces; correct NUMBER OF ATOMS");
+        }
+        return false;
+    }
+
+    void readCount() {
+        std::string_view line;
+        std::int64_t atoms = 0;
+        if (!file_.nextLine(line)) failBegun("the number of atoms is missing");
+        if (!parseNumber(line, atoms) || atoms < 0)
+            fail(
+                fmt::format("'{}' is no number of atoms; correct it", trimmed(line).substr(0, 40)));
+        frame_.atoms = static_cast<std::uint64_t>(atoms);
+        counted_ = true;
+    }
+
+    void readBounds() {
+        std::string_view line;
+        Cells words;
+        for (auto& bounds : frame_.bounds) {
+            if (!file_.nextLine(line)) failBegun("bounds of the box are missing");
+            splitAtBlanks(line, words);
+            bounds.assign(std::min<std::size_t>(words.size(), 5), 0);
+            for (std::size_t i = 0; i < bounds.size(); ++i)
+                if (!parseNumber(words[i], bounds[i]))
+                    fail(fmt::format("'{}' is no bound of the box; correct it",
+                                     words[i].substr(0, 40)));
+        }
+    }
+
+    /// Notes where the atoms begin, and passes over their lines.
+    void passAtoms(std::string_view names) {
+        if (!counted_) fail("ITEM: NUMBER OF ATOMS is missing before ITEM: ATOMS; add it");
+        Cells words;
+        splitAtBlanks(names, words);
+        frame_.names.assign(words.begin(), words.end());
+        frame_.offset = file_.nextOffset();
+        frame_.line = file_.lineNumber();
+        std::string_view line;
+        for (std::uint64_t i = 0; i < frame_.atoms; ++i) {
+            if (!file_.nextLine(line))
+                failBegun(fmt::format("{} of its {} atoms are there", i, frame_.atoms));
+            if (begins(line, kItem))
+                fail(fmt::format("an item begins after {} of {} atoms; correct NUMBER OF ATOMS", i,
+                                 frame_.atoms));
+        }
     }
 
     const PositionColumns& positionOf(const Frame& frame) const {
@@ -245,6 +267,11 @@ private:
 
     InputFile file_;
     Unit unit_;
+    Frame frame_;                  ///< that is being read
+    std::uint64_t frameLine_ = 0;  ///< where it begins
+    bool begun_ = false;           ///< its header has begun
+    bool counted_ = false;         ///< its header has a number of atoms
+    bool skips_ = false;           ///< over the lines of an item that does not matter
 };
 
 }  // namespace

@@ -8,12 +8,12 @@ Pack<3> readTable(InputFile& file, const TextTable& table) {
     const std::uint64_t begin = file.nextOffset();
     const std::uint64_t lineBefore = file.lineNumber();
     const std::size_t columns = table.names.size();
-    // Each cell takes a character and its end.
+    // Each cell takes a character and a separator.
     const auto room = std::min<std::uint64_t>(
         table.expectedRows, (file.size() - begin) / (2 * std::max<std::size_t>(columns, 1)) + 1);
 
-    // A column is numbers until a cell is none; then the file is read once more, since numbers
-    // written anew would not be the texts that stood there.
+    // A column holds numbers until a cell is not one. Then the file is read once more: numbers
+    // converted back to texts may differ from the texts in the file.
     std::vector<bool> isText(columns, false);
     Cells cells;
     const auto where = [&file] { return "line " + std::to_string(file.lineNumber()); };

@@ -20,16 +20,16 @@ struct TextTable {
     std::vector<std::string> names;  ///< of the columns, as `PackBuilder` takes them
     Unit unit = Unit::millimeter;    ///< of lengths in the file
     std::uint64_t expectedRows =
-        0;  ///< as the file claims; room is made for no more than fit in it
-    /// Reads the row of this number into `cells`, one a column, or returns false after the last.
-    /// Starts again at row 0 if the table is read a second time.
+        0;  ///< as the file announces; memory is reserved for those that fit into it
+    /// Reads row `row` into `cells`, one per column; returns false after the last row. Called from
+    /// row 0 again if the table is read a second time.
     std::function<bool(std::uint64_t row, Cells& cells)> nextRow;
-    /// Changes the row just added, where cells are not what the pack holds; may be empty.
+    /// Changes the row just added, where the pack holds other values than the cells; may be empty.
     std::function<void(PackBuilder& builder, const Cells& cells)> adjustRow;
 };
 
 /// Reads the rows from the file's next line on. Further columns are numbers if all of their cells
-/// are, else texts as they stand in the file.
+/// are, else texts as in the file.
 /// @throws InputError naming line and column, IoError
 Pack<3> readTable(InputFile& file, const TextTable& table);
 

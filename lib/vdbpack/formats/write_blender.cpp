@@ -26,19 +26,11 @@ extern const char* const kBlenderScene;
 
 namespace {
 
-/// The line of the script that what is known of the pack takes the place of.
+/// The line of the script that is replaced by the facts about the pack.
 constexpr const char* kPackLine = "PACK = {}  # filled in by the writer\n";
 constexpr std::size_t kRowsAtOnce = 1 << 14;
 
-template <typename T>
-void appendLittleEndian(std::string& bytes, T value) {
-    char copy[sizeof(T)];
-    std::memcpy(copy, &value, sizeof(T));
-    if (hostIsBigEndian()) std::reverse(copy, copy + sizeof(T));
-    bytes.append(copy, sizeof(T));
-}
-
-/// A field of the records: its numpy type, and how the value of a sphere is added.
+/// A field of the records: its numpy type, and a function that appends the value of a sphere.
 struct Field {
     std::string name;
     std::string type;
@@ -54,7 +46,7 @@ Field field(std::string_view name, const Get& get) {
             }};
 }
 
-/// Whether a name is a plain word: it stands between quotes, and in Blender's nodes.
+/// Whether a name is a plain word, safe between quotes and in Blender's nodes.
 bool isPlainName(std::string_view name) {
     return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
         return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
@@ -127,7 +119,7 @@ std::array<double, 3> middleOf(const PackView& pack) {
     return middle;
 }
 
-/// A string literal of Python: what JSON escapes, Python reads the same.
+/// A string literal of Python: the escapes of JSON mean the same there.
 std::string quoted(const std::string& text, const std::string& file) {
     try {
         return nlohmann::json(text).dump();
@@ -149,8 +141,8 @@ std::string nameOf(const std::string& file) {
     return std::filesystem::path(file).filename().string();
 }
 
-/// `volume` as seen from the folder of `script`, so that both can move together.
-std::string seenFrom(const std::string& script, const std::string& volume) {
+/// The path of `volume` relative to the folder of `script`, so that both can be moved together.
+std::string relativePath(const std::string& script, const std::string& volume) {
     namespace fs = std::filesystem;
     std::error_code failed;
     const fs::path from = fs::weakly_canonical(fs::absolute(script).parent_path(), failed);
@@ -191,7 +183,7 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     add("points", quoted(nameOf(files[1]), script));
     // "" where there is no level set to show.
     std::string seen;
-    if (levelSets) seen = volume.empty() ? nameOf(files[2]) : seenFrom(script, volume);
+    if (levelSets) seen = volume.empty() ? nameOf(files[2]) : relativePath(script, volume);
     add("volume", quoted(seen, script));
     add("count", std::to_string(view.size()));
     add("crc32", std::to_string(crc));
@@ -212,7 +204,7 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     OutputFile out(script);
     out.write(text);
 
-    // The script comes last: it names the others, and knows its points by their checksum.
+    // The script comes last: it names the others and holds the checksum of its points.
     if (levelSets && volume.empty()) writeLevelSets(files[2], options);
     points.commit();
     out.commit();

@@ -18,14 +18,14 @@ std::vector<std::string> blenderFiles(const std::string& script, bool levelSets,
 /// light. It needs nothing but Blender and the files beside it, and moves with them.
 ///
 /// NAME.points.npy is an array of records for numpy.load: x, y, z and radius, then id, region,
-/// order, depth, contacts and further columns of numbers that are there and have plain names.
+/// order, depth, contacts and those further columns of numbers that have plain names.
 /// Lengths are in `options.unit`, float, with x, y and z from the middle of the pack (`center` in
-/// the script), so that 32 bits hold them to 10^-7 of its size. The script knows the checksum of
-/// its array and refuses another. Each file is whole or absent; the script comes last.
+/// the script), so that 32 bits hold them to 10^-7 of its size. The script holds the checksum of
+/// its array and refuses another one. Each file is whole or absent; the script comes last.
 ///
 /// @param script  ends in .py
-/// @param volume  .vdb that holds `options.levelSets`; empty: they are written as NAME.vdb. Not
-///        looked at where there are none.
+/// @param volume  .vdb that holds `options.levelSets`; empty: they are written as NAME.vdb.
+///        Ignored if there are none.
 /// @return the files written: `blenderFiles`.
 /// @throws ParameterError (another ending; a name that is not UTF-8; packs that `writePack`
 /// refuses), IoError

@@ -1,9 +1,12 @@
-// Data files for LAMMPS (read_data) and LIGGGHTS. Source: LAMMPS manual, read_data; what loads was
-// tried with LAMMPS 29 Sep 2021 and LIGGGHTS 3.8.
+// Data files for LAMMPS (read_data) and LIGGGHTS. Source: LAMMPS manual, read_data.
+// Loading was tested with LAMMPS 29 Sep 2021 and LIGGGHTS 3.8.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/row_writer.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
@@ -18,7 +21,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Atom ids and types of LAMMPS as most are built.
+/// Largest atom id and type in LAMMPS as it is usually built.
 constexpr std::int64_t kLargestAtom = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kTitleLength = 240;  // both programs read lines of up to 255 characters
 
@@ -28,7 +31,7 @@ const Column* numbersNamed(const PackView& pack, const char* name) {
     return nullptr;
 }
 
-/// Names of the atoms, positive and each once.
+/// Ids of the atoms: positive, and unique.
 class AtomIds {
 public:
     explicit AtomIds(const PackView& pack) : pack_(pack) {
@@ -57,7 +60,7 @@ private:
     bool counted_ = false;
 };
 
-/// Types from 1 on: region + 1, or as the pack's column `type` has them.
+/// Types from 1 on: region + 1, or the pack's column `type`.
 class AtomTypes {
 public:
     explicit AtomTypes(const PackView& pack) : pack_(pack), column_(numbersNamed(pack, "type")) {
@@ -66,8 +69,8 @@ public:
                                    [](std::int32_t r) { return r >= 0 && r < kLargestAtom; });
             if (!regions_)
                 throw ParameterError(
-                    "regions are written as atom types, and one of them is negative; count them "
-                    "from 0");
+                    "regions are written as atom types, and one of them is negative; number "
+                    "regions from 0");
             column_ = nullptr;
         }
         if (column_ && !std::all_of(column_->numbers.begin(), column_->numbers.end(), [](double v) {
@@ -90,7 +93,7 @@ private:
     std::int64_t count_ = 1;
 };
 
-/// kg/m³ in the unit that goes with a unit of length, and its name.
+/// The unit of density that goes with a unit of length: how many make 1 kg/m³, and its name.
 struct DensityUnit {
     double factor;
     const char* name;
@@ -120,7 +123,7 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
                  const std::vector<Contact>* bonds, OutputFile& out) {
     const AtomIds ids(pack);
     const AtomTypes types(pack);
-    // What a file said of its atoms stays, unless another density is asked for.
+    // The densities of an input file are kept, unless another density is requested.
     const Column* densities = options.particleDensity > 0 ? nullptr : numbersNamed(pack, "density");
     if (densities && !std::all_of(densities->numbers.begin(), densities->numbers.end(),
                                   [](double v) { return v > 0 && std::isfinite(v); }))
@@ -154,7 +157,7 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
     out.write(header);
     if (pack.size() == 0) return;
 
-    // Without a hint behind it: LIGGGHTS takes `Atoms # sphere` for no section.
+    // Without a style after it: LIGGGHTS does not accept `Atoms # sphere` as a section.
     out.write(std::string(bonds ? "\nAtoms # hybrid\n\n" : "\nAtoms\n\n"));
     writeRows(out, pack.size(), [&](std::string& text, std::size_t i) {
         const auto number = [&text](double v) { appendNumber(text += ' ', v); };

@@ -1,6 +1,8 @@
 // Scalable Vector Graphics: circles as a picture for browsers and papers.
 #include "vdbpack/core/box.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/io/row_writer.h"
 
 #include <fmt/format.h>
 
@@ -15,12 +17,13 @@ namespace vdbpack {
 
 namespace {
 
-constexpr double kPixels = 900;   // longer side of the picture as it opens
-constexpr double kMargin = 0.01;  // of the longer side, around everything
-constexpr double kLine = 0.06;    // width of outlines by the mean radius
+constexpr double kPixels = 900;   // longer side of the picture when it is opened
+constexpr double kMargin = 0.01;  // around everything, as a fraction of the longer side
+constexpr double kLine = 0.06;    // width of outlines divided by the mean radius
 constexpr const char* kFrame = "#444";
 
-/// Blue and sand, told apart by any eyes and in gray print; each outlined by its own dark shade.
+/// Blue and sand differ for color-blind readers and in gray print. Each is outlined by its own dark
+/// shade.
 struct Colors {
     const char* name;
     const char* fill;
@@ -29,7 +32,7 @@ struct Colors {
 constexpr Colors kCortical{"cortical", "#4a78a8", "#1d3a5a"};
 constexpr Colors kTrabecular{"trabecular", "#f0d9a0", "#8a6d2a"};
 
-/// Numbers with as many decimals as tell a millionth of the picture, and none that say nothing.
+/// Numbers with as many decimals as resolve a millionth of the picture, without trailing zeros.
 class Writer {
 public:
     explicit Writer(double extent)
@@ -54,7 +57,7 @@ private:
     int decimals_;
 };
 
-/// What the picture shows, in the unit of the file, and how thick lines are.
+/// Bounds of the picture and width of its lines, in the unit of the file.
 struct Layout {
     Box<2> bounds;
     double line = 0;
@@ -70,7 +73,7 @@ struct Layout {
         }
         if (bounds.empty()) bounds = {{{0, 0}}, {{1, 1}}};
         line = pack.size() > 0 ? kLine * sum / static_cast<double>(pack.size()) : kMargin * side();
-        // Circles too far out for their size to show in a double still make a picture.
+        // Far from the origin, bounds may differ by less than a double resolves.
         const double farthest = std::max({std::abs(bounds.lo[0]), std::abs(bounds.lo[1]),
                                           std::abs(bounds.hi[0]), std::abs(bounds.hi[1])});
         bounds = bounds.grown(kMargin * side() + line + 1e-12 * farthest);
@@ -92,7 +95,7 @@ void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile&
     const Vec<2> size = layout.bounds.size();
     const double pixels = kPixels / layout.side();
 
-    // y is turned around by its sign, so that coordinates can be read off the file.
+    // y points down in SVG: cy = -y, so that coordinates can be read off the file.
     out.write(std::string("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"));
     out.write(
         fmt::format("<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{:.0f}\" height=\"{:.0f}\" "
@@ -106,7 +109,7 @@ void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile&
         out.write(fmt::format("; {}: {}", kGeneratorKey, escapedXml(options.generator)));
     out.write(std::string("</desc>\n"));
 
-    // One style a group: it is most of what a circle would take.
+    // One style per group: styles per circle would double the file.
     const auto writeGroup = [&](const Colors& colors, const std::vector<std::size_t>& circles) {
         if (circles.empty()) return;
         out.write(fmt::format("<g id=\"{}\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\">\n",

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <optional>
+#include <string>
 #include <string_view>
 
 namespace vdbpack {
@@ -50,6 +50,15 @@ T loadAs(const char* bytes, bool swap) {
     T value;
     std::memcpy(&value, copy, sizeof(T));
     return value;
+}
+
+/// Appends the bytes of `value`, the lowest first.
+template <typename T>
+void appendLittleEndian(std::string& bytes, T value) {
+    char raw[sizeof value];
+    std::memcpy(raw, &value, sizeof value);
+    if (hostIsBigEndian()) std::reverse(raw, raw + sizeof value);
+    bytes.append(raw, sizeof value);
 }
 
 /// A number of `type`: calls `use` with a double or, for whole numbers, an int64.

@@ -1,9 +1,12 @@
 #include "vdbpack/mesh/formats/write_stl.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/row_writer.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 

@@ -1,0 +1,23 @@
+// Private: words that the writers note in files and the readers take back.
+#pragma once
+
+#include <string_view>
+
+namespace vdbpack {
+
+/// Name of the unit in the metadata of .vdb and .vtp, and how comments of .ply and YADE begin.
+inline constexpr const char* kUnitKey = "unit_of_length";
+inline constexpr const char* kUnitComment = "unit of length: ";
+inline constexpr const char* kGeneratorKey = "generator";
+
+/// What the title of our LAMMPS data files records about the numbers below.
+inline constexpr const char* kLammpsIdShift = "atom = id + 1";
+inline constexpr const char* kLammpsTypeIsRegion = "type = region + 1";
+inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
+
+/// The column of .xyz files for chemical elements, and its word for spheres without one, which is
+/// a symbol that ASE knows.
+inline constexpr std::string_view kXyzSpecies = "species";
+inline constexpr std::string_view kXyzNoSpecies = "X";
+
+}  // namespace vdbpack

@@ -1,0 +1,160 @@
+#include "vdbpack/formats/npy_array.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::int64_t kWidestText = 1 << 20;  ///< characters of an element
+
+std::optional<NumberType> numberType(char kind, std::size_t bytes) {
+    switch (kind) {
+        case 'f':
+            if (bytes == 4) return NumberType::f32;
+            if (bytes == 8) return NumberType::f64;
+            break;
+        case 'b':
+            if (bytes == 1) return NumberType::u8;
+            break;
+        case 'i':
+            if (bytes == 1) return NumberType::i8;
+            if (bytes == 2) return NumberType::i16;
+            if (bytes == 4) return NumberType::i32;
+            if (bytes == 8) return NumberType::i64;
+            break;
+        case 'u':
+            if (bytes == 1) return NumberType::u8;
+            if (bytes == 2) return NumberType::u16;
+            if (bytes == 4) return NumberType::u32;
+            if (bytes == 8) return NumberType::u64;
+            break;
+        default:
+            break;
+    }
+    return std::nullopt;
+}
+
+/// The header of an array: a dictionary as Python prints it.
+class Header {
+public:
+    explicit Header(std::string_view text) : text_(text) {}
+
+    /// What follows "'key':"; nothing if there is no such key.
+    std::optional<std::string_view> value(std::string_view key) const {
+        const auto at = text_.find(key);
+        if (at == std::string_view::npos) return std::nullopt;
+        const auto colon = std::min(text_.find(':', at), text_.size() - 1);
+        const auto begin = std::min(text_.find_first_not_of(' ', colon + 1), text_.size());
+        return text_.substr(begin);
+    }
+
+private:
+    std::string_view text_;
+};
+
+/// The numbers of a tuple such as "(3, 2)"; nothing if it is none of counts.
+std::optional<std::vector<std::uint64_t>> countsOf(std::string_view tuple) {
+    const auto close = tuple.find(')');
+    if (tuple.empty() || tuple.front() != '(' || close == std::string_view::npos)
+        return std::nullopt;
+    std::vector<std::uint64_t> counts;
+    for (std::size_t at = 1; at < close;) {
+        const auto end = std::min(tuple.find(',', at), close);
+        const auto word = trimmed(tuple.substr(at, end - at));
+        at = end + 1;
+        if (word.empty()) continue;
+        std::int64_t count = 0;
+        if (!parseNumber(word, count) || count < 0) return std::nullopt;
+        counts.push_back(static_cast<std::uint64_t>(count));
+    }
+    return counts;
+}
+
+/// Whether so many elements of a number of bytes fit into `room`.
+bool fits(const std::vector<std::uint64_t>& shape, std::size_t bytes, std::uint64_t room) {
+    std::uint64_t elements = 1;
+    for (const std::uint64_t count : shape) {
+        // No product overflows.
+        if (bytes > 0 && count > 0 && elements > room / count) return false;
+        elements *= count;
+    }
+    return bytes == 0 || elements <= room / bytes;
+}
+
+}  // namespace
+
+bool NpyArray::takeType(const std::string& descr) {
+    std::int64_t width = 0;
+    if (descr.size() < 3 || !parseNumber(std::string_view(descr).substr(2), width) || width < 0)
+        return false;
+    kind_ = descr[1];
+    bytes_ = static_cast<std::size_t>(std::min(width, kWidestText + 1)) * (kind_ == 'U' ? 4 : 1);
+    swap_ = (descr[0] == '<' || descr[0] == '>') && (descr[0] == '>') != hostIsBigEndian();
+    if (isText()) return true;
+    const auto type = numberType(kind_, bytes_);
+    if (type) type_ = *type;
+    return type.has_value();
+}
+
+std::optional<NpyArray> NpyArray::parse(std::string content, const std::string& name,
+                                        const std::string& file) {
+    const std::string where = fmt::format("{}: array '{}'", file, oneLine(name.substr(0, 80)));
+    const auto require = [&where](bool sound, const char* part) {
+        if (!sound)
+            throw InputError(where + part +
+                             " does not fit into the file; it is damaged or cut short");
+    };
+    if (content.compare(0, 6, kNpyMagic) != 0)
+        throw InputError(where + " is no .npy array; save it with numpy");
+    require(content.size() >= 12, "");
+    const bool wide = content[6] >= 2;  // the version
+    const bool swap = hostIsBigEndian();
+    const std::size_t before = wide ? 12 : 10;
+    const std::size_t length = wide ? loadAs<std::uint32_t>(content.data() + 8, swap)
+                                    : loadAs<std::uint16_t>(content.data() + 8, swap);
+    require(length <= content.size() - before, "");
+    const Header header(std::string_view(content).substr(before, length));
+    const auto type = header.value("'descr'");
+    const auto fortran = header.value("'fortran_order'");
+    const auto shape = header.value("'shape'");
+    require(type && fortran && shape, " (its header)");
+
+    NpyArray a;
+    a.name_ = name;
+    if (type->empty() || type->front() != '\'') return std::nullopt;  // records
+    if (!a.takeType(std::string(type->substr(1, type->find('\'', 1) - 1)))) return std::nullopt;
+    require(a.bytes_ <= static_cast<std::size_t>(kWidestText) * (a.kind_ == 'U' ? 4 : 1), "");
+    a.fortran_ = fortran->substr(0, 4) == "True";
+    auto counts = countsOf(*shape);
+    require(counts.has_value(), " (its shape)");
+    require(fits(*counts, a.bytes_, content.size() - before - length), "");
+    if (counts->size() > 2) return std::nullopt;
+    a.shape_ = std::move(*counts);
+    a.begin_ = before + length;
+    a.content_ = std::move(content);
+    return a;
+}
+
+std::string NpyArray::text(std::uint64_t row) const {
+    std::string out;
+    const char* const begin = at(row, 0);
+    if (kind_ == 'S')
+        out.assign(begin, bytes_);
+    else
+        for (std::size_t b = 0; b < bytes_; b += 4)
+            appendUtf8(out,
+                       std::min<std::uint32_t>(loadAs<std::uint32_t>(begin + b, swap_), 0x10ffff));
+    while (!out.empty() && out.back() == '\0') out.pop_back();
+    return out;
+}
+
+}  // namespace vdbpack

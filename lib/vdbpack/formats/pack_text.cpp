@@ -1,0 +1,72 @@
+#include "vdbpack/formats/pack_text.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+namespace vdbpack {
+
+namespace {
+
+/// Replaces bytes that are not UTF-8 (names of Latin-1 files) by U+FFFD: parsers of XML refuse
+/// them.
+std::string asUtf8(const std::string& text) {
+    const bool ascii = std::all_of(text.begin(), text.end(),
+                                   [](char c) { return static_cast<unsigned char>(c) < 0x80; });
+    if (ascii) return text;
+    using nlohmann::json;
+    return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace))
+        .get<std::string>();
+}
+
+}  // namespace
+
+std::string escapedXml(std::string_view text) {
+    std::string out;
+    for (const char c : asUtf8(oneLine(std::string(text)))) {
+        switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+        }
+    }
+    return out;
+}
+
+bool parseUnitComment(std::string_view comment, Unit& unit) {
+    const std::string_view key = kUnitComment;
+    const auto at = comment.find(key);
+    if (at == std::string_view::npos) return true;
+    auto name = comment.substr(at + key.size());
+    while (!name.empty() && (name.back() == ' ' || name.back() == '\r')) name.remove_suffix(1);
+    try {
+        unit = parseUnit(std::string(name));
+    } catch (const ParameterError&) {
+        return false;
+    }
+    return true;
+}
+
+void takeLammpsUnits(std::string_view style, Unit& unit) {
+    if (style == "si") unit = Unit::meter;
+    if (style == "cgs") unit = Unit::centimeter;
+    if (style == "micro") unit = Unit::micrometer;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,165 @@
+// numpy's .npz: a zip archive with one .npy array per member.
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/npy_array.h"
+#include "vdbpack/formats/pack_builder.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/formats/pack_view.h"
+#include "vdbpack/formats/zip_archive.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Further arrays of more columns are no attributes of spheres.
+constexpr std::uint64_t kMostComponents = 100;
+
+/// The name of the array in a member, or an empty text for other members.
+std::string arrayName(const std::string& member) {
+    constexpr std::string_view kEnding = ".npy";
+    if (member.size() <= kEnding.size() ||
+        std::string_view(member).substr(member.size() - kEnding.size()) != kEnding)
+        return {};
+    return member.substr(0, member.size() - kEnding.size());
+}
+
+class NpzFile {
+public:
+    NpzFile(const std::string& path, const PackReadOptions& options)
+        : path_(path), unit_(options.unit) {}
+
+    Pack<3> read() {
+        readArrays();
+        takeUnit();
+        chooseColumns();
+        return readRows();
+    }
+
+private:
+    /// A column of the pack and the column of the array that it is read from.
+    struct Source {
+        std::string name;
+        const NpyArray* array;
+        std::uint64_t column;
+    };
+
+    [[noreturn]] void fail(const std::string& what) const { throw InputError(path_ + ": " + what); }
+
+    void readArrays() {
+        ZipArchive zip(path_);
+        for (std::uint64_t i = 0; i < zip.members(); ++i) {
+            const auto member = zip.member(i);
+            const std::string name = arrayName(member.name);
+            if (name.empty()) continue;
+            auto array = NpyArray::parse(zip.content(member), name, path_);
+            if (array) arrays_.push_back(*std::move(array));
+        }
+    }
+
+    void takeUnit() {
+        for (const NpyArray& a : arrays_)
+            if (a.name() == kUnitKey && a.isText() && a.shape().empty() &&
+                !parseUnitComment(kUnitComment + a.text(0), unit_))
+                fail(
+                    fmt::format("unknown unit '{}'; use m, cm, mm or um", a.text(0).substr(0, 40)));
+    }
+
+    /// The array of numbers that goes by one of `names`, in lower case and best first.
+    const NpyArray* named(std::initializer_list<std::string_view> names) const {
+        for (const std::string_view name : names)
+            for (const NpyArray& a : arrays_)
+                if (!a.isText() && lowered(a.name()) == name) return &a;
+        return nullptr;
+    }
+
+    void chooseColumns() {
+        const NpyArray* positions = named({"positions", "position", "centers", "points", "pos"});
+        const NpyArray* radii = named({"radii", "radius", "r", "pscale"});
+        const NpyArray* sizes = radii ? radii : named({"diameters", "diameter"});
+        const NpyArray* rows = positions ? positions : named({"x"});
+        if (!rows || !sizes) failMissing();
+        rows_ = rows->rows();
+        const auto isColumn = [this](const NpyArray& a, std::uint64_t columns) {
+            return !a.shape().empty() && a.rows() == rows_ && a.columns() == columns;
+        };
+        if (positions && !isColumn(*positions, 3))
+            fail(fmt::format("array '{}' has shape ({}); (N, 3) is needed", positions->name(),
+                             fmt::join(positions->shape(), ", ")));
+        if (!isColumn(*sizes, 1))
+            fail(
+                fmt::format("array '{}' has shape ({}) beside {} positions; one number each is "
+                            "needed",
+                            sizes->name(), fmt::join(sizes->shape(), ", "), rows_));
+        if (positions)
+            for (std::uint64_t d = 0; d < 3; ++d)
+                columns_.push_back({std::string(1, "xyz"[d]), positions, d});
+        columns_.push_back({radii ? "radius" : "diameter", sizes, 0});
+        for (const NpyArray& a : arrays_) {
+            if (&a == positions || &a == sizes || a.name() == kUnitKey ||
+                a.name() == kGeneratorKey || a.shape().empty() || a.rows() != rows_)
+                continue;
+            if (a.columns() == 1)
+                columns_.push_back({a.name(), &a, 0});
+            else if (a.columns() <= kMostComponents && !a.isText())
+                for (std::uint64_t c = 0; c < a.columns(); ++c)
+                    columns_.push_back({fmt::format("{}_{}", a.name(), c), &a, c});
+        }
+    }
+
+    [[noreturn]] void failMissing() const {
+        std::string found;
+        for (std::size_t i = 0; i < std::min<std::size_t>(arrays_.size(), 20); ++i)
+            found += (i > 0 ? ", " : "") + oneLine(arrays_[i].name().substr(0, 40));
+        fail(
+            fmt::format("arrays positions (N, 3), or x, y and z, and radii (N) are needed, "
+                        "found: {}; save them by these names",
+                        found.empty() ? "none" : found));
+    }
+
+    Pack<3> readRows() const {
+        std::vector<std::string> names;
+        for (const Source& s : columns_) names.push_back(s.name);
+        PackBuilder builder(path_, names, unit_);
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (columns_[c].array->isText()) builder.makeText(c);
+        builder.reserve(static_cast<std::size_t>(rows_));
+        for (std::uint64_t i = 0; i < rows_; ++i) {
+            const auto where = [i] { return fmt::format("row {}", i); };
+            builder.addRow();
+            for (std::size_t c = 0; c < columns_.size(); ++c) {
+                const Source& from = columns_[c];
+                if (builder.isText(c))
+                    builder.setText(c, from.array->text(i));
+                else if (!from.array->number(i, from.column,
+                                             [&](auto value) { return builder.set(c, value); }))
+                    builder.failCell(where(), c, "out of range");
+            }
+            if (!builder.problem().empty()) builder.failRow(where());
+        }
+        return builder.finish();
+    }
+
+    std::string path_;
+    Unit unit_;
+    std::vector<NpyArray> arrays_;
+    std::uint64_t rows_ = 0;
+    std::vector<Source> columns_;
+};
+
+}  // namespace
+
+Pack<3> readNpz(const std::string& path, const PackReadOptions& options) {
+    return NpzFile(path, options).read();
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,307 @@
+// OpenVDB files: a point grid as spheres.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/field/vdb_check.h"
+#include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/pack_builder.h"
+#include "vdbpack/formats/pack_formats.h"
+
+#include <fmt/format.h>
+#include <openvdb/Grid.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/io/GridDescriptor.h>
+#include <openvdb/points/AttributeArrayString.h>
+#include <openvdb/points/PointDataGrid.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <numeric>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+namespace points = openvdb::points;
+using Leaf = points::PointDataTree::LeafNodeType;
+
+/// Reads from a given stream: OpenVDB's own classes open files themselves and do not notice files
+/// that are cut short; a stream that throws on failure does.
+class Archive : public openvdb::io::Archive {
+public:
+    /// The point grid named `name` (empty: the first one), or null; `found` lists all grids.
+    /// The file has passed `checkVdbFile`.
+    points::PointDataGrid::Ptr readPoints(std::istream& stream, const std::string& name,
+                                          std::string& found) {
+        readHeader(stream);
+        auto tag = std::make_shared<openvdb::io::StreamMetadata>();
+        openvdb::io::setStreamMetadataPtr(stream, tag, /*transfer=*/false);
+        openvdb::io::setVersion(stream, libraryVersion(), fileVersion());
+        openvdb::io::setDataCompression(stream, compression());
+        openvdb::MetaMap meta;
+        meta.readMeta(stream);
+        const int count = readGridCount(stream);
+        for (int i = 0; i < count; ++i) {
+            openvdb::io::GridDescriptor descriptor;
+            const auto grid = descriptor.read(stream);
+            const std::string gridName =
+                openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName());
+            if (found.size() < 500)
+                found += fmt::format("{}'{}' ({})", i > 0 ? ", " : "", gridName.substr(0, 80),
+                                     descriptor.gridType().substr(0, 80));
+            const auto pointGrid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
+            const bool wanted =
+                pointGrid && (name.empty() || name == gridName) && !descriptor.isInstance();
+            if (wanted || !inputHasGridOffsets()) {
+                readGrid(grid, descriptor, stream);
+                if (wanted) return pointGrid;
+            } else {
+                descriptor.seekToEnd(stream);
+            }
+        }
+        return nullptr;
+    }
+};
+
+/// Puts the value of one attribute at a point of a leaf into a column of the pack.
+using Put = std::function<bool(PackBuilder&, std::size_t column, openvdb::Index point)>;
+
+template <typename T>
+Put putNumber(const points::AttributeArray& array) {
+    auto handle = std::make_shared<points::AttributeHandle<T>>(array);
+    return [handle](PackBuilder& builder, std::size_t column, openvdb::Index point) {
+        const T value = handle->get(point);
+        if constexpr (std::is_floating_point_v<T>)
+            return builder.set(column, static_cast<double>(value));
+        else
+            return builder.set(column, static_cast<std::int64_t>(value));
+    };
+}
+
+template <typename V>
+Put putComponent(const points::AttributeArray& array, int component) {
+    auto handle = std::make_shared<points::AttributeHandle<V>>(array);
+    return [handle, component](PackBuilder& builder, std::size_t column, openvdb::Index point) {
+        return builder.set(column, static_cast<double>(handle->get(point)[component]));
+    };
+}
+
+/// The attribute, and its component, that a column of the pack is read from.
+struct Source {
+    std::size_t attribute = 0;
+    int component = 0;
+};
+
+bool isText(const std::string& type, const std::string& codec) {
+    return codec == points::StringCodec<false>::name() && type != "group";
+}
+
+/// @return nothing for a type that is not a number.
+Put putOf(const points::AttributeArray& array, const openvdb::MetaMap& meta, int component) {
+    const std::string type = array.valueType();
+    if (isText(type, array.codecType())) {
+        auto handle = std::make_shared<points::StringAttributeHandle>(array, meta);
+        return [handle](PackBuilder& builder, std::size_t column, openvdb::Index point) {
+            builder.setText(column, handle->get(point));
+            return true;
+        };
+    }
+    if (type == openvdb::typeNameAsString<float>()) return putNumber<float>(array);
+    if (type == openvdb::typeNameAsString<double>()) return putNumber<double>(array);
+    if (type == openvdb::typeNameAsString<std::int8_t>()) return putNumber<std::int8_t>(array);
+    if (type == openvdb::typeNameAsString<std::int16_t>()) return putNumber<std::int16_t>(array);
+    if (type == openvdb::typeNameAsString<std::int32_t>()) return putNumber<std::int32_t>(array);
+    if (type == openvdb::typeNameAsString<std::int64_t>()) return putNumber<std::int64_t>(array);
+    if (type == openvdb::typeNameAsString<bool>()) return putNumber<bool>(array);
+    if (type == openvdb::typeNameAsString<openvdb::Vec3f>())
+        return putComponent<openvdb::Vec3f>(array, component);
+    if (type == openvdb::typeNameAsString<openvdb::Vec3d>())
+        return putComponent<openvdb::Vec3d>(array, component);
+    return {};
+}
+
+int componentsOf(const std::string& type) {
+    return type == openvdb::typeNameAsString<openvdb::Vec3f>() ||
+                   type == openvdb::typeNameAsString<openvdb::Vec3d>()
+               ? 3
+               : 1;
+}
+
+template <typename T>
+void permute(std::vector<T>& values, const std::vector<std::size_t>& order) {
+    if (values.empty()) return;
+    std::vector<T> sorted;
+    sorted.reserve(values.size());
+    for (const std::size_t from : order) sorted.push_back(std::move(values[from]));
+    values = std::move(sorted);
+}
+
+/// Sorts spheres by id: a point grid stores them by position.
+void sortById(Pack<3>& pack) {
+    if (std::is_sorted(pack.id.begin(), pack.id.end())) return;
+    std::vector<std::size_t> order(pack.id.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    tbb::parallel_sort(order.begin(), order.end(), [&pack](std::size_t a, std::size_t b) {
+        return pack.id[a] != pack.id[b] ? pack.id[a] < pack.id[b] : a < b;
+    });
+    permute(pack.spheres, order);
+    forEachAttribute(pack, [&order](std::string_view, auto& values) { permute(values, order); });
+}
+
+/// Reads the spheres of a point grid.
+class PointReader {
+public:
+    /// @param unit  of lengths in the grid.
+    PointReader(const points::PointDataGrid& grid, std::string path, Unit unit)
+        : grid_(grid), path_(std::move(path)), unit_(unit) {}
+
+    Pack<3> read() {
+        const auto firstLeaf = grid_.tree().cbeginLeaf();
+        if (!firstLeaf) return {};
+        chooseColumns(*firstLeaf);
+        PackBuilder builder(path_, names_, unit_);
+        for (const std::size_t column : textColumns_) builder.makeText(column);
+        builder.reserve(static_cast<std::size_t>(count(firstLeaf->attributeSet().descriptor())));
+        for (auto leaf = grid_.tree().cbeginLeaf(); leaf; ++leaf) append(*leaf, builder);
+        Pack<3> pack = builder.finish();
+        sortById(pack);
+        dropDefaultIds(pack);
+        return pack;
+    }
+
+private:
+    void chooseColumns(const Leaf& leaf) {
+        const auto& descriptor = leaf.attributeSet().descriptor();
+        std::vector<std::pair<std::size_t, std::string>> byIndex;
+        for (const auto& entry : descriptor.map()) byIndex.emplace_back(entry.second, entry.first);
+        std::sort(byIndex.begin(), byIndex.end());
+        for (const auto& [at, name] : byIndex) {
+            const auto& array = leaf.constAttributeArray(at);
+            const std::string type = array.valueType();
+            if (name == "P" && componentsOf(type) == 3) {
+                positions_ = at;
+                continue;
+            }
+            // A pack has no columns for groups and for types that are not numbers.
+            if (!putOf(array, descriptor.getMetadata(), 0)) continue;
+            for (int c = 0; c < componentsOf(type); ++c) {
+                if (isText(type, array.codecType())) textColumns_.push_back(names_.size());
+                names_.push_back(componentsOf(type) == 1 ? name : fmt::format("{}_{}", name, c));
+                sources_.push_back({at, c});
+            }
+        }
+        if (positions_ == points::AttributeSet::INVALID_POS)
+            throw InputError(
+                fmt::format("{}: point grid '{}' has no positions 'P'; write it with them", path_,
+                            grid_.getName()));
+    }
+
+    /// The number of points, once their attributes are known to be sound.
+    std::uint64_t count(const points::AttributeSet::Descriptor& descriptor) const {
+        std::uint64_t sum = 0;
+        for (auto leaf = grid_.tree().cbeginLeaf(); leaf; ++leaf) {
+            if (leaf->attributeSet().descriptor() != descriptor)
+                throw InputError(path_ + ": leaves of its point grid have different attributes");
+            // Throws unless every array has as many values as the voxels announce.
+            leaf->validateOffsets();
+            sum += leaf->attributeSet().get(0)->size();
+        }
+        return sum;
+    }
+
+    /// Returns the offset of a point from the center of its voxel, in voxels.
+    static std::function<openvdb::Vec3d(openvdb::Index)> offsetsOf(
+        const points::AttributeArray& positions) {
+        if (positions.valueType() == openvdb::typeNameAsString<openvdb::Vec3f>())
+            return [handle = std::make_shared<points::AttributeHandle<openvdb::Vec3f>>(positions)](
+                       openvdb::Index point) { return openvdb::Vec3d(handle->get(point)); };
+        return [handle = std::make_shared<points::AttributeHandle<openvdb::Vec3d>>(positions)](
+                   openvdb::Index point) { return handle->get(point); };
+    }
+
+    void append(const Leaf& leaf, PackBuilder& builder) const {
+        const auto offsetOf = offsetsOf(leaf.constAttributeArray(positions_));
+        const auto& meta = leaf.attributeSet().descriptor().getMetadata();
+        std::vector<Put> puts;
+        puts.reserve(sources_.size());
+        for (const auto& s : sources_)
+            puts.push_back(putOf(leaf.constAttributeArray(s.attribute), meta, s.component));
+
+        openvdb::Index begin = 0;
+        for (openvdb::Index v = 0; v < Leaf::SIZE; ++v) {
+            const openvdb::Index end = leaf.getValue(v);
+            const openvdb::Vec3d voxel = leaf.offsetToGlobalCoord(v).asVec3d();
+            for (openvdb::Index k = begin; k < end; ++k) {
+                const auto where = [&leaf, k] {
+                    return fmt::format("point {} of leaf ({}, {}, {})", k, leaf.origin()[0],
+                                       leaf.origin()[1], leaf.origin()[2]);
+                };
+                const openvdb::Vec3d world = grid_.transform().indexToWorld(voxel + offsetOf(k));
+                builder.addRow();
+                for (int d = 0; d < 3; ++d) builder.set(static_cast<std::size_t>(d), world[d]);
+                for (std::size_t s = 0; s < puts.size(); ++s)
+                    if (!puts[s](builder, s + 3, k))
+                        builder.failCell(where(), s + 3, "out of range");
+                if (!builder.problem().empty()) builder.failRow(where());
+            }
+            begin = end;
+        }
+    }
+
+    const points::PointDataGrid& grid_;
+    std::string path_;
+    Unit unit_;
+    std::size_t positions_ = points::AttributeSet::INVALID_POS;  ///< index of the attribute
+    std::vector<std::string> names_ = {"x", "y", "z"};
+    std::vector<Source> sources_;  ///< of the columns after x, y and z
+    std::vector<std::size_t> textColumns_;
+};
+
+Unit unitOf(const openvdb::GridBase& grid, const std::string& path, Unit fallback) {
+    const auto meta = grid.getMetadata<openvdb::StringMetadata>(kUnitKey);
+    if (!meta) return fallback;
+    try {
+        return parseUnit(meta->value());
+    } catch (const ParameterError& e) {
+        throw InputError(path + ": " + kUnitKey + ": " + e.what());
+    }
+}
+
+}  // namespace
+
+Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
+    checkVdbFile(path);
+    std::ifstream stream(path, std::ios::binary);
+    if (!stream) throw IoError(path + ": cannot be read: " + std::strerror(errno));
+    std::string found;
+    try {
+        stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
+        const auto grid = Archive().readPoints(stream, options.gridName, found);
+        if (grid) return PointReader(*grid, path, unitOf(*grid, path, options.unit)).read();
+    } catch (const Error&) {
+        throw;
+    } catch (const std::exception& e) {
+        stream.exceptions(std::ios::goodbit);
+        if (isShortage(e)) throw;
+        stream.clear();
+        const auto at = static_cast<std::int64_t>(stream.tellg());
+        throw InputError(fmt::format(
+            "{}: cannot be read as OpenVDB near byte {}: {}; the file is damaged or cut "
+            "short",
+            path, at, e.what()));
+    }
+    throw InputError(fmt::format("{}: holds no point grid{}, but {}; name another grid or file",
+                                 path,
+                                 options.gridName.empty() ? "" : " '" + options.gridName + "'",
+                                 found.empty() ? "nothing" : found));
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,118 @@
+// YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
+// adds.
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/formats/text_table.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/numbers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::string_view kFormat = "#format";
+
+bool isFormatLine(std::string_view line) {
+    return line.substr(0, kFormat.size()) == kFormat;
+}
+
+/// The columns of a format such as id_x_y_z_r_matId. @return false if it is not known.
+bool columnsOf(std::string_view format, std::vector<std::string>& names, bool& attributes) {
+    Cells words;
+    splitAtBlanks(format, words);
+    if (words.empty()) return false;
+    std::string_view rest = words.front();
+    names.clear();
+    constexpr std::string_view kId = "id_";
+    if (rest.substr(0, kId.size()) == kId) {
+        names.push_back("id");
+        rest.remove_prefix(kId.size());
+    }
+    constexpr std::string_view kSphere = "x_y_z_r";
+    if (rest.substr(0, kSphere.size()) != kSphere) return false;
+    rest.remove_prefix(kSphere.size());
+    names.insert(names.end(), {"x", "y", "z", "r"});
+    attributes = rest == "_attrs";
+    if (rest == "_matId") names.push_back("region");
+    if (rest == "_clumpId") names.push_back("clumpId");
+    return rest.empty() || attributes || rest == "_matId" || rest == "_clumpId";
+}
+
+/// Adds the names of the attributes: those that export.textExt writes as "# x y z r name ...", or
+/// else attribute1, attribute2, ...
+void nameAttributes(std::string_view firstRow, std::string_view comment,
+                    std::vector<std::string>& names) {
+    Cells cells, words;
+    splitAtBlanks(firstRow, cells);
+    splitAtBlanks(comment, words);
+    const std::size_t known = names.size();
+    const bool named = words.size() == cells.size() && words.size() > known &&
+                       std::equal(names.begin(), names.end(), words.begin());
+    for (std::size_t c = known; c < cells.size(); ++c)
+        names.push_back(named ? std::string(words[c]) : fmt::format("attribute{}", c - known + 1));
+}
+
+}  // namespace
+
+Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
+    InputFile file(path);
+    TextTable table;
+    table.unit = options.unit;
+    table.names = {"x", "y", "z", "r"};
+    bool attributes = false;  // there may be any number of further columns
+    std::string comment;      // the last one above the spheres
+    std::string_view line;
+    const auto fail = [&](const std::string& what) {
+        throw InputError(fmt::format("{}: line {}: {}", path, file.lineNumber(), what));
+    };
+
+    // The header: comments up to the first sphere.
+    std::uint64_t begin = 0;
+    std::uint64_t lineBefore = 0;
+    for (;; begin = file.nextOffset(), lineBefore = file.lineNumber()) {
+        if (!file.nextLine(line)) return {};
+        line = trimmed(line);
+        if (line.empty()) continue;
+        if (line.front() != '#') break;
+        if (isFormatLine(line)) {
+            if (!columnsOf(line.substr(kFormat.size()), table.names, attributes))
+                fail(
+                    fmt::format("format '{}' is not supported; use x_y_z_r, which id_ may precede "
+                                "and _matId, _clumpId or _attrs follow",
+                                trimmed(line.substr(kFormat.size())).substr(0, 80)));
+        } else if (parseUnitComment(line, table.unit)) {
+            comment = line.substr(1);
+        } else {
+            fail(fmt::format("unknown unit in '{}'; use m, cm, mm or um", line.substr(0, 80)));
+        }
+    }
+    if (attributes) nameAttributes(line, comment, table.names);
+
+    file.seek(begin, lineBefore);
+    table.nextRow = [&](std::uint64_t, Cells& cells) {
+        do {
+            if (!file.nextLine(line)) return false;
+            line = trimmed(line);
+            if (isFormatLine(line)) fail("the format line must come before the spheres; move it");
+        } while (line.empty() || line.front() == '#');
+        splitAtBlanks(line, cells);
+        if (cells.size() != table.names.size())
+            fail(
+                fmt::format("has {} numbers where {} are expected; check the #format line, or cut "
+                            "the file there",
+                            cells.size(), table.names.size()));
+        return true;
+    };
+    return readTable(file, table);
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,300 @@
+#include "vdbpack/formats/vtp_arrays.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <new>
+
+namespace vdbpack {
+
+namespace {
+
+/// Deflate expands by less than this factor.
+constexpr std::uint64_t kMostDeflated = 1032;
+
+bool isXmlBlank(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+std::string_view nextWord(std::string_view text, std::size_t& at) {
+    while (at < text.size() && isXmlBlank(text[at])) ++at;
+    const std::size_t begin = at;
+    while (at < text.size() && !isXmlBlank(text[at])) ++at;
+    return text.substr(begin, at - begin);
+}
+
+/// The six bits of a base64 character; -1 for any other.
+int base64Value(char c) {
+    if (c >= 'A' && c <= 'Z') return c - 'A';
+    if (c >= 'a' && c <= 'z') return c - 'a' + 26;
+    if (c >= '0' && c <= '9') return c - '0' + 52;
+    if (c == '+') return 62;
+    return c == '/' ? 63 : -1;
+}
+
+bool isSigned(NumberType type) {
+    return type == NumberType::i8 || type == NumberType::i16 || type == NumberType::i32 ||
+           type == NumberType::i64;
+}
+
+/// Whether a whole number fits the type.
+bool fits(std::int64_t value, NumberType type) {
+    const std::size_t bits = 8 * bytesOf(type);
+    if (bits == 64) return isSigned(type) || value >= 0;
+    const std::int64_t top = std::int64_t{1} << (isSigned(type) ? bits - 1 : bits);
+    return value < top && value >= (isSigned(type) ? -top : 0);
+}
+
+}  // namespace
+
+/// Bytes in order, from the file or from base64 text.
+class VtpArrays::ByteSource {
+public:
+    ByteSource(const InputFile& file, std::uint64_t offset) : file_(file), offset_(offset) {}
+    ByteSource(const InputFile& file, std::string_view base64)
+        : file_(file), text_(base64), encoded_(true) {}
+
+    /// No more bytes than these can follow.
+    std::uint64_t bound() const {
+        if (encoded_) return text_.size() - at_ + 3;
+        return offset_ < file_.size() ? file_.size() - offset_ : 0;
+    }
+    void read(char* target, std::size_t bytes) {
+        if (!encoded_) {
+            file_.readAt(offset_, target, bytes);
+            offset_ += bytes;
+            return;
+        }
+        for (std::size_t done = 0; done < bytes;) {
+            if (carried_ == 0) decodeGroup();
+            const std::size_t n = std::min(bytes - done, carried_);
+            std::memcpy(target + done, carry_.data(), n);
+            std::memmove(carry_.data(), carry_.data() + n, carried_ - n);
+            carried_ -= n;
+            done += n;
+        }
+    }
+
+private:
+    [[noreturn]] void fail(const char* what) const {
+        throw InputError(fmt::format("{}: a base64 array {}; the file is damaged or cut short",
+                                     file_.path(), what));
+    }
+    /// The next four characters. Padding may stand in mid-stream: VTK encodes the header of
+    /// compressed blocks on its own.
+    void decodeGroup() {
+        std::uint32_t bits = 0;
+        std::size_t characters = 0;
+        std::size_t padding = 0;
+        while (characters < 4) {
+            if (at_ >= text_.size()) fail("ends too early");
+            const char c = text_[at_++];
+            if (isXmlBlank(c)) continue;
+            const int value = base64Value(c);
+            if (c == '=')
+                ++padding;
+            else if (value < 0)
+                fail("holds a character that is not base64");
+            bits = bits << 6 | static_cast<std::uint32_t>(std::max(value, 0));
+            ++characters;
+        }
+        if (padding > 2) fail("is malformed");
+        for (std::size_t i = 0; i < 3; ++i)
+            carry_[i] = static_cast<char>(static_cast<unsigned char>(bits >> (16 - 8 * i)));
+        carried_ = 3 - padding;
+    }
+
+    const InputFile& file_;
+    std::uint64_t offset_ = 0;
+    std::string_view text_;
+    std::size_t at_ = 0;
+    bool encoded_ = false;
+    std::array<char, 3> carry_{};
+    std::size_t carried_ = 0;
+};
+
+void VtpArrays::fail(const VtpArray& array, const std::string& what) const {
+    throw InputError(
+        fmt::format("{}: array '{}' {}", file_.path(), array.name.substr(0, 40), what));
+}
+
+void VtpArrays::appendBase64(std::uint64_t offset) {
+    appended_ = offset;
+    base64_ = true;
+    appendedText_.resize(static_cast<std::size_t>(file_.size() - offset));
+    file_.readAt(offset, appendedText_.data(), appendedText_.size());
+    const auto end = appendedText_.find('<');
+    if (end != std::string::npos) appendedText_.resize(end);
+}
+
+VtpArrays::ByteSource VtpArrays::sourceOf(const VtpArray& array) const {
+    if (array.format != VtpArray::Format::appended) return ByteSource(file_, array.text);
+    if (appended_ == 0) fail(array, "is appended, but nothing is; the file is cut short");
+    // An offset near 2^63 must not wrap around into the file.
+    const std::uint64_t end = base64_ ? appendedText_.size() : file_.size();
+    if (array.offset > end) fail(array, "begins behind the end of the file; it is cut short");
+    if (!base64_) return ByteSource(file_, appended_ + array.offset);
+    return ByteSource(file_, std::string_view(appendedText_).substr(array.offset));
+}
+
+std::uint64_t VtpArrays::headerWord(ByteSource& source) const {
+    char bytes[8];
+    source.read(bytes, encoding_.wideHeader ? 8 : 4);
+    return encoding_.wideHeader ? loadAs<std::uint64_t>(bytes, encoding_.swap)
+                                : loadAs<std::uint32_t>(bytes, encoding_.swap);
+}
+
+std::vector<char> VtpArrays::bytesOfArray(const VtpArray& array) {
+    // ASCII arrays are plain whatever the file says, so this is not asked before.
+    const bool zlib = encoding_.compressor == "vtkZLibDataCompressor";
+    if (!zlib && !encoding_.compressor.empty())
+        fail(array, fmt::format("is packed by '{}', which is not supported; save with zlib or "
+                                "without compression",
+                                encoding_.compressor.substr(0, 40)));
+    ByteSource source = sourceOf(array);
+    const std::uint64_t before = source.bound();
+    std::vector<char> data = zlib ? inflated(array, source) : plain(array, source);
+    // Arrays that share their bytes would add up to any size.
+    taken_ += before - source.bound();
+    if (taken_ > file_.size())
+        fail(array, "shares its bytes with other arrays; save the file again");
+    return data;
+}
+
+std::vector<char> VtpArrays::plain(const VtpArray& array, ByteSource& source) const {
+    const std::uint64_t bytes = headerWord(source);
+    if (bytes > source.bound())
+        fail(array, fmt::format("announces {} bytes, more than the file holds; the file is cut "
+                                "short",
+                                bytes));
+    std::vector<char> data(static_cast<std::size_t>(bytes));
+    source.read(data.data(), data.size());
+    return data;
+}
+
+std::vector<char> VtpArrays::inflated(const VtpArray& array, ByteSource& source) const {
+    const std::uint64_t blocks = headerWord(source);
+    const std::uint64_t blockBytes = headerWord(source);
+    const std::uint64_t lastBytes = headerWord(source);
+    if (blocks > source.bound() / (encoding_.wideHeader ? 8 : 4))
+        fail(array, "announces more blocks than the file holds; the file is cut short");
+    std::vector<std::uint64_t> sizes(static_cast<std::size_t>(blocks));
+    for (auto& s : sizes) s = headerWord(source);
+    std::vector<char> data;
+    std::vector<char> packed;
+    for (std::size_t b = 0; b < sizes.size(); ++b) {
+        const std::uint64_t full = b + 1 == sizes.size() && lastBytes != 0 ? lastBytes : blockBytes;
+        // Larger claims are made up.
+        if (sizes[b] > source.bound() || full > (sizes[b] + 16) * kMostDeflated)
+            fail(array, fmt::format("has an impossible block {}; the file is damaged", b));
+        packed.resize(static_cast<std::size_t>(sizes[b]));
+        source.read(packed.data(), packed.size());
+        const std::size_t before = data.size();
+        data.resize(before + static_cast<std::size_t>(full));
+        uLongf got = static_cast<uLongf>(full);
+        Bytef nothing = 0;
+        const int status = ::uncompress(
+            full > 0 ? reinterpret_cast<Bytef*>(data.data() + before) : &nothing, &got,
+            reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
+        if (status == Z_MEM_ERROR) throw std::bad_alloc();
+        if (status != Z_OK || got != full)
+            fail(array,
+                 fmt::format("has a block {} that does not inflate; the file is damaged", b));
+    }
+    return data;
+}
+
+std::vector<char> VtpArrays::numbers(const VtpArray& array, std::uint64_t count) {
+    if (array.format == VtpArray::Format::ascii) return asciiNumbers(array, count);
+    const std::size_t tuple = array.components * bytesOf(array.type);
+    std::vector<char> data = bytesOfArray(array);
+    if (data.size() % tuple != 0 || data.size() / tuple != count)
+        fail(array, fmt::format("has {} bytes where {} tuples of {} bytes are expected; the file "
+                                "is damaged",
+                                data.size(), count, tuple));
+    return data;
+}
+
+std::vector<char> VtpArrays::asciiNumbers(const VtpArray& array, std::uint64_t count) const {
+    // Two characters a number at least.
+    if (count > array.text.size() / (2 * array.components) + 1)
+        fail(array, fmt::format("holds fewer than {} tuples; the file is cut short", count));
+    const std::size_t size = bytesOf(array.type);
+    std::vector<char> data(static_cast<std::size_t>(count * array.components) * size);
+    std::size_t at = 0;
+    for (std::size_t i = 0; i < count * array.components; ++i)
+        storeWord(array, nextWord(array.text, at), i, data.data() + i * size);
+    if (!nextWord(array.text, at).empty())
+        fail(array, fmt::format("holds more than {} tuples; the file is damaged", count));
+    return data;
+}
+
+void VtpArrays::storeWord(const VtpArray& array, std::string_view word, std::size_t index,
+                          char* target) const {
+    const auto require = [&](bool sound) {
+        if (sound) return;
+        fail(array, word.empty()
+                        ? fmt::format("ends after {} numbers; the file is cut short", index)
+                        : fmt::format("has '{}' as number {}; a number of its type is needed",
+                                      word.substr(0, 40), index));
+    };
+    const auto store = [&](auto value) {
+        std::memcpy(target, &value, sizeof value);
+        if (encoding_.swap) std::reverse(target, target + sizeof value);
+    };
+    if (isReal(array.type)) {
+        double value = 0;
+        require(parseNumber(word, value));
+        if (array.type == NumberType::f64) return store(value);
+        // Beyond its range the conversion is undefined; infinities do convert.
+        require(!std::isfinite(value) ||
+                std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()));
+        return store(static_cast<float>(value));
+    }
+    std::int64_t value = 0;
+    require(parseNumber(word, value) && fits(value, array.type));
+    switch (bytesOf(array.type)) {
+        case 1:
+            return store(static_cast<std::uint8_t>(value));
+        case 2:
+            return store(static_cast<std::uint16_t>(value));
+        case 4:
+            return store(static_cast<std::uint32_t>(value));
+        default:
+            return store(static_cast<std::uint64_t>(value));
+    }
+}
+
+std::vector<std::string> VtpArrays::texts(const VtpArray& array) {
+    std::vector<char> data;
+    if (array.format == VtpArray::Format::ascii) {
+        std::size_t at = 0;
+        for (auto word = nextWord(array.text, at); !word.empty(); word = nextWord(array.text, at)) {
+            std::int64_t code = 0;
+            if (!parseNumber(word, code) || code < 0 || code > 255)
+                fail(array, "holds a character code beyond 0 to 255; the file is damaged");
+            data.push_back(static_cast<char>(static_cast<unsigned char>(code)));
+        }
+    } else {
+        data = bytesOfArray(array);
+    }
+    if (!data.empty() && data.back() != '\0')
+        fail(array, "has a last text that is not ended; the file is cut short");
+    std::vector<std::string> out;
+    for (auto begin = data.begin(); begin != data.end();) {
+        const auto end = std::find(begin, data.end(), '\0');
+        out.emplace_back(begin, end);
+        begin = end + 1;
+    }
+    return out;
+}
+
+}  // namespace vdbpack

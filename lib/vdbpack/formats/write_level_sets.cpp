@@ -1,0 +1,128 @@
+// OpenVDB files of level sets, as they are or as fog, and of the grids that other writers add.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/pack_view.h"
+#include "vdbpack/formats/vdb_stream.h"
+
+#include <fmt/format.h>
+#include <openvdb/Grid.h>
+#include <openvdb/io/Archive.h>
+#include <openvdb/tools/LevelSetUtil.h>
+#include <openvdb/tree/LeafManager.h>
+
+#include <cerrno>
+#include <cstring>
+#include <exception>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+/// Writes to a given stream: OpenVDB's own classes open files themselves and do not notice a full
+/// disk.
+class Archive : public openvdb::io::Archive {
+public:
+    void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids) {
+        setCompression(hasBloscCompression()
+                           ? openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK
+                           : openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
+        write(stream, grids, /*seekable=*/true);
+    }
+};
+
+/// A copy of the level set with a tree of its own, lengths of its transform in `unit`.
+openvdb::FloatGrid::Ptr copyIn(const VdbGrid& levelSet, Unit unit) {
+    const auto grid = levelSet.grid->deepCopy();
+    grid->setTransform(levelSet.grid->transform().copy());
+    grid->transform().postScale(fromMillimeters(1.0, unit));
+    return grid;
+}
+
+void scaleValues(openvdb::FloatTree& tree, double scale) {
+    const auto scaled = [scale](float value) {
+        return static_cast<float>(scale * static_cast<double>(value));
+    };
+    openvdb::tree::LeafManager<openvdb::FloatTree> leaves(tree);
+    leaves.foreach ([&scaled](openvdb::FloatTree::LeafNodeType& leaf, std::size_t) {
+        for (auto v = leaf.beginValueAll(); v; ++v) v.setValue(scaled(*v));
+    });
+    auto tile = tree.beginValueAll();
+    tile.setMaxDepth(openvdb::FloatTree::ValueAllIter::LEAF_DEPTH - 1);
+    for (; tile; ++tile) tile.setValue(scaled(*tile));
+    tree.root().setBackground(scaled(tree.background()), /*updateChildNodes=*/false);
+}
+
+/// The level set in `unit`; shares the tree of `levelSet` if that is mm.
+openvdb::FloatGrid::Ptr levelSetIn(const VdbGrid& levelSet, Unit unit) {
+    openvdb::FloatGrid::Ptr grid;
+    if (unit == Unit::millimeter) {
+        grid = levelSet.grid->copy();
+    } else {
+        grid = copyIn(levelSet, unit);
+        scaleValues(grid->tree(), fromMillimeters(1.0, unit));
+    }
+    grid->setName(levelSet.grid->getName());
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    return grid;
+}
+
+}  // namespace
+
+void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::GridBase::Ptr>& others,
+                OutputFile& out) {
+    openvdb::GridCPtrVec grids;
+    const auto add = [&](const openvdb::GridBase::Ptr& grid) {
+        grid->insertMeta(kUnitKey, openvdb::StringMetadata(unitName(options.unit)));
+        if (!options.generator.empty())
+            grid->insertMeta(kGeneratorKey, openvdb::StringMetadata(options.generator));
+        grids.push_back(grid);
+    };
+    for (const auto& set : options.levelSets)
+        if (set && set->grid) add(levelSetIn(*set, options.unit));
+    for (const auto& grid : others) add(grid);
+
+    // A stream that throws on failure, to report a full disk.
+    std::ofstream stream;
+    errno = 0;
+    try {
+        stream.exceptions(std::ios::failbit | std::ios::badbit);
+        stream.open(out.temporaryPath(), std::ios::binary | std::ios::trunc);
+        Archive().writeTo(stream, grids);
+        stream.close();
+    } catch (const std::exception& e) {
+        const int cause = errno;
+        // The destructor must not throw again.
+        stream.exceptions(std::ios::goodbit);
+        if (isShortage(e)) throw;
+        throw IoError(fmt::format("{}: writing failed: {}; the former file, if any, is untouched",
+                                  out.path(), cause != 0 ? std::strerror(cause) : e.what()));
+    }
+}
+
+void writeLevelSets(const std::string& file, const PackWriteOptions& options) {
+    OutputFile out(file);
+    initializeOpenVdb();
+    writeGrids(options, {}, out);
+    out.commit();
+}
+
+void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteOptions& options) {
+    OutputFile out(file);
+    initializeOpenVdb();
+    // Values are fractions of the depth of the band, without a unit; voxels have one.
+    const auto grid = copyIn(levelSet, options.unit);
+    openvdb::tools::sdfToFogVolume(*grid);
+    grid->setName("density");
+    PackWriteOptions alone = options;
+    alone.levelSets.clear();
+    writeGrids(alone, {grid}, out);
+    out.commit();
+}
+
+}  // namespace vdbpack
