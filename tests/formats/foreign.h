@@ -8,7 +8,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 
+#include <algorithm>
+#include <cstring>
 #include <string>
+#include <vector>
 
 namespace vdbpack::test {
 
@@ -18,6 +21,19 @@ inline Pack<3> readText(const std::string& name, const std::string& content) {
     putContent(scratch.file(name), content);
     const auto prefix = name == "p.txt" ? std::string("yade:") : std::string();
     return readPack(prefix + (scratch.file(name)));
+}
+
+/// Numbers as the bytes of a file.
+template <typename T>
+std::string bytesOf(std::vector<T> values, bool bigEndian = false) {
+    std::string out;
+    for (T v : values) {
+        char b[sizeof(T)];
+        std::memcpy(b, &v, sizeof(T));
+        if (bigEndian) std::reverse(b, b + sizeof(T));
+        out.append(b, sizeof(T));
+    }
+    return out;
 }
 
 /// The message of the InputError; empty if there is none.

@@ -94,7 +94,7 @@ std::shared_ptr<const VdbGrid> someLevelSet() {
 }  // namespace
 
 TEMPLATE_TEST_CASE_SIG("the array beside a Blender script holds every sphere from the middle",
-                       "[export]", ((int Dim), Dim), 2, 3) {
+                       "[formats]", ((int Dim), Dim), 2, 3) {
     const auto unit = GENERATE(Unit::meter, Unit::millimeter, Unit::micrometer);
     const double away = GENERATE(0.0, 730.0, -1e5);
     CAPTURE(Dim, unitName(unit), away);
@@ -151,7 +151,8 @@ TEMPLATE_TEST_CASE_SIG("the array beside a Blender script holds every sphere fro
     }
 }
 
-TEST_CASE("a Blender script finds the level sets beside it or in the file of the run", "[export]") {
+TEST_CASE("a Blender script finds the level sets beside it or in the file of the run",
+          "[formats]") {
     const TemporaryFolder scratch;
     std::filesystem::create_directory(scratch.file("in"));
     const auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
@@ -194,7 +195,7 @@ TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first
     REQUIRE(knownIn(contentOf(script))["volume"] == "p.vdb");
 }
 
-TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[export]") {
+TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[formats]") {
     const TemporaryFolder scratch;
     auto pack = latticePack<3>(10, {{0, 0, 0}}, 5, 1);
     for (const char* const name : {"a.txt", "a", ".py"})
@@ -219,7 +220,7 @@ TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[exp
     REQUIRE_NOTHROW(checkFiles({"blender:" + s, scratch.file("a.vdb")}, "", {}));
 }
 
-TEST_CASE("no sphere at all is written too", "[export]") {
+TEST_CASE("no sphere at all is written too", "[formats]") {
     const TemporaryFolder scratch;
     const auto files = writeBlender(Pack<3>{}, scratch.file("a.py"), {});
     REQUIRE(Records(contentOf(files[1])).count == 0);

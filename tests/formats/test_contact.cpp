@@ -38,7 +38,7 @@ std::vector<std::vector<double>> rowsOf(const std::string& content) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[export]",
+TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[formats]",
                        ((int Dim), Dim), 2, 3) {
     Vec<Dim> center;
     for (int d = 0; d < Dim; ++d) center[d] = 700;
@@ -78,7 +78,7 @@ TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[
     }
 }
 
-TEST_CASE("a contact list is in the unit asked for, with indices where ids are none", "[export]") {
+TEST_CASE("a contact list is in the unit asked for, with indices where ids are none", "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{0, 0, 4}}, 1}, {{{0, 0, 2.5}}, 1}};
     const auto contacts = listContacts(pack.spheres, 0.6);
@@ -97,7 +97,7 @@ TEST_CASE("a contact list is in the unit asked for, with indices where ids are n
             std::vector<std::vector<double>>{{0, 1, -2, 0, 0, 0, 0, 0}});
 }
 
-TEST_CASE("contacts of another pack are refused and leave the former file", "[export]") {
+TEST_CASE("contacts of another pack are refused and leave the former file", "[formats]") {
     Pack<3> pack;
     pack.spheres.resize(3, {{}, 1});
     const TemporaryFolder scratch;

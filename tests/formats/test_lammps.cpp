@@ -52,7 +52,7 @@ bool reads(const std::string& name, const std::string& content) {
 
 }  // namespace
 
-TEST_CASE("a LAMMPS data file keeps ids, types and densities", "[export]") {
+TEST_CASE("a LAMMPS data file keeps ids, types and densities", "[formats]") {
     const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
     REQUIRE(pack.spheres == kTwo);
     REQUIRE(pack.id == std::vector<std::int64_t>{7, 4});
@@ -66,7 +66,7 @@ TEST_CASE("a LAMMPS data file keeps ids, types and densities", "[export]") {
     REQUIRE(pack.columns[4].numbers == std::vector<double>{0, -1});
 }
 
-TEST_CASE("data files may order and comment their lines as LAMMPS allows", "[export]") {
+TEST_CASE("data files may order and comment their lines as LAMMPS allows", "[formats]") {
     const std::string atoms =
         GENERATE(as<std::string>{}, "Atoms", "Atoms  # granular", "  Atoms # sphere");
     const std::string end = GENERATE(as<std::string>{}, "\n", "\r\n");
@@ -124,7 +124,7 @@ TEST_CASE("data files may order and comment their lines as LAMMPS allows", "[exp
     REQUIRE(pack.columns.size() == 2);
 }
 
-TEST_CASE("bonded particles and type labels are read from data files", "[export]") {
+TEST_CASE("bonded particles and type labels are read from data files", "[formats]") {
     const auto bonded = readText("p.data",
                                  "t\n1 atoms\n1 atom types\nAtoms # bpm/sphere\n\n"
                                  "1 9 1 2.0 1.5 4 5 -6\n");
@@ -139,7 +139,7 @@ TEST_CASE("bonded particles and type labels are read from data files", "[export]
     REQUIRE(labels.columns.at(0).texts == std::vector<std::string>{"soft", "hard"});
 }
 
-TEST_CASE("units that a LAMMPS file names are taken", "[export]") {
+TEST_CASE("units that a LAMMPS file names are taken", "[formats]") {
     const auto data = [](const std::string& style) {
         return readText("p.data", "LAMMPS data file via write_data, units = " + style +
                                       "\n1 atoms\n\nAtoms\n\n1 1 2 1 3 0 0\n")
@@ -154,7 +154,7 @@ TEST_CASE("units that a LAMMPS file names are taken", "[export]") {
     REQUIRE(pack.spheres.at(0) == Sphere<3>{{{1000, 2000, 3000}}, 500});
 }
 
-TEST_CASE("unusable LAMMPS data is refused with the reason", "[export]") {
+TEST_CASE("unusable LAMMPS data is refused with the reason", "[formats]") {
     const std::string whole = std::string(kHeader) + kAtoms;
     const auto error = [&whole](const std::string& from, const std::string& to) {
         return errorOf("p.data", replaced(whole, from, to));
@@ -194,7 +194,7 @@ TEST_CASE("unusable LAMMPS data is refused with the reason", "[export]") {
     REQUIRE(readText("p.data", "t\n0 atoms\n").spheres.empty());
 }
 
-TEST_CASE("a dump is read with its columns in any order", "[export]") {
+TEST_CASE("a dump is read with its columns in any order", "[formats]") {
     for (const std::string name : {"p.dump", "p.lammpstrj"}) {
         const auto pack = readText(name, kDump);
         REQUIRE(pack.spheres == kTwo);
@@ -217,7 +217,7 @@ TEST_CASE("a dump is read with its columns in any order", "[export]") {
     REQUIRE_THROWS_AS(readPack(scratch.file("dump100.liggghts")), ParameterError);
 }
 
-TEST_CASE("of several frames the last one is read", "[export]") {
+TEST_CASE("of several frames the last one is read", "[formats]") {
     const std::string other = frame("x y z radius", {"9 9 9 9", "8 8 8 8", "7 7 7 7"});
     REQUIRE(readText("p.dump", other + other + kDump).spheres == kTwo);
     REQUIRE(readText("p.dump", kDump + other).spheres.size() == 3);
@@ -228,7 +228,7 @@ TEST_CASE("of several frames the last one is read", "[export]") {
                  Contains("1 of its 2 atoms"));
 }
 
-TEST_CASE("scaled positions of a dump are those in the box", "[export]") {
+TEST_CASE("scaled positions of a dump are those in the box", "[formats]") {
     const auto seed = GENERATE(range(1u, 21u));
     const int tilt = GENERATE(0, 1, 2);
     const std::string suffix = GENERATE(as<std::string>{}, "s", "su");
@@ -298,7 +298,7 @@ TEST_CASE("scaled positions of a dump are those in the box", "[export]") {
     }
 }
 
-TEST_CASE("unusable dumps are refused with the reason", "[export]") {
+TEST_CASE("unusable dumps are refused with the reason", "[formats]") {
     const auto error = [](const std::string& from, const std::string& to) {
         return errorOf("p.dump", replaced(kDump, from, to));
     };
@@ -330,7 +330,7 @@ TEST_CASE("unusable dumps are refused with the reason", "[export]") {
     REQUIRE_THAT(errorOf("p.dump", replaced(scaled, "-1 1\n", "-1 inf\n")), Contains("not finite"));
 }
 
-TEST_CASE("a LAMMPS file cut short at any byte is an error", "[export]") {
+TEST_CASE("a LAMMPS file cut short at any byte is an error", "[formats]") {
     const std::string data =
         std::string(kHeader) + "Velocities\n\n1 0 0 0 0 0 0\n2 0 0 0 0 0 0\n\n" + kAtoms;
     const auto [name, whole, frames] = GENERATE_COPY(table<std::string, std::string, int>(
@@ -346,7 +346,7 @@ TEST_CASE("a LAMMPS file cut short at any byte is an error", "[export]") {
     }
 }
 
-TEST_CASE("a damaged LAMMPS file is an error or another pack", "[export]") {
+TEST_CASE("a damaged LAMMPS file is an error or another pack", "[formats]") {
     const std::string name = GENERATE(as<std::string>{}, "p.data", "p.dump", "p.txt", "p.csv");
     const std::string whole = name == "p.data" ? std::string(kHeader) + kAtoms : kDump;
     RandomStream random(23, 5);
@@ -369,7 +369,7 @@ TEST_CASE("a damaged LAMMPS file is an error or another pack", "[export]") {
     }
 }
 
-TEST_CASE("dumps are not written", "[export]") {
+TEST_CASE("dumps are not written", "[formats]") {
     for (const std::string file : {"p.dump", "dump:p"}) {
         CAPTURE(file);
         REQUIRE_THROWS_WITH(checkPackFormat(file), Contains("not written") && Contains(".csv"));
@@ -397,7 +397,7 @@ std::string written(const Pack<3>& pack, const PackWriteOptions& options = {},
 
 }  // namespace
 
-TEST_CASE("a LAMMPS data file holds whole spheres and says what its numbers mean", "[export]") {
+TEST_CASE("a LAMMPS data file holds whole spheres and says what its numbers mean", "[formats]") {
     PackWriteOptions options;
     options.particleDensity = 1900;
     const auto text = written(touchingRow(), options);
@@ -412,7 +412,7 @@ TEST_CASE("a LAMMPS data file holds whole spheres and says what its numbers mean
     REQUIRE_THAT(text, Contains("\n\nAtoms\n\n1 1 2.0 1.9000000000000001e-09 "));
 }
 
-TEST_CASE("densities go with the unit of length", "[export]") {
+TEST_CASE("densities go with the unit of length", "[formats]") {
     const auto [unit, name, number] = GENERATE(table<Unit, std::string, std::string>(
         {{Unit::meter, "kg/m3", " 1900.0 "},
          {Unit::centimeter, "g/cm3", " 1.8999999999999999 "},
@@ -427,7 +427,7 @@ TEST_CASE("densities go with the unit of length", "[export]") {
 }
 
 TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or without",
-          "[export]") {
+          "[formats]") {
     const std::string prefix = GENERATE(as<std::string>{}, "lammps:", "liggghts:", "lammps-bonds:");
     const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
     const bool named = GENERATE(false, true);
@@ -455,7 +455,7 @@ TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or w
     }
 }
 
-TEST_CASE("each touching pair is a bond between its atoms", "[export]") {
+TEST_CASE("each touching pair is a bond between its atoms", "[formats]") {
     auto pack = touchingRow();
     pack.id = {10, 20, 30, 40};
     pack.spheres[3].center[0] += 0.1;
@@ -469,7 +469,7 @@ TEST_CASE("each touching pair is a bond between its atoms", "[export]") {
     REQUIRE_THAT(written(pack, options, "lammps-bonds:"), Contains("\n3 1 30 40\n"));
 }
 
-TEST_CASE("ids that LAMMPS cannot take are counted from one", "[export]") {
+TEST_CASE("ids that LAMMPS cannot take are counted from one", "[formats]") {
     auto pack = touchingRow();
     pack.id =
         GENERATE(std::vector<std::int64_t>{-1, 2, 3, 4}, std::vector<std::int64_t>{1, 1, 2, 3},
@@ -479,7 +479,7 @@ TEST_CASE("ids that LAMMPS cannot take are counted from one", "[export]") {
                  Contains("atoms are counted") && Contains("\n1 1 2.0 ") && Contains("\n4 2 2.0 "));
 }
 
-TEST_CASE("types and densities of a data file are written again", "[export]") {
+TEST_CASE("types and densities of a data file are written again", "[formats]") {
     const auto pack = readText("p.data", std::string(kHeader) + kAtoms);
     const auto text = written(pack);
     CAPTURE(text);
@@ -490,11 +490,11 @@ TEST_CASE("types and densities of a data file are written again", "[export]") {
     REQUIRE_THAT(written(pack, options), Contains("\n7 1 1.0 9.9999999999999998e-13 "));
 }
 
-TEST_CASE("an empty pack is a data file without atoms", "[export]") {
+TEST_CASE("an empty pack is a data file without atoms", "[formats]") {
     REQUIRE(readText("p.data", written(Pack<3>{})).spheres.empty());
 }
 
-TEST_CASE("regions that are no atom types are refused", "[export]") {
+TEST_CASE("regions that are no atom types are refused", "[formats]") {
     auto pack = touchingRow();
     pack.region[2] = -1;
     REQUIRE_THROWS_AS(written(pack), ParameterError);

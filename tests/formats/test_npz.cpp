@@ -36,7 +36,7 @@ std::string written(const Pack<3>& pack, const PackWriteOptions& options = {}) {
 
 }  // namespace
 
-TEST_CASE("an .npz file gives back the same pack", "[export]") {
+TEST_CASE("an .npz file gives back the same pack", "[formats]") {
     const auto pack = packOfAll(GENERATE(0u, 1u, 500u));
     const auto read = readText("p.npz", written(pack));
     REQUIRE(read.spheres == pack.spheres);
@@ -49,7 +49,8 @@ TEST_CASE("an .npz file gives back the same pack", "[export]") {
     REQUIRE(read.columns[1].texts == pack.columns[1].texts);
 }
 
-TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps them", "[export]") {
+TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps them",
+          "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     PackWriteOptions options;
@@ -60,7 +61,7 @@ TEST_CASE("an .npz file records its unit, and its arrays begin where numpy maps 
     REQUIRE(bytes == written(pack, options));
 }
 
-TEST_CASE("an .npz file that is cut short or damaged is an error or the same pack", "[export]") {
+TEST_CASE("an .npz file that is cut short or damaged is an error or the same pack", "[formats]") {
     const auto bytes = written(packOfAll(3));
     const auto whole = readText("p.npz", bytes).spheres;
     for (std::size_t size = 0; size < bytes.size(); ++size) {
@@ -77,10 +78,39 @@ TEST_CASE("an .npz file that is cut short or damaged is an error or the same pac
     }
 }
 
-TEST_CASE("arrays that are missing are named with those that are there", "[export]") {
+TEST_CASE("arrays that are missing are named with those that are there", "[formats]") {
     auto bytes = written(packOfAll(2));
     for (std::size_t at = bytes.find("radii"); at != std::string::npos; at = bytes.find("radii"))
         bytes.replace(at, 5, "ridii");
     REQUIRE_THAT(errorOf("p.npz", bytes), Contains("positions (N, 3)") && Contains("ridii"));
     REQUIRE_THAT(errorOf("p.npz", "not a zip"), Contains("zip archive"));
+}
+
+TEST_CASE("an archive that announces more than it holds is refused", "[formats]") {
+    const auto whole = written(packOfAll(4));
+    const auto changed = [&whole](const char* record, std::size_t at, std::uint64_t value,
+                                  std::size_t bytes) {
+        auto content = whole;
+        const auto begin = content.rfind(std::string(record, 4));
+        REQUIRE(begin != std::string::npos);
+        for (std::size_t k = 0; k < bytes; ++k)
+            content[begin + at + k] =
+                static_cast<char>(static_cast<unsigned char>(value >> (8 * k)));
+        return content;
+    };
+    constexpr std::uint64_t kHuge = std::uint64_t{1} << 60;
+    // Members in the archive, bytes of its directory, begin of the directory.
+    for (const std::size_t at : {24, 32, 40, 48}) {
+        CAPTURE(at);
+        REQUIRE(errorOf("p.npz", changed("PK\6\6", at, kHuge, 8)) != "");
+    }
+    // The last member: its size beside its packed size, in the extension after its name.
+    const auto entry = whole.rfind("PK\1\2");
+    const auto name = static_cast<std::size_t>(static_cast<unsigned char>(whole[entry + 28]));
+    for (const std::size_t field : {0, 8, 16}) {
+        CAPTURE(field);
+        REQUIRE(errorOf("p.npz", changed("PK\1\2", 46 + name + 4 + field, kHuge, 8)) != "");
+    }
+    REQUIRE_THAT(errorOf("p.npz", changed("PK\1\2", 10, 12, 2)), Contains("method 12"));
+    REQUIRE_THAT(errorOf("p.npz", changed("PK\1\2", 8, 0x801, 2)), Contains("encrypted"));
 }

@@ -123,7 +123,7 @@ Pack<2> circles(const Vec<2>& center, std::size_t count = 500) {
 
 }  // namespace
 
-TEST_CASE("a picture holds every circle where it is, y up, colored by region", "[export]") {
+TEST_CASE("a picture holds every circle where it is, y up, colored by region", "[formats]") {
     const double away = GENERATE(0.0, 730.0, -1e4);
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(away, unitName(unit));
@@ -164,7 +164,7 @@ TEST_CASE("a picture holds every circle where it is, y up, colored by region", "
             Approx(view.width / view.height).epsilon(0.002));
 }
 
-TEST_CASE("the frame of a picture is drawn and lies inside it", "[export]") {
+TEST_CASE("the frame of a picture is drawn and lies inside it", "[formats]") {
     PackWriteOptions options;
     options.unit = Unit::centimeter;
     options.frame = Box<2>{{{-100, -40}}, {{200, 20}}};
@@ -194,7 +194,7 @@ TEST_CASE("the frame of a picture is drawn and lies inside it", "[export]") {
     }
 }
 
-TEST_CASE("a picture stays well-formed whatever the generator is called", "[export]") {
+TEST_CASE("a picture stays well-formed whatever the generator is called", "[formats]") {
     const TemporaryFolder scratch;
     PackWriteOptions options;
     options.generator = "a <test> & \"more\" ]]> --\n\t'x'";
@@ -203,7 +203,7 @@ TEST_CASE("a picture stays well-formed whatever the generator is called", "[expo
     REQUIRE_THAT(desc.text, Contains("generator: a <test> & \"more\" ]]> --  'x'"));
 }
 
-TEST_CASE("a picture of nothing, of one circle and without regions opens", "[export]") {
+TEST_CASE("a picture of nothing, of one circle and without regions opens", "[formats]") {
     Pack<2> pack;
     const TemporaryFolder scratch;
     SECTION("nothing") {}
@@ -226,13 +226,13 @@ TEST_CASE("a picture of nothing, of one circle and without regions opens", "[exp
     for (const auto& circle : drawn) view.requireHolds(circle);
 }
 
-TEST_CASE("a picture of 40,000 circles takes about 2 MB", "[export]") {
+TEST_CASE("a picture of 40,000 circles takes about 2 MB", "[formats]") {
     const TemporaryFolder scratch;
     writePack(latticePack<2>(40'000, {{300, 300}}, 600, 2), scratch.file("p.svg"), {});
     REQUIRE(contentOf(scratch.file("p.svg")).size() < 2'200'000);
 }
 
-TEST_CASE("a picture is of circles, and is not read", "[export]") {
+TEST_CASE("a picture is of circles, and is not read", "[formats]") {
     const TemporaryFolder scratch;
     REQUIRE_THROWS_AS(writePack(Pack<3>{}, scratch.file("p.svg"), {}), ParameterError);
     REQUIRE_THROWS_WITH(writePack(Pack<3>{}, scratch.file("p.svg"), {}),

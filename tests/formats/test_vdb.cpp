@@ -49,7 +49,7 @@ std::shared_ptr<const VdbGrid> ballGrid() {
 
 }  // namespace
 
-TEST_CASE("the point grid is what viewers expect", "[export]") {
+TEST_CASE("the point grid is what viewers expect", "[formats]") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(5000, {{200, 0, -50}}, 40, 31);
     PackWriteOptions options;
@@ -93,7 +93,7 @@ TEST_CASE("the point grid is what viewers expect", "[export]") {
     }
 }
 
-TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[export]") {
+TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[formats]") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(2000, {{-730, 10, 4}}, 30, 32);
     writePack(pack, scratch.file("p.vdb"), {});
@@ -113,7 +113,7 @@ TEST_CASE("every sphere lies in the voxel that OpenVDB looks for it in", "[expor
     }
 }
 
-TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[export]") {
+TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[formats]") {
     const double away = GENERATE(0.0, 4096.0, -8192.0, 1e4);
     Pack<3> pack;
     // Voxels of 4 mm have their faces at odd multiples of 2.
@@ -131,7 +131,7 @@ TEST_CASE("points on faces, edges and corners of voxels come back exactly", "[ex
     REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
 }
 
-TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[export]") {
+TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[formats]") {
     RandomStream random(33, 0);
     Pack<3> pack;
     for (int i = 0; i < 5000; ++i)
@@ -148,7 +148,7 @@ TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[export]")
                     voxel * 0x1p-26 * 1.0001 + 1e-12);
 }
 
-TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[export]") {
+TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[formats]") {
     // As after culling: few of the spheres are left, on the lattice of the full pack.
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(300, {{500, 500, 500}}, 300, 34);
@@ -156,7 +156,7 @@ TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[export]")
     REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
 }
 
-TEST_CASE("the surface is written as a level set beside the points", "[export]") {
+TEST_CASE("the surface is written as a level set beside the points", "[formats]") {
     const auto unit = GENERATE(Unit::millimeter, Unit::meter);
     const double scale = unit == Unit::meter ? 1e-3 : 1;
     CAPTURE(unitName(unit));
@@ -191,7 +191,7 @@ TEST_CASE("the surface is written as a level set beside the points", "[export]")
     REQUIRE(readPack(scratch.file("p.vdb")).spheres.size() == 100);
 }
 
-TEST_CASE("point grids of other programs are read", "[export]") {
+TEST_CASE("point grids of other programs are read", "[formats]") {
     openvdb::initialize();
     const TemporaryFolder scratch;
     const std::vector<openvdb::Vec3d> positions = {{1, 2, 3}, {-40, 5.5, 6}, {7, -8, 90}};
@@ -237,7 +237,7 @@ TEST_CASE("point grids of other programs are read", "[export]") {
     }
 }
 
-TEST_CASE("column names that OpenVDB refuses are adapted", "[export]") {
+TEST_CASE("column names that OpenVDB refuses are adapted", "[formats]") {
     auto pack = latticePack<3>(20, {}, 9, 36);
     pack.columns.push_back({"Young's modulus", std::vector<double>(20, 1.5), {}});
     pack.columns.push_back({"Young_s modulus", std::vector<double>(20, 2.5), {}});
@@ -251,7 +251,7 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[export]") {
     REQUIRE(read.columns[2].numbers[0] == 0.1);
 }
 
-TEST_CASE("a million spheres are written and read in seconds", "[export][.slow]") {
+TEST_CASE("a million spheres are written and read in seconds", "[formats][.slow]") {
     const TemporaryFolder scratch;
     const auto pack = latticePack<3>(1'000'000, {{100, 200, 300}}, 300, 37);
     for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply"}) {

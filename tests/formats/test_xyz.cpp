@@ -1,5 +1,8 @@
 // Extended XYZ: what we write, and what other programs do.
 #include "formats/foreign.h"
+#include "formats/lattice_pack.h"
+
+#include <catch2/catch.hpp>
 
 #include <string>
 #include <vector>
@@ -16,7 +19,7 @@ const char* const kTwo =
 
 }  // namespace
 
-TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[export]") {
+TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[formats]") {
     const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2, 0, 0}}, 1}};
@@ -28,7 +31,7 @@ TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[export]") {
             "unit_of_length=mm\nX 0.0 0.0 0.0 1.0 0 0\nX 2.0 0.0 0.0 1.0 1 1\n");
 }
 
-TEST_CASE("an .xyz file gives back the same pack", "[export]") {
+TEST_CASE("an .xyz file gives back the same pack", "[formats]") {
     const TemporaryFolder scratch;
     auto pack = latticePack<3>(500, {{60, -700, 3}}, 40, 5);
     Column numbers, texts, odd;
@@ -56,7 +59,7 @@ TEST_CASE("an .xyz file gives back the same pack", "[export]") {
     REQUIRE(read.columns[2].texts[0] == "_");
 }
 
-TEST_CASE("the unit of an .xyz file is recorded and counts", "[export]") {
+TEST_CASE("the unit of an .xyz file is recorded and counts", "[formats]") {
     const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
@@ -70,7 +73,7 @@ TEST_CASE("the unit of an .xyz file is recorded and counts", "[export]") {
         Contains("inch") && Contains("line 2"));
 }
 
-TEST_CASE("an .xyz file of another program is read, of several frames the last", "[export]") {
+TEST_CASE("an .xyz file of another program is read, of several frames the last", "[formats]") {
     const auto one = readText("p.xyz", kTwo);
     REQUIRE(one.spheres == std::vector<Sphere<3>>{{{{1, 2, 3}}, 0.5}, {{{4, 5, -6}}, 1}});
     REQUIRE(one.columns.size() == 2);
@@ -84,7 +87,7 @@ TEST_CASE("an .xyz file of another program is read, of several frames the last",
     REQUIRE(readText("p.xyz", "0\nproperties=\"pos:R:3:radius:R:1\"\n").spheres.empty());
 }
 
-TEST_CASE("a broken .xyz file is refused with line and remedy", "[export]") {
+TEST_CASE("a broken .xyz file is refused with line and remedy", "[formats]") {
     const auto [content, word] = GENERATE(table<std::string, std::string>({
         {"", "empty"},
         {"two\n", "number of particles"},
