@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/densify.h"
+#include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_stage.h"

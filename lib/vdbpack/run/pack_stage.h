@@ -1,11 +1,8 @@
-// Private to runs: the sizes and the field of a pack to come, and packing to a count.
+// Private to runs: the field of a pack to come.
 #pragma once
 
-#include "vdbpack/pack/packer.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/recipe.h"
-
-#include <vector>
 
 namespace vdbpack {
 
@@ -15,12 +12,5 @@ struct FieldRadii {
 };
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
                       const DomainSource& source);
-
-/// Scales the radii until about `target` spheres fill the domain: a guess from smaller packs, then
-/// along the line through the two last packs, count against scale, between what was too few and
-/// too many. `options.sizes` is left as packed.
-template <int Dim>
-PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
-                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing);
 
 }  // namespace vdbpack

@@ -136,11 +136,6 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     return r;
 }
 
-SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim) {
-    const SizeDistribution s = sizes.scaled(factor);
-    return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
-}
-
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
     PackOptions options(sizes);
     options.seed = recipe.seed;

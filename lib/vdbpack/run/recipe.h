@@ -62,10 +62,6 @@ struct RequestedSizes {
 /// @throws ParameterError for a bad SPEC or a ratio of sizes beyond the limit.
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim);
 
-/// The distribution with its radii times `factor`: where it is a formula, exactly what the formula
-/// says when it is read again.
-SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
-
 /// What the recipe asks of the packer, for spheres of these sizes.
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes);
 

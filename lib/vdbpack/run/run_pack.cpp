@@ -3,6 +3,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_each.h"
 #include "vdbpack/run/pack_stage.h"

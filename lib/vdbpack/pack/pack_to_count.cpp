@@ -1,0 +1,100 @@
+#include "vdbpack/pack/pack_to_count.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// How far the final count may be from the target before another pack is made: a share of it, and
+/// spheres.
+constexpr double kCountTolerance = 0.018, kCountsApart = 1.5;
+constexpr int kCountAttempts = 8;
+
+bool isNear(double off, double target) {
+    return off < kCountsApart || off < kCountTolerance * target;
+}
+
+/// The scales tried so far, and the next one.
+class ScaleSearch {
+public:
+    ScaleSearch(double target, int dim) : target_(target), dim_(dim) {}
+
+    double next(double scale, double count) {
+        (count > target_ ? tooSmall_ : tooLarge_) = scale;
+        double next = scale * std::pow(std::max(count, 0.5) / target_, 1.0 / dim_);
+        if (lastCount_ > 0 && count > 0 && lastCount_ != count && lastScale_ != scale)
+            next = scale * std::exp(std::log(target_ / count) * std::log(lastScale_ / scale) /
+                                    std::log(lastCount_ / count));
+        // Between what was too few and too many, or at most a factor of two away.
+        if (!(next > tooSmall_ && next < tooLarge_))
+            next = tooSmall_ > 0 && tooLarge_ < std::numeric_limits<double>::infinity()
+                       ? std::sqrt(tooSmall_ * tooLarge_)
+                       : std::clamp(next, 0.5 * scale, 2 * scale);
+        lastScale_ = scale;
+        lastCount_ = count;
+        return next;
+    }
+
+private:
+    double target_;
+    int dim_;
+    double tooSmall_ = 0, tooLarge_ = std::numeric_limits<double>::infinity();
+    double lastScale_ = 0, lastCount_ = 0;
+};
+
+}  // namespace
+
+SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim) {
+    const SizeDistribution s = sizes.scaled(factor);
+    return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
+}
+
+template <int Dim>
+PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
+                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
+    const SizeDistribution sizes = options.sizes;
+    PackResult<Dim> best;
+    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1;
+    ScaleSearch search(target, Dim);
+    double scale = scaleForCount(domain, options, target, callbacks, existing);
+    for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
+        options.sizes = scaledSizes(sizes, scale, Dim);
+        PackResult<Dim> result;
+        try {
+            result = packSpheres(domain, options, callbacks, existing);
+        } catch (const InputError&) {  // nothing fits
+            if (attempt + 1 == kCountAttempts && best.pack.spheres.empty()) throw;
+        }
+        const auto count = static_cast<double>(result.pack.spheres.size());
+        const bool interrupted = result.interrupted;
+        // Where the last one was interrupted, the one that has more is kept.
+        if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
+            bestOff = std::fabs(count - target);
+            bestScale = scale;
+            best = std::move(result);
+        }
+        best.interrupted = interrupted;
+        if (interrupted || options.maxCount > 0 || isNear(bestOff, target)) break;
+        scale = search.next(scale, count);
+    }
+    options.sizes = scaledSizes(sizes, bestScale, Dim);
+    if (!best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
+        callbacks.warn(fmt::format("{} {} are the nearest count to the target count {:.0f}",
+                                   best.pack.spheres.size(), Measure<Dim>::kSpheres, target));
+    return best;
+}
+
+template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
+                                   const std::vector<Sphere<2>>&);
+template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
+                                   const std::vector<Sphere<3>>&);
+
+}  // namespace vdbpack
