@@ -152,7 +152,7 @@ TEST_CASE("voids that cannot be are refused", "[cli][bad]") {
     std::ofstream(folder.file("control.csv"))
         << "x,y,z,a,b,ux,uy,uz\n0,0,0,\x1b[2Jtwo" << '\0' << ",0.5,1,0,0\n";
     check(
-        {{"pack ball:9 --target-bvtv 0.5", 2, "no voids are asked for"},
+        {{"pack ball:9 --target-bvtv 0.5", 2, "--target-bvtv is given, but no voids are requested"},
          {"pack ball:9 --voids boolean --target-bvtv 2", 2, "--target-bvtv 2: must lie in (0, 1)"},
          {"pack ball:9 --voids boolean --target-bvtv nan", 2, "must lie in (0, 1)"},
          {"pack ball:9 --voids mixed --void-probability 2", 2, "must lie in [0, 1)"},

@@ -1,4 +1,4 @@
-// Voids made by formula, and what they are by formula.
+// Voids by formula, and their exact distances.
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
@@ -29,7 +29,7 @@ Vec<Dim> pointIn(const Box<Dim>& box, RandomStream& random) {
     return x;
 }
 
-/// A direction that has nothing to do with the axes; not evenly spread.
+/// A random direction, not aligned with the axes and not uniform.
 template <int Dim>
 Vec<Dim> anyDirection(RandomStream& random) {
     return normalized(pointIn<Dim>({Box<Dim>::filled(-1), Box<Dim>::filled(1)}, random));
@@ -67,7 +67,7 @@ std::array<double, 2> distancesTo(const std::vector<Ellipsoid<Dim>>& voids, cons
     return nearest;
 }
 
-/// Options as a run gives them.
+/// Options as a run sets them.
 template <int Dim>
 StampOptions<Dim> stampOptions(const Domain<Dim>& domain, double voxelSize, double shell = 0) {
     StampOptions<Dim> options;

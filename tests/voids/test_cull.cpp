@@ -8,6 +8,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/measure/attached.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/thinning.h"
 
 #include <catch2/catch.hpp>
 
@@ -97,8 +98,8 @@ TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves"
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("below a shell, spheres go that reach into what was cut", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("deeper than the shell, spheres that meet a void are removed",
+                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
     const double h = 0.1, shell = 1.5;
     const auto domain = ballDomain<Dim>(10);
     const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(9), 0.8, 2, 0.5, 3, 23);
@@ -121,8 +122,8 @@ TEMPLATE_TEST_CASE_SIG("below a shell, spheres go that reach into what was cut",
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("what lies deeper than a shell is told by the wall", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("depth below a shell is decided by the distance to the wall",
+                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
     const double shell = 1.5;
     const auto check = [&](const Domain<Dim>& domain) {
         CAPTURE(domain.facts().kind, domain.facts().voxelSize);
@@ -233,8 +234,8 @@ TEMPLATE_TEST_CASE_SIG("holes of equal spheres have the radius R / D", "[voids][
                       [](std::uint8_t k) { return k == 0; }));
 }
 
-TEMPLATE_TEST_CASE_SIG("thinning without a share or without candidates", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("thinning refuses a fraction out of range and accepts no candidates",
+                       "[voids][cull]", ((int Dim), Dim), 2, 3) {
     const auto spheres = anySpheres<Dim>(100, 5, 1, 2, 33);
     const std::vector<std::int32_t> all(spheres.size(), 1), none(spheres.size(), 0);
     for (const double fraction : {0.0, -0.5, 1.5, std::nan("")}) {
@@ -249,8 +250,8 @@ TEMPLATE_TEST_CASE_SIG("thinning without a share or without candidates", "[voids
     CHECK(removeAround<Dim>({}, {}, 0.5, 1).empty());
 }
 
-TEMPLATE_TEST_CASE_SIG("what stays of a pack keeps all that belongs to it", "[voids][cull]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("kept spheres keep their attributes", "[voids][cull]", ((int Dim), Dim), 2,
+                       3) {
     Pack<Dim> pack;
     pack.spheres = anySpheres<Dim>(1000, 10, 1, 2, 41);
     Column name{"name", {}, {}}, material{"material", {}, {}};

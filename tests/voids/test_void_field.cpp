@@ -80,7 +80,7 @@ TEMPLATE_TEST_CASE_SIG("voids of many sizes leave the share exp(-n v) of their m
     CHECK(1 - stamped->volume() / region.volume() == Approx(0.2).margin(0.01));
 }
 
-TEMPLATE_TEST_CASE_SIG("voids are drawn the same by any number of threads", "[voids][field]",
+TEMPLATE_TEST_CASE_SIG("voids are the same for any number of threads", "[voids][field]",
                        ((int Dim), Dim), 2, 3) {
     const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 15 : 100));
     const auto shape = shapeOf<Dim>("uniform:0.3,1", "uniform:1,3", domain->bounds());
@@ -98,7 +98,7 @@ TEMPLATE_TEST_CASE_SIG("voids are drawn the same by any number of threads", "[vo
                      [](const auto& a, const auto& b) { return same(a, b); }));
 }
 
-TEMPLATE_TEST_CASE_SIG("no void is listed that cannot reach below the shell", "[voids][field]",
+TEMPLATE_TEST_CASE_SIG("all listed voids can reach deeper than the shell", "[voids][field]",
                        ((int Dim), Dim), 2, 3) {
     const double shell = GENERATE(0.0, 1.0);
     const auto check = [&](const Domain<Dim>& domain) {
@@ -126,7 +126,7 @@ TEMPLATE_TEST_CASE_SIG("no void is listed that cannot reach below the shell", "[
         check(*sliceDomain(mesh, 0.3));
 }
 
-TEMPLATE_TEST_CASE_SIG("an ellipse fills each box that a matrix selects", "[voids][field]",
+TEMPLATE_TEST_CASE_SIG("an ellipsoid fills each box that a matrix selects", "[voids][field]",
                        ((int Dim), Dim), 2, 3) {
     VoidMatrix matrix;
     matrix.size = {4, 3, Dim == 3 ? 2 : 1};
@@ -164,8 +164,9 @@ TEMPLATE_TEST_CASE_SIG("an ellipse fills each box that a matrix selects", "[void
     CHECK(stamped->volume() == Approx(sum).epsilon(0.01));
 }
 
-TEMPLATE_TEST_CASE_SIG("boxes are taken by chance, fewer of them being among more",
-                       "[voids][field]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG(
+    "boxes kept at a smaller probability are a subset of those kept at a larger one",
+    "[voids][field]", ((int Dim), Dim), 2, 3) {
     const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 10 : 40));
     const std::string cell = Dim == 3 ? "1,0.8,1" : "1,0.8";
     const double h = Dim == 3 ? 0.1 : 0.06;
@@ -191,7 +192,8 @@ TEMPLATE_TEST_CASE_SIG("boxes are taken by chance, fewer of them being among mor
                      latticeVoids<Dim>({*domain}, lattice, nullptr, 0.37, 7)));
 }
 
-TEST_CASE("a matrix smaller than the lattice repeats, one layer stands for all", "[voids][field]") {
+TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to all",
+          "[voids][field]") {
     VoidMatrix matrix;
     matrix.size = {2, 2, 1};
     matrix.cells = {1, 0, 0, 1};
@@ -214,13 +216,13 @@ TEST_CASE("a matrix smaller than the lattice repeats, one layer stands for all",
     };
     for (const char* cell : {"0", "-1", "1,2", "1,2,3,4", "a", "1,", ",1", "nan", "inf", "1 2 3"}) {
         CAPTURE(cell);
-        CHECK_THAT(refuse(cell), Contains("--void-cell"));
+        CHECK_THAT(refuse(cell), Contains("`cell`"));
     }
     CHECK_THROWS_AS(voidLattice<3>(space->bounds(), "1e-4", nullptr), ResourceError);
 }
 
-TEMPLATE_TEST_CASE_SIG("ellipses lie in spheres or about them", "[voids][field]", ((int Dim), Dim),
-                       2, 3) {
+TEMPLATE_TEST_CASE_SIG("ellipsoids lie inside spheres or enclose them", "[voids][field]",
+                       ((int Dim), Dim), 2, 3) {
     std::vector<Sphere<Dim>> spheres(500);
     RandomStream random(14, Dim);
     for (auto& s : spheres) {

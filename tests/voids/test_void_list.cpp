@@ -70,8 +70,8 @@ Ellipsoid<Dim> onlyVoid(const std::string& content, double scale = 1) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a void list that is written and read is the same to the last bit",
-                       "[voids]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("a void list is read back to the last bit", "[voids]", ((int Dim), Dim), 2,
+                       3) {
     const auto voids = randomVoids<Dim>(500, 3);
     const TemporaryFolder folder;
     const std::string path = folder.file("list.csv");
@@ -87,7 +87,7 @@ TEMPLATE_TEST_CASE_SIG("a void list that is written and read is the same to the 
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("angles in a void list are those of the axis, in the plane too", "[voids]",
+TEMPLATE_TEST_CASE_SIG("angles in a void list give the axis, in the plane too", "[voids]",
                        ((int Dim), Dim), 2, 3) {
     const auto voids = randomVoids<Dim>(100, 4);
     const std::string text = voidListText(voids, Unit::millimeter, 12.5);
@@ -119,7 +119,7 @@ TEST_CASE("a list in another unit is the same list", "[voids]") {
     }
 }
 
-TEST_CASE("columns of a void list stand in any order, under any of their names", "[voids]") {
+TEST_CASE("columns of a void list may have any order and any of their names", "[voids]") {
     const auto e = onlyVoid<3>("# from a scanner\nid;B;A;Z;Y;X;uz;uy;ux\n7;1;2;5;4;3;0;-3;0\n");
     CHECK(e.center == Vec<3>{{3, 4, 5}});
     CHECK(e.a == 2);
@@ -134,51 +134,52 @@ TEST_CASE("columns of a void list stand in any order, under any of their names",
     CHECK(length(flat.axis - Vec<2>{{0.6, 0.8}}) < 1e-15);
 }
 
-TEST_CASE("an axis is told by angles or direction, and by neither where it does not matter",
-          "[voids]") {
+TEST_CASE("an axis is given by angles or a direction, by neither where a equals b", "[voids]") {
     CHECK(onlyVoid<3>("x,y,z,a,b\n0,0,0,2,2\n").axis == Vec<3>{{0, 0, 1}});
     CHECK(onlyVoid<2>("x,y,a,b\n0,0,2,2\n").axis == Vec<2>{{1, 0}});
     CHECK(onlyVoid<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,2,,,\n").axis == Vec<3>{{0, 0, 1}});
     CHECK(onlyVoid<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,2,0,0,0\n").axis == Vec<3>{{0, 0, 1}});
-    // The direction is the finer of the two; its sign and its length mean nothing.
+    // The direction takes precedence; its sign and length have no meaning.
     const auto e = onlyVoid<3>("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n0,0,0,2,1,0,0.5,0,479,-878\n");
     CHECK(length(e.axis - normalized(Vec<3>{{0, 479, -878}})) < 1e-15);
     CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,2,2\n1,1,1,3,2\n"),
-               Contains("list.csv: line 3: a = 3 and b = 2 differ") && Contains("ux,uy,uz"));
+               Contains("list.csv: line 3") && Contains("a = 3 and b = 2") && Contains("ux,uy,uz"));
     CHECK_THAT(failure<3>("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n0,0,0,2,1,0,0.5,0,0.484,-0.878\n"),
                Contains("line 2: direction (0, 0.48") && Contains("theta_x 0.5"));
     CHECK_THAT(failure<3>("x,y,z,a,b,ux,uy,uz\n0,0,0,2,1,0,0,0\n"),
                Contains("line 2: direction (0, 0, 0)"));
 }
 
-TEST_CASE("a void of the plane may lie at any height but not stand out of it", "[voids]") {
+TEST_CASE("a void of the plane may lie at any height, but its axis lies in the plane", "[voids]") {
     CHECK(onlyVoid<2>("x,y,z,a,b,ux,uy,uz\n1,2,99,3,1,0,2,0.0001\n").axis[1] == 1);
     CHECK(length(onlyVoid<2>("x,y,a,b,theta_z,theta_x\n0,0,3,1,1.5707963,1.5707963\n").axis -
                  Vec<2>{{1, 0}}) < 1e-7);
     CHECK_THAT(failure<2>("x,y,z,a,b,ux,uy,uz\n1,2,0,3,1,0,1,0.1\n"),
-               Contains("list.csv: line 2: axis (0, 0.995037, 0.0995037) leaves the plane"));
+               Contains("list.csv: line 2") && Contains("(0, 0.995037, 0.0995037)"));
     CHECK_THAT(failure<2>("x,y,a,b,theta_z,theta_x\n0,0,3,1,0,1.5\n"),
-               Contains("leaves the plane"));
+               Contains("line 2") && Contains("plane"));
 }
 
-TEST_CASE("a void list without sense is refused with its line", "[voids]") {
+TEST_CASE("a malformed void list is refused with its line and value", "[voids]") {
     CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1,1\n0,0,0,-2,1\n"),
-               Contains("list.csv: line 3: half-axes a = -2 and b = 1 must be positive"));
+               Contains("list.csv: line 3") && Contains("a = -2 and b = 1"));
     CHECK_THAT(failure<3>("x,y,z,a,b\n\n0,0,0,1,0\n"),
-               Contains("line 3: half-axes a = 1 and b = 0"));
-    CHECK_THAT(failure<3>("x,y,z,a,b\n0,nan,0,1,1\n"), Contains("line 2: 'nan' in column 'y'"));
-    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,inf,1\n"), Contains("line 2: 'inf' in column 'a'"));
-    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1 mm,1\n"), Contains("line 2: '1 mm' in column 'a'"));
+               Contains("line 3") && Contains("a = 1 and b = 0"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,nan,0,1,1\n"),
+               Contains("line 2") && Contains("'nan'") && Contains("'y'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,inf,1\n"),
+               Contains("line 2") && Contains("'inf'") && Contains("'a'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1 mm,1\n"),
+               Contains("line 2") && Contains("'1 mm'") && Contains("'a'"));
     CHECK_THAT(failure<3>("x,y,z,a,b\n0,0,0,1\n"),
-               Contains("line 2: has 4 cells where line 1 names 5 columns"));
-    CHECK_THAT(
-        failure<3>("x,y,a,b\n0,0,1,1\n"),
-        Contains("list.csv: line 1: no column 'z' among x,y,a,b; name the columns x,y,z,a,b"));
-    CHECK_THAT(failure<3>("x,y,z,a\n0,0,0,1\n"), Contains("no column 'b'"));
-    CHECK_THAT(failure<3>("x,y,z,a,b,X\n"), Contains("columns 'x' and 'X' mean the same"));
-    CHECK_THAT(failure<3>("x,y,z,a,b,theta_z\n"), Contains("only one of 'theta_z' and 'theta_x'"));
-    CHECK_THAT(failure<3>("x,y,z,a,b,ux,uy\n"), Contains("no column 'uz'"));
-    CHECK_THAT(failure<3>("0,0,0,1,1\n"), Contains("line 1: holds numbers where the columns"));
+               Contains("line 2") && Contains("4 cells") && Contains("5 columns"));
+    CHECK_THAT(failure<3>("x,y,a,b\n0,0,1,1\n"),
+               Contains("list.csv: line 1") && Contains("'z'") && Contains("x,y,a,b"));
+    CHECK_THAT(failure<3>("x,y,z,a\n0,0,0,1\n"), Contains("'b'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,X\n"), Contains("'x' and 'X'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,theta_z\n"), Contains("'theta_z' and 'theta_x'"));
+    CHECK_THAT(failure<3>("x,y,z,a,b,ux,uy\n"), Contains("'uz'"));
+    CHECK_THAT(failure<3>("0,0,0,1,1\n"), Contains("line 1"));
     CHECK_THAT(failure<3>("# nothing\n"), Contains("list.csv: is empty"));
     CHECK(failure<3>("x,y,z,a,b\n").empty());
     CHECK_THAT(messageOf<ParameterError>([] { readVoidList<3>("list.csv", -1); }),

@@ -1,4 +1,4 @@
-// A field of directions known everywhere.
+// A direction field by formula.
 #pragma once
 
 #include "vdbpack/core/rng.h"

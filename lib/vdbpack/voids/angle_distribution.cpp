@@ -18,7 +18,7 @@ namespace {
 constexpr const char* kForms =
     "write constant:V, uniform:A,B or normal:MEAN,SD,A,B in radians, or with the suffix deg "
     "(uniform:-10deg,10deg)";
-constexpr double kMost = 4 * kPi;
+constexpr double kLargest = 4 * kPi;
 
 double normalCdf(double z) {
     return 0.5 * std::erfc(-z * std::sqrt(0.5));
@@ -39,8 +39,8 @@ double parseAngle(const std::string& spec, std::string_view text) {
     double value = 0;
     if (!parseNumber(text, value) || !std::isfinite(value))
         fail(spec, fmt::format("'{}' is not a finite number; {}", text, kForms));
-    if (std::fabs(value * factor) > kMost * (1 + 1e-9))
-        fail(spec, fmt::format("{} {} is beyond two full turns; write degrees with the suffix deg",
+    if (std::fabs(value * factor) > kLargest * (1 + 1e-9))
+        fail(spec, fmt::format("{} {} exceeds two full turns; write degrees with the suffix deg",
                                value, factor == 1 ? "rad" : "deg"));
     return value * factor;
 }
@@ -78,8 +78,10 @@ AngleDistribution AngleDistribution::parse(const std::string& spec) {
     const double share = normalCdf((angle.hi_ - angle.mean_) / angle.spread_) -
                          normalCdf((angle.lo_ - angle.mean_) / angle.spread_);
     if (!(share > 1e-9))
-        fail(spec, fmt::format("the range from {} to {} rad holds none of it; widen the range",
-                               angle.lo_, angle.hi_));
+        fail(spec,
+             fmt::format(
+                 "the range from {} to {} rad has no share of the distribution; widen the range",
+                 angle.lo_, angle.hi_));
     return angle;
 }
 

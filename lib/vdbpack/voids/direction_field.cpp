@@ -21,28 +21,28 @@ namespace {
 constexpr const char* kColumns = "x,y,z and ux,uy,uz or sxx,syy,szz,sxy,syz,sxz";
 
 constexpr double kFarthest = 1e9;         ///< from the origin, mm
-constexpr double kLargestStress = 1e300;  ///< several of them add up to a finite one
+constexpr double kLargestStress = 1e300;  ///< so that sums of several are finite
 
 using Columns = std::vector<std::optional<std::size_t>>;
 
-/// The columns of the direction, or none if there are none.
+/// The columns of the direction; empty if there are none.
 Columns directionColumns(const NumberTable& table, bool planar) {
     Columns found;
     for (const std::string name : {"u", "d", "v"}) {
         const std::array<std::string, 3> names{name + "x", name + "y", name + "z"};
         if (!table.find({names[0]}) && !table.find({names[1]})) continue;
-        if (!found.empty()) table.failColumns("more than one direction; leave one in the file");
+        if (!found.empty()) table.failColumns("more than one direction; keep one in the file");
         found = {table.require({names[0]}), table.require({names[1]}),
                  planar ? table.find({names[2]}) : table.require({names[2]})};
     }
     return found;
 }
 
-/// The columns of the tensor in the order of `Tensor`, or none if there are none.
+/// The columns of the tensor in the order of `Tensor`; empty if there are none.
 Columns tensorColumns(const NumberTable& table, bool planar) {
     struct Component {
         std::array<const char*, 4> suffixes;
-        const char* brief;  ///< as Ansys has it
+        const char* brief;  ///< name in Ansys
         bool inPlane;
     };
     constexpr std::array<Component, 6> kComponents{{{{"xx", "11", "", ""}, "sx", true},
@@ -86,7 +86,7 @@ private:
     bool planar_;
 };
 
-/// What a table covers whose points lie in `points`.
+/// The box that a table covers whose points lie in `points`.
 Box<3> covered(const Box<3>& points, bool planar) {
     const Vec<3> size = points.size();
     const double longest = std::max({size[0], size[1], size[2]});
@@ -130,11 +130,11 @@ std::shared_ptr<const DirectionField> readTable(const std::string& file, double 
         if (!direction.empty()) {
             const Vec<3> u{{number(direction[0]), number(direction[1]), number(direction[2])}};
             s.tensor = dyad(u);
-            if (u == Vec<3>{}) table.failRow("direction (0, 0, 0) points nowhere; remove the row");
+            if (u == Vec<3>{}) table.failRow("direction (0, 0, 0) has no length; remove the row");
         } else {
             for (std::size_t c = 0; c < s.tensor.size(); ++c) s.tensor[c] = number(tensor[c]);
             if (!(magnitude(s.tensor) < kLargestStress))
-                table.failRow("a stress beyond 1e300; check the unit");
+                table.failRow("a stress exceeds 1e300; check the unit");
         }
         most = std::max(most, magnitude(s.tensor));
         points.add(s.x);
@@ -159,9 +159,9 @@ std::shared_ptr<const DirectionField> readDirectionField(const std::string& file
     if (extension == ".vdb") return readVdbDirections(file, scale);
     if (extension == ".csv" || extension == ".tsv" || extension == ".txt")
         return readTable(file, scale);
-    throw ParameterError(
-        fmt::format("{}: '{}' is no field of directions; give a .vdb file or a table as .csv", file,
-                    extension));
+    throw ParameterError(fmt::format(
+        "{}: '{}' is not a type of direction field; give a .vdb file or a table as .csv", file,
+        extension));
 }
 
 }  // namespace vdbpack

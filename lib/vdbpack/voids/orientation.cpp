@@ -44,9 +44,9 @@ public:
             const std::string name(trimmed(std::string_view(part).substr(0, equals)));
             AngleDistribution* angle = find(name);
             if (angle == nullptr || equals == std::string::npos)
-                fail(angles, fmt::format("'{}' turns nothing", part));
+                fail(angles, fmt::format("'{}' is not one of the angles", part));
             if (std::find(seen.begin(), seen.end(), name) != seen.end())
-                fail(angles, fmt::format("'{}' is there twice", name));
+                fail(angles, fmt::format("angle '{}' is given twice", name));
             seen.push_back(name);
             *angle = AngleDistribution::parse(part.substr(equals + 1));
         }
@@ -58,7 +58,7 @@ public:
         if constexpr (Dim == 3) {
             const double first = random.uniform(), second = random.uniform();
             if (!isotropic_) return axisOf(thetaZ_.quantile(first), thetaX_.quantile(second));
-            // Slices of a sphere have areas as their heights (Archimedes).
+            // The area of a slice of a sphere is proportional to its height (Archimedes).
             const double z = 2 * first - 1, across = std::sqrt(1 - z * z);
             const double turn = 2 * kPi * second;
             return {{across * std::cos(turn), across * std::sin(turn), z}};
@@ -74,8 +74,8 @@ private:
         return name == "tz" ? &thetaZ_ : name == "tx" ? &thetaX_ : nullptr;
     }
     [[noreturn]] static void fail(const std::string& angles, const std::string& what) {
-        throw ParameterError(fmt::format("void angles '{}': {} in {}; write {} or isotropic",
-                                         angles, what, Dim == 3 ? "space" : "the plane",
+        throw ParameterError(fmt::format("`orientation.angles` '{}': {} {}; write {} or isotropic",
+                                         angles, what, Dim == 3 ? "in 3D" : "in 2D",
                                          Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
     }
 
@@ -83,13 +83,13 @@ private:
     AngleDistribution thetaZ_, thetaX_, phi_;
 };
 
-/// Lays z on the direction `onto`, of whatever sign, by the shortest turn, and `v` along with it.
+/// `v` after the shortest rotation that maps z to `onto` or -`onto`, whichever points upward.
 Vec<3> carried(const Vec<3>& v, const Vec<3>& onto) {
     const Vec<3> d = onto[2] < 0 ? -onto : onto;
     const Vec<3> k{{-d[1], d[0], 0}};  // z x d
     return normalized(v * d[2] + cross(k, v) + k * (dot(k, v) / (1 + d[2])));
 }
-/// Lays x on `onto`.
+/// `v` after the rotation that maps x to `onto`.
 Vec<2> carried(const Vec<2>& v, const Vec<2>& onto) {
     return normalized(Vec<2>{{onto[0] * v[0] - onto[1] * v[1], onto[1] * v[0] + onto[0] * v[1]}});
 }
@@ -134,7 +134,7 @@ public:
         } else {
             const Vec<3> u = field_->at({{at[0], at[1], sliceHeight_}});
             const Vec<2> inPlane{{u[0], u[1]}};
-            // Below this the projection is rounding.
+            // A shorter projection is only rounding.
             if (!(length(inPlane) > 1e-6)) return turned;
             return carried(turned, normalized(inPlane));
         }
@@ -150,7 +150,7 @@ template <int Dim>
 Vec<Dim> parseAxis(const std::string& text) {
     const auto fail = [&](const std::string& what) {
         throw ParameterError(
-            fmt::format("void axis '{}': {}; write {} with finite numbers that "
+            fmt::format("`orientation.axis` '{}': {}; write {} with finite numbers that "
                         "are not all zero",
                         text, what, Dim == 3 ? "X,Y,Z" : "X,Y"));
     };
@@ -167,7 +167,7 @@ Vec<Dim> parseAxis(const std::string& text) {
     Vec<Dim> result;
     for (int d = 0; d < Dim; ++d) result[d] = most > 0 ? axis[d] / most : 0;
     if (!(length(result) > 1e-6))
-        fail(Dim == 3 ? "points nowhere" : "points nowhere within the plane");
+        fail(Dim == 3 ? "has no direction" : "has no direction within the plane");
     return normalized(result);
 }
 
@@ -185,13 +185,13 @@ void requireCovered(const std::string& file, const DirectionField& field, const 
         needed.hi[d] = bounds.hi[d];
     }
     const Box<3> covered = field.bounds();
-    // Both may come from the same numbers in different ways.
+    // Both may be computed from the same numbers in different ways.
     const double rounding = 1e-9 * length(needed.size());
     if (covered.grown(rounding).contains(needed.lo) && covered.grown(rounding).contains(needed.hi))
         return;
     throw InputError(fmt::format(
-        "{}: the field of directions covers {}, but the domain reaches from {}; check the unit and "
-        "the origin of the field, or extend it over the domain",
+        "{}: the direction field covers {}, but the domain spans {}; check the unit and the origin "
+        "of the field, or extend it over the domain",
         file, describe(covered), describe(needed)));
 }
 
@@ -203,16 +203,19 @@ std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe&
                                                         double sliceHeight) {
     const bool fixed = !recipe.axis.empty(), varying = !recipe.field.empty();
     if (fixed && varying)
-        throw ParameterError(fmt::format(
-            "void axis '{}' and void field '{}' both tell the direction; leave one of them out",
-            recipe.axis, recipe.field));
+        throw ParameterError(
+            fmt::format("`orientation.axis` '{}' and `orientation.field` '{}' both define the "
+                        "direction; leave one "
+                        "of them out",
+                        recipe.axis, recipe.field));
     Scatter<Dim> scatter(recipe.angles);
     if (scatter.isotropic() && (fixed || varying))
-        throw ParameterError(fmt::format(
-            "void angles 'isotropic' leave nothing of void {} '{}'; write the scatter about it as "
-            "{}, or leave one of them out",
-            fixed ? "axis" : "field", fixed ? recipe.axis : recipe.field,
-            Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
+        throw ParameterError(
+            fmt::format("`orientation.angles` 'isotropic' ignores `orientation.{}` '{}'; write the "
+                        "scatter about "
+                        "it as {}, or leave one of them out",
+                        fixed ? "axis" : "field", fixed ? recipe.axis : recipe.field,
+                        Dim == 3 ? "tz=SPEC;tx=SPEC" : "phi=SPEC"));
     if (fixed)
         return std::make_shared<AboutAxis<Dim>>(std::move(scatter), parseAxis<Dim>(recipe.axis));
     if (!varying) return std::make_shared<Free<Dim>>(std::move(scatter));

@@ -1,4 +1,4 @@
-// Directions of the long axes of voids.
+// Directions of the axes of voids.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -9,13 +9,14 @@
 
 namespace vdbpack {
 
-/// How a void's long axis is drawn: the angles alone, or as scatter about a direction.
+/// How the direction of a void's axis a is drawn: by angles alone, or scattered about a direction.
 struct OrientationRecipe {
-    /// "isotropic": all directions alike. Else specs of `AngleDistribution`: in space
-    /// "tz=SPEC;tx=SPEC", the axis turned from z by tx about x, then by tz about z (one of them may
-    /// be missing: 0); in the plane "phi=SPEC", the axis turned from x by phi. Empty: no turn.
+    /// "isotropic": all directions are equally likely. Otherwise specs of `AngleDistribution`: in
+    /// space "tz=SPEC;tx=SPEC", which turns the axis from z by tx about x, then by tz about z (a
+    /// missing angle is 0); in the plane "phi=SPEC", which turns the axis from x by phi. Empty: the
+    /// axis is not turned.
     std::string angles;
-    /// "X,Y,Z" (2D: "X,Y" too), a direction of any length and sign, the same everywhere; empty:
+    /// "X,Y,Z" (2D: also "X,Y"), the same direction everywhere, of any length and sign; empty:
     /// none.
     std::string axis;
     /// A file that `readDirectionField` reads; empty: none.
@@ -23,36 +24,32 @@ struct OrientationRecipe {
     double fieldScale = 1;  ///< mm in one unit of the field's file
 };
 
-/// Draws the long axes of voids.
+/// Draws the axes of voids.
 template <int Dim>
 class Orientation {
 public:
     virtual ~Orientation() = default;
-    /// The axis of a void at `at` (mm), of length one. Draws two numbers (2D: one) from `random`,
-    /// whatever the recipe, so that streams stay aligned. Thread-safe but for `random`.
+    /// The unit axis of a void centered at `at` (mm). Always draws two numbers (2D: one) from
+    /// `random`, so that streams stay aligned between recipes. Thread-safe except for `random`.
     virtual Vec<Dim> axis(const Vec<Dim>& at, RandomStream& random) const = 0;
 };
 
-/// The orientation that a recipe asks for.
+/// The orientation that a recipe describes.
 ///
-/// With an axis or a field, the angles turn about that direction: z is laid on it by the shortest
-/// turn (its sign chosen such that it points upward) and the angled axis goes along; in 2D phi is
-/// added. In 2D directions are projected into the plane, fields taken at the height of the slice;
-/// where one stands across the plane, the axis is x.
+/// With an axis or a field, the angles are relative to that direction: the shortest rotation that
+/// maps z to the direction (its sign chosen so that it points upward) is applied to the axis given
+/// by the angles; in 2D phi is added to the angle of the direction. In 2D directions are projected
+/// into the plane, and fields are sampled at the height of the slice; a direction normal to the
+/// plane is replaced by x.
 ///
-/// @param bounds       what a field has to cover, mm.
+/// @param bounds       the box that a field must cover, mm.
 /// @param sliceHeight  2D: height of the plane in the field, mm.
-/// @throws ParameterError if angles or axis are malformed, or those of the other dimension, the
+/// @throws ParameterError if angles or axis are malformed or belong to the other dimension, the
 ///         axis has no length (2D: in the plane), or two of axis, field and "isotropic" are given
-/// @throws InputError if the field does not cover `bounds`; what `readDirectionField` throws
+/// @throws InputError if the field does not cover `bounds`; the errors of `readDirectionField`
 template <int Dim>
 std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe& recipe,
                                                         const Box<Dim>& bounds,
                                                         double sliceHeight = 0);
-
-extern template std::shared_ptr<const Orientation<2>> makeOrientation<2>(const OrientationRecipe&,
-                                                                         const Box<2>&, double);
-extern template std::shared_ptr<const Orientation<3>> makeOrientation<3>(const OrientationRecipe&,
-                                                                         const Box<3>&, double);
 
 }  // namespace vdbpack

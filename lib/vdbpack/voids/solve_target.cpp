@@ -11,13 +11,13 @@ namespace vdbpack {
 
 namespace {
 
-constexpr int kMostRounds = 16;
+constexpr int kMaxRounds = 16;
 
 [[noreturn]] void outOfReach(const VoidRecipe& r, const char* bound, double bvtv,
                              const std::string& remedy) {
     throw ParameterError(
-        fmt::format("--target-bvtv {}: not reachable with --voids {}, {} is {:.4f}{}",
-                    *r.targetBvtv, r.method, bound, bvtv, remedy));
+        fmt::format("`targetBvtv` {}: not reachable with `voids` {}, {} is {:.4f}{}", *r.targetBvtv,
+                    r.method, bound, bvtv, remedy));
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
     double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
     double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
     double x = guess;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
         const double f = bvtvAt(x);
         last = x;
         if (std::fabs(f - target) < off) {
@@ -50,7 +50,7 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
             next = low + (high - low) * std::log(atLow / target) / std::log(atLow / atHigh);
         else if (f > 0 && f < 1)
             next = x * std::log(target) / std::log(f);
-        // Not at an end again and again.
+        // Keeps away from the ends of the bracket, which false position could approach forever.
         const double margin = 0.02 * (high - low);
         if (round > 5 && std::isfinite(next)) next = round % 2 == 0 ? 0.5 * (low + high) : next;
         if (!(next > low)) next = atLow == atLow ? low + margin : lo;

@@ -12,11 +12,11 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::size_t kLeaf = 8;            ///< nodes that are searched one by one
-constexpr std::size_t kParallel = 1 << 15;  ///< nodes that are worth a task
-constexpr double kReach = 1.001;            ///< of the farthest neighbor's distance
-constexpr double kRidge = 0.01;             ///< of the spread; bounds slopes across flat layers
-constexpr double kTiny = 1e-290;            ///< numbers below have no reciprocal
+constexpr std::size_t kLeaf = 8;  ///< ranges of at most so many nodes are searched linearly
+constexpr std::size_t kParallel = 1 << 15;  ///< ranges of more nodes are built in parallel
+constexpr double kReach = 1.001;            ///< cutoff, per distance of the farthest neighbor
+constexpr double kRidge = 0.01;   ///< per spread; limits slopes across flat layers of points
+constexpr double kTiny = 1e-290;  ///< numbers below have no reciprocal
 
 }  // namespace
 
@@ -76,7 +76,7 @@ PointTensors::PointTensors(std::vector<Sample> samples) {
     for (const auto& s : samples)
         nodes_.push_back({s.x, static_cast<std::uint32_t>(nodes_.size()), 0});
     build(0, nodes_.size());
-    // In the tree's order: what is near in space is near in memory.
+    // In the order of the tree, so that neighbors in space are close in memory.
     tensors_.reserve(samples.size());
     for (const auto& node : nodes_) tensors_.push_back(samples[node.sample].tensor);
 }
@@ -156,8 +156,8 @@ Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
     const double unit = std::sqrt(first->square);
     if (!(unit > 0)) return mainAxis(tensors_[first->node]);
 
-    // The weights end a little beyond the farthest, lest none is left where all are as far. With
-    // fewer points they need no end.
+    // The cutoff lies slightly beyond the farthest neighbor: otherwise all weights would vanish
+    // where all neighbors are equally far. With fewer points no cutoff is needed.
     const double cut = n < kNeighbors ? 0 : unit / (kReach * std::sqrt(found.near[0].square));
     std::array<double, kNeighbors> weights{};
     std::array<Vec<3>, kNeighbors> to;  // from `x`, later from the center
@@ -171,8 +171,8 @@ Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
     }
     center *= 1 / total;
 
-    // A plane through the values by weighted least squares changes the weights by a slope along
-    // the way from the center to `x`, which is no longer than the points are spread.
+    // Fitting a plane to the values by weighted least squares adds a slope to the weights, along
+    // the vector from the center to `x`. The vector is limited to the spread of the points.
     Matrix<3> spread{};
     double trace = 0;
     for (std::size_t i = 0; i < n; ++i) {
@@ -192,7 +192,7 @@ Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
     Tensor sum{};
     double size = 0;
     for (std::size_t i = 0; i < n; ++i) {
-        // Negative weights would invent directions that none of the points has.
+        // Negative weights could give a direction unlike that of any point.
         const double w = weights[i] * std::max(0.0, 1 + dot(slope, to[i]));
         const Tensor& t = tensors_[found.near[i].node];
         addScaled(sum, w, t);

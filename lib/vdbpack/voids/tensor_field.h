@@ -1,4 +1,4 @@
-// Private: symmetric tensors at scattered points.
+// Private: interpolation of symmetric tensors at scattered points.
 #pragma once
 
 #include "vdbpack/core/vec.h"
@@ -24,7 +24,7 @@ void addScaled(Tensor& sum, double weight, const Tensor& t);
 /// The largest magnitude of a component.
 double magnitude(const Tensor& t);
 
-/// Tensors at points in a tree.
+/// Tensors at scattered points, in a k-d tree.
 class PointTensors {
 public:
     static constexpr std::size_t kNeighbors = 12;
@@ -37,17 +37,17 @@ public:
         double square = 0;  ///< of the distance, mm²
         std::uint32_t node = 0;
     };
-    /// The nearest points, the farthest of them first.
+    /// The nearest points, a heap with the farthest first.
     struct Nearest {
         std::array<Near, kNeighbors> near;
-        std::size_t count = 0;  ///< fewer only if there are no more
+        std::size_t count = 0;  ///< less than kNeighbors only if there are fewer points
     };
 
-    /// @param samples  finite, not empty; those at the same point are replaced by their mean, and
-    ///                 zero tensors left out unless there are no others.
+    /// @param samples  finite, not empty. Samples at the same point are replaced by their mean;
+    ///                 zero tensors are dropped unless all are zero.
     explicit PointTensors(std::vector<Sample> samples);
 
-    /// Of the tensor interpolated at `x`, of length one. Thread-safe.
+    /// The unit main axis of the tensor interpolated at `x`. Thread-safe.
     Vec<3> mainAxisAt(const Vec<3>& x) const;
     Nearest nearest(const Vec<3>& x) const;
 
@@ -55,7 +55,7 @@ private:
     struct Node {
         Vec<3> x;
         std::uint32_t sample = 0;
-        std::uint32_t dimension = 0;  ///< that it splits, if it is the middle of a range
+        std::uint32_t dimension = 0;  ///< along which it splits its range
     };
     void build(std::size_t first, std::size_t last);
     void search(const Vec<3>& x, std::size_t first, std::size_t last, Nearest& found) const;

@@ -11,7 +11,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Eight voxels that lie close together are stamped at once: 2 x 2 x 2 of them, in the plane 2 x 4.
+/// Blocks of eight neighboring voxels, which are stamped at once: 2 x 2 x 2, in the plane 2 x 4.
 template <int Dim>
 struct Blocks {
     static constexpr std::size_t kCount = kTileVoxels<Dim> / kLanes;
@@ -51,11 +51,12 @@ struct Blocks {
         }
     }
 
-    std::array<std::array<float, kCount>, Dim> first;  ///< voxel of each block
-    std::array<std::array<float, kLanes>, Dim> lane;   ///< from the first to each of its voxels
-    std::array<float, Dim> middle;                     ///< from the first to the middle of a block
-    float radius;                                      ///< from there to its voxels
-    std::array<std::uint16_t, kTileVoxels<Dim>> inLeaf;
+    std::array<std::array<float, kCount>, Dim> first;  ///< the first voxel of each block
+    std::array<std::array<float, kLanes>, Dim>
+        lane;                       ///< offsets of a block's voxels from its first
+    std::array<float, Dim> middle;  ///< offset of a block's middle from its first voxel
+    float radius;                   ///< from a block's middle to its voxels
+    std::array<std::uint16_t, kTileVoxels<Dim>> inLeaf;  ///< index in an OpenVDB leaf
 
     static const Blocks& get() {
         static const Blocks blocks;
@@ -63,9 +64,9 @@ struct Blocks {
     }
 };
 
-/// Rounds of `Stamp::distance` for ellipsoids with a / b from 1 to this ratio, for others, and
-/// beyond the band: what is left is below 1e-5 of the shorter half-axis next to the surface, and
-/// below 2e-3 elsewhere, up to a ratio of 10.
+/// Iterations of `Stamp::distance` for ellipsoids with a / b from 1 to `kPlainRatio`, for other
+/// ellipsoids, and beyond the band. The error is below 1e-5 of the shorter half-axis next to the
+/// surface and below 2e-3 elsewhere, up to a ratio of 10.
 constexpr float kPlainRatio = 3.2f;
 constexpr int kRounds = 2, kLongRounds = 3, kFarRounds = 6;
 
@@ -81,18 +82,19 @@ Tile<Dim>::Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, do
     blockMax_.fill(outside_);
 }
 
-/// Ellipsoids, one or eight of them, as bounds on the distances to them take them.
+/// One ellipsoid, or eight in lanes, as needed to bound the distances to them.
 template <int Dim, class T>
 struct Form {
     std::array<T, Dim> axis;
     T b, shorter, inverseA, inverseB;
 
-    /// Where points lie: along the axis, across it, and on the ellipsoid with half-axes f a, f b.
-    struct Place {
+    /// Positions of eight points: `along` the axis, squared distance from it, and `f` such that the
+    /// point lies on the ellipsoid with half-axes f a, f b.
+    struct Position {
         Float8 along, across2, f;
     };
-    [[gnu::always_inline]] Place place(const std::array<Float8, Dim>& x) const {
-        Place p{};
+    [[gnu::always_inline]] Position position(const std::array<Float8, Dim>& x) const {
+        Position p{};
         for (std::size_t d = 0; d < Dim; ++d) p.along += x[d] * axis[d];
         for (std::size_t d = 0; d < Dim; ++d) {
             const Float8 part = x[d] - p.along * axis[d];
@@ -103,9 +105,9 @@ struct Form {
         return p;
     }
 
-    /// The void's surface is at least that far away, since f is convex: f - 1 <= |grad f| d;
-    /// inside, at most as deep below it as the way out across the axis is long.
-    [[gnu::always_inline]] Float8 lower(const Place& p) const {
+    /// A lower bound of the signed distance d: outside f - 1 <= |grad f| d, since f is convex;
+    /// inside, the depth is at most the distance to the surface across the axis.
+    [[gnu::always_inline]] Float8 lower(const Position& p) const {
         const Float8 u = p.along * inverseA;
         const Float8 steep = squareRoot(u * u * (inverseA * inverseA) +
                                         p.across2 * (inverseB * inverseB * (inverseB * inverseB)));
@@ -117,11 +119,11 @@ struct Form {
     }
 };
 
-/// A void seen from the first voxel of a tile, in floats: positions are from the void's center, so
-/// that these suffice wherever the bone lies.
+/// A void for stamping a tile, in single precision: positions are relative to the void's center, so
+/// that floats suffice however far the bone is from the origin.
 template <int Dim>
 struct Tile<Dim>::Stamp {
-    using Place = typename Form<Dim, float>::Place;
+    using Position = typename Form<Dim, float>::Position;
 
     Stamp() = default;
     Stamp(const Ellipsoid<Dim>& e, const Vec<Dim>& first)
@@ -140,13 +142,14 @@ struct Tile<Dim>::Stamp {
         form.inverseB = 1 / b;
     }
 
-    /// Distance to the surface, as Ellipsoid::signedDistance finds it: the circle of curvature at
-    /// the last foot (a tx, b ty) gives the next.
-    /// @param far  places that take more rounds; the others are left as they are without these.
-    Float8 distance(const Place& p, Int8 far) const {
+    /// Distance to the surface by the iteration of Ellipsoid::signedDistance: the circle of
+    /// curvature at the last foot point (a tx, b ty) gives the next one.
+    /// @param far  lanes that take more iterations; the others do not change by them.
+    Float8 distance(const Position& p, Int8 far) const {
         const Float8 x = absolute(p.along), y = squareRoot(p.across2);
-        // To begin with, the foot on the way to the center, which is right for balls and near the
-        // ellipse; inside, where it may be the farthest one, what is right on both axes as well.
+        // Start: outside, the point of the surface towards the center, exact for balls and close to
+        // the surface. Inside, where that may be the farthest point, one that is exact on both
+        // axes.
         const float longer = std::max(a, b), shorter = form.shorter;
         const Float8 deep = longer * longer + (p.f - 1.0f) * (shorter * shorter);
         Float8 tl = (a < b ? y : x) * longer / choose(p.f < 1.0f, deep, (longer * longer) * p.f);
@@ -172,7 +175,7 @@ struct Tile<Dim>::Stamp {
         tx = choose(tx > 0.0f, choose(tx < 1.0f, tx, 1.0f), 0.0f);
         ty = choose(ty > 0.0f, choose(ty < 1.0f, ty, 1.0f), 0.0f);
         const Float8 square = tx * tx + ty * ty;
-        // The middle of a ball: every foot is as near.
+        // The center of a ball: all points of its surface are equally near.
         const auto lost = square < 1e-12f;
         const Float8 inverse = 1.0f / squareRoot(choose(lost, 1.0f, square));
         tx = choose(lost, a < b ? 1.0f : 0.0f, tx * inverse);
@@ -190,7 +193,7 @@ struct Tile<Dim>::Stamp {
     std::array<float, Dim> start;
 };
 
-/// Voids that are stamped together: of all of them, each block of voxels takes the nearest first.
+/// Voids that are stamped together: each block of voxels begins with the nearest of them.
 template <int Dim>
 struct Tile<Dim>::Batch {
     static constexpr std::size_t kMost = 64;
@@ -212,22 +215,22 @@ struct Tile<Dim>::Batch {
         }
     }
 
-    /// No point of the ball about `x`, from the tile's first voxel, is nearer to each void.
-    /// @return the void with the least bound, the first of equals.
+    /// Lower bounds of the distances from the ball about `x` (relative to the tile's first voxel)
+    /// to each void. @return the void with the least bound, the first of equals.
     std::size_t lowerBounds(const std::array<float, Dim>& x, float radius, Row& bounds) const {
         Float8 least = everyLane(kTaken);
         for (std::size_t i = 0; i < whole; i += kLanes) {
             Form<Dim, Float8> form;
-            std::array<Float8, Dim> place;
+            std::array<Float8, Dim> x8;
             for (std::size_t d = 0; d < Dim; ++d) {
                 form.axis[d] = load(&axis[d][i]);
-                place[d] = load(&start[d][i]) + x[d];
+                x8[d] = load(&start[d][i]) + x[d];
             }
             form.b = load(&b[i]);
             form.shorter = load(&shorter[i]);
             form.inverseA = load(&inverseA[i]);
             form.inverseB = load(&inverseB[i]);
-            const Float8 bound = form.lower(form.place(place)) - radius;
+            const Float8 bound = form.lower(form.position(x8)) - radius;
             store(&bounds[i], bound);
             least = smaller(least, bound);
         }
@@ -238,7 +241,7 @@ struct Tile<Dim>::Batch {
         return at;
     }
 
-    /// Beyond all bounds: of a void that is stamped, or of none.
+    /// The bound of voids that are stamped already, and of padding: above all others.
     static constexpr float kTaken = std::numeric_limits<float>::infinity();
     std::size_t count, whole;
     std::array<Row, Dim> start, axis;
@@ -257,7 +260,7 @@ void Tile<Dim>::stamp(const std::vector<NearVoid<Dim>>& voids) {
     }
 }
 
-/// The nearest void of each block comes first: it spares most of the others.
+/// The nearest void of each block is stamped first: most others then change nothing.
 template <int Dim>
 void Tile<Dim>::stamp(const Batch& batch) {
     const Blocks<Dim>& blocks = Blocks<Dim>::get();
@@ -291,34 +294,34 @@ void Tile<Dim>::stamp(const Batch& batch) {
     stamp(batch, pairs, count);
 }
 
-/// In two loops without branches, so that the long chains of `distance` overlap.
+/// Two loops without branches, so that the long dependency chains of `distance` overlap.
 template <int Dim>
 void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count) {
     const Blocks<Dim>& blocks = Blocks<Dim>::get();
     const auto h = static_cast<float>(voxelSize_);
     std::array<Float8, Dim> lane, x;
     for (std::size_t d = 0; d < Dim; ++d) lane[d] = load(blocks.lane[d].data());
-    const auto placeOf = [&](const Pair& pair) {
+    const auto positionOf = [&](const Pair& pair) {
         const Stamp& stamp = batch.stamps[pair.ellipsoid];
         for (std::size_t d = 0; d < Dim; ++d)
             x[d] = (lane[d] + blocks.first[d][pair.block]) * h + stamp.start[d];
-        return stamp.form.place(x);
+        return stamp.form.position(x);
     };
     std::size_t left = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Pair pair = pairs[i];
-        const Float8 least = batch.stamps[pair.ellipsoid].form.lower(placeOf(pair));
+        const Float8 least = batch.stamps[pair.ellipsoid].form.lower(positionOf(pair));
         pairs[left] = pair;
         left += noneOf(least < load(&values_[pair.block * kLanes])) ? 0 : 1;
     }
     for (std::size_t i = 0; i < left; ++i) {
         const Pair pair = pairs[i];
         const Stamp& stamp = batch.stamps[pair.ellipsoid];
-        const auto place = placeOf(pair);
-        // Beyond the band of the level set, if what lies there is wanted at all.
-        const auto far = outside_ > inside_ ? stamp.form.lower(place) > inside_ : Int8{};
-        const Float8 distance = stamp.distance(place, far);
-        Float8 here = choose(place.f < 1.0f, -distance, distance);
+        const auto position = positionOf(pair);
+        // Beyond the band of the level set, if distances there are wanted.
+        const auto far = outside_ > inside_ ? stamp.form.lower(position) > inside_ : Int8{};
+        const Float8 distance = stamp.distance(position, far);
+        Float8 here = choose(position.f < 1.0f, -distance, distance);
         here = choose(here < -inside_, -inside_, here);
         float* const values = &values_[pair.block * kLanes];
         const Float8 value = smaller(load(values), here);

@@ -17,40 +17,41 @@ inline constexpr int kTileSide = 8;
 template <int Dim>
 constexpr std::size_t kTileVoxels = Dim == 3 ? 512 : 64;
 
-/// What is known of a void before a tile is stamped with it.
+/// Bounds on the signed distances of a tile's points to a void.
 template <int Dim>
 struct VoidAtTile {
-    double lower = 0;  ///< no point of the tile is deeper inside or nearer to the void, mm
-    double upper = 0;  ///< no point of the tile is farther away from it, mm
+    double lower = 0;  ///< of the least distance, mm
+    double upper = 0;  ///< of the largest distance, mm
 };
 
-/// A void to be stamped, and `lower` of `VoidAtTile`.
+/// A void to stamp, with `lower` of its `VoidAtTile`.
 template <int Dim>
 struct NearVoid {
     const Ellipsoid<Dim>* ellipsoid;
     double lower;
 };
 
-/// Distances at the centers of a tile's voxels, mm, in an order of its own (`inLeaf`).
+/// Signed distances at the centers of a tile's voxels, mm, eight neighbors in a row.
 template <int Dim>
 class Tile {
 public:
     /// @param inside, outside  widths of the band, mm: values are clamped to them.
     Tile(const Vec<Dim>& firstCenter, double voxelSize, double inside, double outside);
 
-    /// Takes the least of the present value and the distances to voids at every voxel.
-    /// @param voids  by rising lower bound: those no nearer than all that is there change nothing.
+    /// Takes the minimum of the current value and the distances to the voids at every voxel.
+    /// @param voids  sorted by rising lower bound, so that the rest is skipped once no value can
+    ///               change.
     void stamp(const std::vector<NearVoid<Dim>>& voids);
-    /// All voxels lie inside, deeper than the band.
+    /// Sets all voxels to the inside, deeper than the band.
     void fillInside();
-    bool isInside() const;   ///< all values are those of the band's inner end
-    bool isOutside() const;  ///< all values are those of its outer end
+    bool isInside() const;   ///< all values are at the inner limit of the band
+    bool isOutside() const;  ///< all values are at its outer limit
 
     float outside() const { return outside_; }
     Vec<Dim> centerOf(std::size_t voxel) const;
     std::size_t countInside() const;  ///< voxels with negative values
-    /// Copies the values to where the last coordinate counts fastest, `stride` apart.
-    /// @param active  set to those within the band.
+    /// Copies the values, last coordinate fastest, to positions `stride` apart.
+    /// @param active  is set for the voxels within the band.
     void copyTo(float* values, std::size_t stride, std::bitset<kTileVoxels<Dim>>& active) const;
     std::array<float, kTileVoxels<Dim>>& values() { return values_; }
     const std::array<float, kTileVoxels<Dim>>& values() const { return values_; }
@@ -74,13 +75,8 @@ private:
     alignas(32) std::array<float, kTileVoxels<Dim>> values_;
 };
 
-/// Bounds on the distances of a tile's voxels to a void, from that of its middle.
+/// Bounds for a tile, computed at its middle. @param radius  from there to its farthest voxel, mm.
 template <int Dim>
 VoidAtTile<Dim> boundsAt(const Ellipsoid<Dim>& ellipsoid, const Vec<Dim>& middle, double radius);
-
-extern template class Tile<2>;
-extern template class Tile<3>;
-extern template VoidAtTile<2> boundsAt(const Ellipsoid<2>&, const Vec<2>&, double);
-extern template VoidAtTile<3> boundsAt(const Ellipsoid<3>&, const Vec<3>&, double);
 
 }  // namespace vdbpack

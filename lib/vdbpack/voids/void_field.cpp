@@ -16,13 +16,13 @@ namespace vdbpack {
 
 namespace {
 
-/// Streams of random numbers, apart from those of packs.
-constexpr std::uint64_t kPlaces = std::uint64_t{1} << 56, kBoxes = std::uint64_t{2} << 56,
+/// Streams of random numbers, distinct from those of packs.
+constexpr std::uint64_t kCenters = std::uint64_t{1} << 56, kBoxes = std::uint64_t{2} << 56,
                         kShapes = std::uint64_t{3} << 56, kOrder = std::uint64_t{4} << 56;
-/// Voids drawn at once in parallel.
+/// Voids per parallel task.
 constexpr std::size_t kBatch = 4096;
 
-/// Leaves out, in place, what cannot reach the part of the domain deeper than the shell.
+/// Removes voids that cannot reach the part of the domain deeper than the shell.
 template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
     std::vector<std::uint8_t> reaches(voids.size());
@@ -36,7 +36,7 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
                               const double reach = std::max(e.a, e.b) - region.shell;
                               const double outside = sampler->signedDistance(e.center);
                               reaches[i] = outside < reach;
-                              // A field ends close to the wall: beyond, the wall tells.
+                              // A field ends close to the wall: farther out, ask the wall.
                               if (reaches[i] && outside > error && error > 0)
                                   reaches[i] = sampler->nearestWall(e.center, reach, wall);
                           }
@@ -62,7 +62,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
     const double expected = density * window.measure();
     if (!(expected < 4e9))
         throw ResourceError(fmt::format(
-            "{:.3g} voids would have to be drawn; ask for fewer or larger ones", expected));
+            "{:.3g} voids would have to be drawn; choose fewer or larger ones", expected));
     const auto drawn = static_cast<std::size_t>(std::llround(expected));
     std::vector<Ellipsoid<Dim>> voids, batch;
     // In parts, since most of the box around a bone is empty.
@@ -71,7 +71,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batch.size(), kBatch),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                                  RandomStream random(seed, kPlaces + first + i);
+                                  RandomStream random(seed, kCenters + first + i);
                                   Ellipsoid<Dim>& e = batch[i];
                                   for (int d = 0; d < Dim; ++d)
                                       e.center[d] =
@@ -96,7 +96,7 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         lattice.origin = bounds.lo;
         for (int d = 0; d < Dim; ++d) {
             const auto at = static_cast<std::size_t>(d);
-            // One layer stands for all.
+            // One layer is used for all.
             if (Dim == 3 && d == 2 && matrix->size[2] == 1) {
                 lattice.cell[2] = std::min(lattice.cell[0], lattice.cell[1]);
                 lattice.count[2] =
@@ -117,7 +117,7 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         if (failed != std::errc() || !(side > 0) || !std::isfinite(side) ||
             (next != end && *next != ','))
             throw ParameterError(
-                fmt::format("--void-cell {}: write the side of a box in mm, or {} of them", cell,
+                fmt::format("`cell` {}: write the side of a box in mm, or {} in mm", cell,
                             Dim == 3 ? "X,Y,Z" : "X,Y"));
         sides.push_back(side);
         if (next == end) break;
@@ -125,15 +125,16 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
     }
     if (sides.size() == 1) sides.assign(Dim, sides[0]);
     if (sides.size() != Dim)
-        throw ParameterError(fmt::format("--void-cell {}: holds {} sides; write one or {}", cell,
-                                         sides.size(), Dim));
+        throw ParameterError(
+            fmt::format("`cell` {}: has {} sides; write one or {}", cell, sides.size(), Dim));
     double boxes = 1;
     for (int d = 0; d < Dim; ++d) {
         const auto i = static_cast<std::size_t>(d);
         const double n = std::max(1.0, std::ceil(size[d] / sides[i] * (1 - 1e-9)));
         boxes *= n;
         if (!(boxes < 4e9))
-            throw ResourceError(fmt::format("--void-cell {}: makes more than 4e9 boxes", cell));
+            throw ResourceError(
+                fmt::format("`cell` {}: makes more than 4e9 boxes; choose larger ones", cell));
         lattice.count[i] = static_cast<std::int64_t>(n);
         lattice.cell[d] = sides[i];
         lattice.origin[d] = bounds.center()[d] - 0.5 * n * sides[i];

@@ -1,4 +1,4 @@
-// Lists of voids: where they lie, how large they are and which way they point.
+// Generates lists of voids: their positions, sizes and directions.
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
@@ -15,19 +15,19 @@
 
 namespace vdbpack {
 
-/// How voids are shaped: half-axis b, a / b, and the direction of a.
+/// Shape of voids: half-axis b, ratio a / b, and the direction of a.
 template <int Dim>
 struct VoidShape {
     SizeDistribution radius;  ///< b, mm
     SizeDistribution aspect;  ///< a / b
     std::shared_ptr<const Orientation<Dim>> orientation;
 
-    /// The longest half-axis there can be, mm.
+    /// The longest possible half-axis, mm.
     double reach() const { return radius.max() * std::max(1.0, aspect.max()); }
     double meanMeasure() const;  ///< mean volume (2D: area), mm^Dim
 };
 
-/// Where in the domain voids may lie: a box around it, and how deep.
+/// The part of the domain in which voids may lie: all that is deeper than the shell.
 template <int Dim>
 struct VoidRegion {
     const Domain<Dim>& domain;
@@ -35,18 +35,18 @@ struct VoidRegion {
     double volume() const { return shell > 0 ? domain.volumeDeeperThan(shell) : domain.volume(); }
 };
 
-/// Ellipsoids at independent random places, uniform over the box around the domain grown by the
-/// longest half-axis; those that cannot reach the part deeper than the shell are left out.
+/// Ellipsoids at independent random positions, uniform over the box around the domain grown by the
+/// longest half-axis; those that cannot reach deeper than the shell are left out.
 ///
-/// The first voids of a denser list are those of a thinner one. A Poisson process in the plane or
-/// in space leaves the share exp(-density * mean measure) outside of all voids.
+/// A list of higher density begins with the voids of one of lower density. The expected share
+/// outside of all voids is exp(-density * mean measure).
 /// @param density  centers per mm^Dim.
 /// Source: Chiu, Stoyan, Kendall, Mecke (2013), Stochastic Geometry, 3.1: the Boolean model.
 template <int Dim>
 std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
                                          std::uint64_t seed, double density);
 
-/// Boxes laid over a domain: which of them hold a void.
+/// A lattice of boxes over a domain.
 template <int Dim>
 struct VoidLattice {
     Vec<Dim> origin;  ///< low corner of the first box, mm
@@ -54,16 +54,16 @@ struct VoidLattice {
     std::array<std::int64_t, 3> count{1, 1, 1};
 };
 
-/// A lattice of boxes of the given sides, centered on the domain and covering it; with a matrix and
-/// no sides, as many boxes as the matrix has. @throws ParameterError for sides that are none.
+/// A lattice of boxes of the given sides, centered on the domain and covering it; without sides, as
+/// many boxes as the matrix has cells. @throws ParameterError if `cell` is malformed.
 template <int Dim>
 VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
                              const VoidMatrix* matrix);
 
 /// The largest ellipsoid of revolution in each selected box, its axes along the sides.
-/// @param matrix       selects boxes, repeated where it is smaller; null: by chance.
-/// @param probability  that a box is selected, beside what the matrix says. The boxes of a smaller
-///                     probability are among those of a larger one.
+/// @param matrix       selects boxes, repeated if it is smaller than the lattice; null: all.
+/// @param probability  of keeping a selected box. The boxes kept at a smaller probability are a
+///                     subset of those kept at a larger one.
 template <int Dim>
 std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>& region,
                                          const VoidLattice<Dim>& lattice, const VoidMatrix* matrix,
@@ -75,7 +75,7 @@ template <int Dim>
 std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>& spheres, bool inside,
                                            const VoidShape<Dim>& shape, std::uint64_t seed);
 
-/// Puts a list into a random order, the same for the same seed.
+/// Shuffles a list, the same for the same seed.
 template <int Dim>
 void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed);
 

@@ -17,12 +17,12 @@ namespace vdbpack {
 namespace {
 
 constexpr const char* kColumns = "x,y,z,a,b,theta_z,theta_x,ux,uy,uz";
-constexpr double kAngleTolerance = 1e-3;  ///< rad; what tables with four digits keep
+constexpr double kAngleTolerance = 1e-3;  ///< rad; the precision of tables with four digits
 
-/// The columns that tell the axis.
+/// The columns that define the axis.
 struct AxisColumns {
     std::optional<std::size_t> thetaZ, thetaX;
-    std::vector<std::size_t> direction;  ///< ux, uy and, where there is one, uz; or none
+    std::vector<std::size_t> direction;  ///< ux, uy and, if present, uz; or empty
 };
 
 template <int Dim>
@@ -40,18 +40,18 @@ AxisColumns axisColumns(const NumberTable& table) {
     return columns;
 }
 
-/// A vector of length one to rounding stays as it is, bit by bit.
+/// `v` scaled to length one; unchanged, bit for bit, if its length is one up to rounding.
 template <int Dim>
 Vec<Dim> unit(const Vec<Dim>& v) {
     if (std::fabs(squaredLength(v) - 1) < 4e-15) return v;
     double most = 0;
     for (const double c : v.c) most = std::max(most, std::fabs(c));
-    // The reciprocal of a number this small is none.
+    // The reciprocal of a smaller number overflows.
     if (most > 0 && most < 1e-290) return unit(v * 1e290);
     return most > 0 ? normalized(v * (1 / most)) : v;
 }
 
-/// The axis of the row's void, or nothing if the row does not tell.
+/// The axis of the row's void, or nothing if the row does not define it.
 template <int Dim>
 std::optional<Vec<Dim>> readAxis(const NumberTable& table, const AxisColumns& columns,
                                  bool isBall) {
@@ -64,7 +64,7 @@ std::optional<Vec<Dim>> readAxis(const NumberTable& table, const AxisColumns& co
         if (u != Vec<3>{})
             axis = unit(u);
         else if (!isBall)
-            table.failRow("direction (0, 0, 0) points nowhere; give the axis of the void");
+            table.failRow("direction (0, 0, 0) has no length; give the axis of the void");
     }
     if (columns.thetaZ && (filled(*columns.thetaZ) || filled(*columns.thetaX))) {
         const double thetaZ = table.number(*columns.thetaZ), thetaX = table.number(*columns.thetaX);
@@ -139,7 +139,7 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
         const auto axis = readAxis<Dim>(table, columns, e.a == e.b);
         if (!axis && e.a != e.b)
             table.failRow(fmt::format(
-                "a = {} and b = {} differ, but nothing tells where a points; give theta_z,theta_x "
+                "a = {} and b = {} differ, but the direction of a is missing; give theta_z,theta_x "
                 "or ux,uy,uz",
                 table.number(a), table.number(b)));
         e.axis[Dim == 3 ? 2 : 0] = 1;

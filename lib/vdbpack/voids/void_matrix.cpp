@@ -34,7 +34,7 @@ std::size_t readRow(const InputFile& file, std::string_view line,
     }
     if (cells.size() == before)
         throw InputError(
-            fmt::format("{}: line {}: '{}' holds no 0 or 1; write the cells of the "
+            fmt::format("{}: line {}: '{}' has no 0 or 1; write the cells of the "
                         "row or remove the line",
                         file.path(), file.lineNumber(), line.substr(0, kShown)));
     return cells.size() - before;
@@ -44,17 +44,17 @@ std::size_t readRow(const InputFile& file, std::string_view line,
 
 VoidMatrix readVoidMatrix(const std::string& path) {
     InputFile file(path);
-    std::vector<std::uint8_t> paper;  // in the order of the file: rows downward
+    std::vector<std::uint8_t> paper;  // in the order of the file: top row first
     std::size_t columns = 0, rows = 0, row = 0, layers = 0;
     std::uint64_t firstLine = 0, lastLine = 0;
     const auto endLayer = [&] {
         if (row == 0) return;
         if (layers++ == 0) rows = row;
         if (row != rows)
-            throw InputError(
-                fmt::format("{}: line {}: layer {} ends after {} rows where the first has {}; give "
-                            "every layer the same rows, a blank line between them",
-                            path, lastLine, layers, row, rows));
+            throw InputError(fmt::format(
+                "{}: line {}: layer {} has {} rows, but the first layer has {}; give all "
+                "layers as many rows, with a blank line between layers",
+                path, lastLine, layers, row, rows));
         row = 0;
     };
     std::string_view line;
@@ -71,7 +71,7 @@ VoidMatrix readVoidMatrix(const std::string& path) {
         }
         if (count != columns)
             throw InputError(
-                fmt::format("{}: line {}: row has {} cells where line {} has {}; complete the row",
+                fmt::format("{}: line {}: row has {} cells, but line {} has {}; complete the row",
                             path, file.lineNumber(), count, firstLine, columns));
         ++row;
         lastLine = file.lineNumber();
@@ -79,8 +79,8 @@ VoidMatrix readVoidMatrix(const std::string& path) {
     endLayer();
     if (paper.empty())
         throw InputError(path + ": is empty; write rows of 0 and 1, the top row first");
-    constexpr std::size_t kMost = std::numeric_limits<int>::max();
-    if (std::max({columns, rows, layers}) > kMost)
+    constexpr std::size_t kLimit = std::numeric_limits<int>::max();
+    if (std::max({columns, rows, layers}) > kLimit)
         throw InputError(fmt::format("{}: {} x {} x {} cells are too many; split the matrix", path,
                                      columns, rows, layers));
 

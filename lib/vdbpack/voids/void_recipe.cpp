@@ -4,9 +4,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -21,61 +23,123 @@ constexpr std::array<std::pair<const char*, VoidMethod>, 7> kMethods{
      {"ellipses", VoidMethod::ellipses},
      {"boolean", VoidMethod::boolean}}};
 
-bool isOneOf(VoidMethod method, std::initializer_list<VoidMethod> methods) {
-    for (const VoidMethod m : methods)
-        if (m == method) return true;
-    return false;
+bool isOneOf(VoidMethod method, const std::vector<VoidMethod>& methods) {
+    return std::find(methods.begin(), methods.end(), method) != methods.end();
 }
 
-void requireShare(const char* option, const std::optional<double>& value, const char* range,
+void requireShare(const char* name, const std::optional<double>& value, const char* range,
                   bool zero, bool one) {
     if (!value) return;
     if (!(zero ? *value >= 0 : *value > 0) || !(one ? *value <= 1 : *value < 1))
-        throw ParameterError(fmt::format("{} {}: must lie in {}", option, *value, range));
+        throw ParameterError(fmt::format("`{}` {}: must lie in {}", name, *value, range));
 }
 
-void requireLength(const char* option, double value) {
+void requireLength(const char* name, double value) {
     if (!(value > 0) || !std::isfinite(value))
-        throw ParameterError(fmt::format("{} {}: must be a positive length in mm", option, value));
+        throw ParameterError(fmt::format("`{}` {}: must be a positive length in mm", name, value));
 }
 
-/// Options that only some methods use.
-void requireUse(const VoidRecipe& r, VoidMethod method) {
+/// A parameter, whether it is given, and the methods that use it.
+struct Use {
+    const char* name;
+    bool given;
+    std::vector<VoidMethod> methods;
+};
+
+std::vector<Use> usesOf(const VoidRecipe& r) {
     using M = VoidMethod;
-    struct Use {
-        const char* option;
-        bool given;
-        std::initializer_list<M> methods;
-    };
-    const Use uses[] = {
-        {"--void-radius", !r.radius.empty(), {M::overlay, M::mixed, M::ellipses, M::boolean}},
-        {"--void-aspect", !r.aspect.empty(), {M::overlay, M::ellipses, M::boolean}},
-        {"--void-count", r.count.has_value(), {M::overlay, M::boolean}},
-        {"--void-probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
-        {"--delete-fraction", r.deleteFraction.has_value(), {M::concentric, M::threshold}},
-        {"--void-matrix", !r.matrix.empty(), {M::grid}},
-        {"--void-cell", !r.cell.empty(), {M::grid}},
-        {"--void-angles", !r.orientation.angles.empty(), {M::overlay, M::ellipses, M::boolean}},
-        {"--void-axis", !r.orientation.axis.empty(), {M::overlay, M::ellipses, M::boolean}},
-        {"--void-field", !r.orientation.field.empty(), {M::overlay, M::ellipses, M::boolean}},
-        {"--void-voxel",
-         r.voxelSize > 0,
-         {M::grid, M::overlay, M::mixed, M::ellipses, M::boolean, M::list}},
-        {"--target-bvtv",
+    const std::vector<M> all{M::grid,  M::overlay,  M::concentric, M::threshold,
+                             M::mixed, M::ellipses, M::boolean,    M::list};
+    const std::vector<M> stamped{M::grid, M::overlay, M::mixed, M::ellipses, M::boolean, M::list};
+    const std::vector<M> shaped{M::overlay, M::ellipses, M::boolean};
+    return {
+        {"voids.radius", !r.radius.empty(), {M::overlay, M::mixed, M::ellipses, M::boolean}},
+        {"voids.aspect", !r.aspect.empty(), shaped},
+        {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
+        {"voids.probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
+        {"deleteFraction", r.deleteFraction.has_value(), {M::concentric, M::threshold}},
+        {"matrix", !r.matrix.empty(), {M::grid}},
+        {"cell", !r.cell.empty(), {M::grid}},
+        {"orientation.angles", !r.orientation.angles.empty(), shaped},
+        {"orientation.axis", !r.orientation.axis.empty(), shaped},
+        {"orientation.field", !r.orientation.field.empty(), shaped},
+        {"voids.voxelSize", r.voxelSize > 0, stamped},
+        {"targetBvtv",
          r.targetBvtv.has_value(),
          {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean}},
-        {"--target-tbth", r.targetTbth.has_value(), {M::boolean}},
-        {"--cull touch",
-         r.cull == Cull::touch,
-         {M::grid, M::overlay, M::ellipses, M::boolean, M::list}}};
-    for (const Use& use : uses) {
+        {"targetTbth", r.targetTbth.has_value(), {M::boolean}},
+        {"keepConnected", r.keepConnected, all},
+        {"cull", r.cull == Cull::touch, {M::grid, M::overlay, M::ellipses, M::boolean, M::list}}};
+}
+
+/// Refuses parameters that the method does not use.
+void requireUse(const VoidRecipe& r, VoidMethod method) {
+    for (const Use& use : usesOf(r)) {
         if (!use.given || isOneOf(method, use.methods)) continue;
+        if (method == VoidMethod::none)
+            throw ParameterError(fmt::format(
+                "`{}` is given, but no voids are requested; choose how they are made with "
+                "`voids` (grid, overlay, boolean, ...)",
+                use.name));
         std::string others;
         for (const auto& [name, m] : kMethods)
             if (isOneOf(m, use.methods)) others += (others.empty() ? "" : ", ") + std::string(name);
-        throw ParameterError(fmt::format("{} is of no use to --voids {}; it belongs to {}",
-                                         use.option, r.method, others));
+        throw ParameterError(fmt::format("`{}` is not used by `voids` {}; it is used by {}",
+                                         use.name, r.method, others));
     }
+}
+
+/// Refuses a method that the run cannot perform.
+void requireInput(const VoidRecipe& r, VoidMethod method, bool hasSpheres, bool hasFront) {
+    if (needsFront(method) && !hasFront)
+        throw ParameterError(
+            fmt::format("`voids` {} makes its voids during packing; use it with vdb_pack "
+                        "pack, or choose overlay or boolean here",
+                        r.method));
+    if (isThinning(method) && !hasSpheres)
+        throw ParameterError(
+            fmt::format("`voids` {} removes spheres from a pack; use it with vdb_pack pack "
+                        "or carve, or choose grid, overlay or boolean here",
+                        r.method));
+}
+
+/// Refuses values out of range.
+void requireRanges(const VoidRecipe& r, VoidMethod method) {
+    requireShare("voids.probability", r.probability, needsFront(method) ? "[0, 1)" : "[0, 1]", true,
+                 !needsFront(method));
+    requireShare("deleteFraction", r.deleteFraction, "(0, 1]", false, true);
+    requireShare("targetBvtv", r.targetBvtv, "(0, 1)", false, false);
+    if (r.targetTbth) requireLength("targetTbth", *r.targetTbth);
+    if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
+    if (r.count && !(*r.count >= 1 && *r.count < 4e9))
+        throw ParameterError(
+            fmt::format("`voids.count` {}: must be a number of voids from 1 to 4e9", *r.count));
+}
+
+/// Refuses two parameters that both determine the amount of voids, or none.
+void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
+    if (r.targetTbth && !r.targetBvtv)
+        throw ParameterError(
+            "`targetTbth` fixes the thickness at a given BV/TV; give `targetBvtv` as well");
+    const std::pair<bool, const char*> amounts[] = {
+        {r.count.has_value(), "voids.count"},
+        {r.probability.has_value(), "voids.probability"},
+        {r.deleteFraction.has_value(), "deleteFraction"},
+        {!r.matrix.empty(), "matrix"}};
+    for (const auto& [given, name] : amounts)
+        if (given && r.targetBvtv)
+            throw ParameterError(fmt::format(
+                "`{}` and `targetBvtv` both determine the amount of voids; give one of them",
+                name));
+    if (isThinning(method) && !r.deleteFraction && !r.targetBvtv)
+        throw ParameterError(
+            fmt::format("`voids` {} needs `deleteFraction` or `targetBvtv`", r.method));
+    if (method == VoidMethod::grid && r.matrix.empty() && r.cell.empty())
+        throw ParameterError("`voids` grid needs `matrix` or `cell`");
+    const bool sized = method == VoidMethod::overlay || method == VoidMethod::boolean;
+    if (sized && r.radius.empty() && !hasSpheres)
+        throw ParameterError(
+            fmt::format("`voids` {} needs `voids.radius`, the half-axis b in mm", r.method));
 }
 
 }  // namespace
@@ -87,7 +151,8 @@ VoidMethod methodOf(const VoidRecipe& recipe) {
     if (recipe.method.rfind("list:", 0) == 0 && recipe.method.size() > 5) return VoidMethod::list;
     std::string names;
     for (const auto& [name, method] : kMethods) names += std::string(name) + ", ";
-    throw ParameterError(fmt::format("--voids {}: is none of {}list:FILE", recipe.method, names));
+    throw ParameterError(
+        fmt::format("`voids` {}: must be one of {}list:FILE", recipe.method, names));
 }
 
 std::string listFile(const VoidRecipe& recipe) {
@@ -106,77 +171,12 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
     const VoidMethod method = methodOf(r);
     if (!(r.shell >= 0) || !std::isfinite(r.shell))
         throw ParameterError(
-            fmt::format("--shell {}: must be a thickness in mm, 0 or more", r.shell));
-    if (method == VoidMethod::none) {
-        const std::pair<const char*, bool> given[] = {
-            {"--keep-connected", r.keepConnected},
-            {"--cull", r.cull != Cull::center},
-            {"--target-bvtv", r.targetBvtv.has_value()},
-            {"--target-tbth", r.targetTbth.has_value()},
-            {"--void-voxel", r.voxelSize > 0},
-            {"--void-radius", !r.radius.empty()},
-            {"--void-aspect", !r.aspect.empty()},
-            {"--void-count", r.count.has_value()},
-            {"--void-probability", r.probability.has_value()},
-            {"--delete-fraction", r.deleteFraction.has_value()},
-            {"--void-matrix", !r.matrix.empty()},
-            {"--void-cell", !r.cell.empty()},
-            {"--void-angles", !r.orientation.angles.empty()},
-            {"--void-axis", !r.orientation.axis.empty()},
-            {"--void-field", !r.orientation.field.empty()}};
-        for (const auto& [option, isGiven] : given)
-            if (isGiven)
-                throw ParameterError(fmt::format(
-                    "{}: an option about voids is given, and no voids are asked for; say how they "
-                    "are made with --voids (grid, overlay, boolean, ...)",
-                    option));
-        return;
-    }
-    if (needsFront(method) && !hasFront)
-        throw ParameterError(fmt::format(
-            "--voids {} makes its holes while spheres are packed: use it with vdb_pack pack, or "
-            "take overlay or boolean here",
-            r.method));
-    if (isThinning(method) && !hasSpheres)
-        throw ParameterError(fmt::format(
-            "--voids {} takes spheres out of a pack: use it with vdb_pack pack or carve, or take "
-            "grid, overlay or boolean here",
-            r.method));
+            fmt::format("`voids.shell` {}: must be a thickness in mm, 0 or more", r.shell));
+    if (method != VoidMethod::none) requireInput(r, method, hasSpheres, hasFront);
     requireUse(r, method);
-    requireShare("--void-probability", r.probability, needsFront(method) ? "[0, 1)" : "[0, 1]",
-                 true, !needsFront(method));
-    requireShare("--delete-fraction", r.deleteFraction, "(0, 1]", false, true);
-    requireShare("--target-bvtv", r.targetBvtv, "(0, 1)", false, false);
-    if (r.targetTbth) {
-        requireLength("--target-tbth", *r.targetTbth);
-        if (!r.targetBvtv)
-            throw ParameterError(
-                "--target-tbth fixes the thickness at a given BV/TV; give "
-                "--target-bvtv as well");
-    }
-    if (r.voxelSize != 0) requireLength("--void-voxel", r.voxelSize);
-    if (r.count && !(*r.count >= 1 && *r.count < 4e9))
-        throw ParameterError(
-            fmt::format("--void-count {}: must be a number of voids from 1 to 4e9", *r.count));
-    const auto twice = [&](bool given, const char* option) {
-        if (given && r.targetBvtv)
-            throw ParameterError(fmt::format(
-                "{} and --target-bvtv both say how much is cut; give one of them", option));
-    };
-    twice(r.count.has_value(), "--void-count");
-    twice(r.probability.has_value(), "--void-probability");
-    twice(r.deleteFraction.has_value(), "--delete-fraction");
-    twice(!r.matrix.empty(), "--void-matrix");
-    if (isThinning(method) && !r.deleteFraction && !r.targetBvtv)
-        throw ParameterError(fmt::format(
-            "--voids {} needs --delete-fraction D or --target-bvtv F to know how much goes",
-            r.method));
-    if (method == VoidMethod::grid && r.matrix.empty() && r.cell.empty())
-        throw ParameterError("--voids grid needs --void-matrix FILE or --void-cell SIZE");
-    const bool sized = method == VoidMethod::overlay || method == VoidMethod::boolean;
-    if (sized && r.radius.empty() && !hasSpheres)
-        throw ParameterError(fmt::format(
-            "--voids {} needs --void-radius SPEC, the shorter half-axis in mm", r.method));
+    if (method == VoidMethod::none) return;
+    requireRanges(r, method);
+    requireOneAmount(r, method, hasSpheres);
 }
 
 }  // namespace vdbpack
