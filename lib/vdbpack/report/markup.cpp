@@ -144,26 +144,29 @@ constexpr Heading kHeadings[] = {
      "voxels "
      "in mm."},
     {"spheres", "Spheres", "Circles",
-     "ks is the Kolmogorov-Smirnov distance between the radii and those asked for; wall: the same "
-     "near the wall."},
+     "ks is the Kolmogorov-Smirnov distance between the radii and the requested distribution; "
+     "wall: the "
+     "same near the wall."},
     {"solidFraction", "Solid fraction", "Solid fraction",
-     "Of the domain, and of what lies deeper than three largest radii."},
+     "Of the whole domain, and of the part deeper than three largest radii."},
     {"contacts", "Contacts", "Contacts",
      "Pairs with a gap within the tolerance, a share of the smaller radius. The fabric tensor is "
      "the mean of n nᵀ over them."},
-    {"overlap", "Overlap", "Overlap", "As a share of the smaller radius; pairs above 1e-6 count."},
-    {"gap", "Gap", "Gap", "Distance between surfaces that was asked for, and the smallest."},
+    {"overlap", "Overlap", "Overlap",
+     "As a share of the smaller radius; pairs above 1e-6 are counted."},
+    {"gap", "Gap", "Gap", "Requested distance between surfaces, and the smallest found."},
     {"protrusion", "Protrusion", "Protrusion",
-     "Through the wall, as a share of the radius; above 1e-6 they count."},
-    {"voids", "Voids", "Voids", "BV/TV is the solid that is left where voids may be."},
-    {"seconds", "Seconds", "Seconds", "On the clock."},
+     "Through the wall, as a share of the radius; spheres above 1e-6 are counted."},
+    {"voids", "Voids", "Voids", "BV/TV is the solid fraction of the region deeper than the shell."},
+    {"seconds", "Seconds", "Seconds", "Wall-clock time."},
     {"profile", "Solid fraction by depth", "Solid fraction by depth",
      "In bins from the wall inwards, with standard errors."},
     {"localFraction", "Local solid fraction", "Local solid fraction",
      "Over cells of four mean diameters away from the wall."},
     {"pairCorrelation", "Pair correlation", "Pair correlation",
-     "g(r) in bins from r = 0, about centers that deep, with errors from the number of pairs."},
-    {"regions", "Regions", "Regions", "The layer along the wall, and what it encloses."},
+     "g(r) in bins from r = 0, around centers at that depth or deeper, with errors from the number "
+     "of pairs."},
+    {"regions", "Regions", "Regions", "The layer along the wall, and the part that it encloses."},
     {"morphometry", "Morphometry", "Morphometry", "Bone morphometry in the symbols of the field."},
 };
 

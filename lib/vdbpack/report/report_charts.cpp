@@ -1,6 +1,7 @@
 #include "vdbpack/report/report_charts.h"
 
 #include "vdbpack/report/svg_chart.h"
+#include "vdbpack/report/words.h"
 
 #include <fmt/format.h>
 
@@ -13,17 +14,8 @@ namespace {
 
 using Form = ChartSeries::Form;
 
-/// Stages that take less of all the time are left out.
+/// Stages that take a smaller share of the total time are left out.
 constexpr double kLeastTime = 0.001;
-
-/// Words that differ between the plane and space.
-struct Words {
-    explicit Words(int dim)
-        : spheres(dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres),
-          sphere(dim == 2 ? Measure<2>::kSphere : Measure<3>::kSphere),
-          volume(dim == 2 ? Measure<2>::kVolume : Measure<3>::kVolume) {}
-    std::string spheres, sphere, volume;
-};
 
 std::vector<double> edgesOf(const RadiusHistogram& radii) {
     std::vector<double> edges;
@@ -62,37 +54,47 @@ std::vector<double> cumulated(const std::vector<double>& parts) {
     return sums;
 }
 
+/// An empty chart with its texts. @param none  shown instead of a chart without series.
+Chart chartOf(const char* id, const char* title, const std::string& xLabel,
+              const std::string& yLabel, const std::string& none) {
+    Chart chart;
+    chart.id = id;
+    chart.title = title;
+    chart.xLabel = xLabel;
+    chart.yLabel = yLabel;
+    chart.none = none;
+    return chart;
+}
+
+std::string noSpheres(const Words& words) {
+    return fmt::format("There are no {}.", words.spheres);
+}
+
 std::string askedIn(const RadiusHistogram& radii, const Report& report, const Words& words) {
     const std::string asked = radii.asked.empty()
-                                  ? "Without a size distribution to compare with (--radius)"
-                                  : "Asked for: " + report.requested;
-    return report.existing > 0 ? asked + fmt::format("; without the {} {} that stood already",
+                                  ? "No size distribution to compare with (--radius)"
+                                  : "Requested: " + report.requested;
+    return report.existing > 0 ? asked + fmt::format("; without the {} {} that existed before",
                                                      grouped(report.existing), words.spheres)
                                : asked;
 }
 
 Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
-    Chart chart;
-    chart.id = "chart-sizes";
-    chart.title = "Sizes";
-    chart.xLabel = "radius, mm";
-    chart.yLabel = fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size());
-    chart.none = fmt::format("There are no {}.", words.spheres);
+    Chart chart =
+        chartOf("chart-sizes", "Sizes", "radius, mm",
+                fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size()),
+                noSpheres(words));
     chart.note = fmt::format("{}.", askedIn(radii, report, words));
     const auto edges = edgesOf(radii);
     chart.series.push_back({"reached", Form::bars, edges, percent(radii.counts), {}});
     if (!radii.asked.empty())
-        chart.series.push_back({"asked for", Form::steps, edges, percent(radii.asked), {}});
+        chart.series.push_back({"requested", Form::steps, edges, percent(radii.asked), {}});
     return chart;
 }
 
 Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
-    Chart chart;
-    chart.id = "chart-cumulated";
-    chart.title = "Sizes, cumulated";
-    chart.xLabel = "radius, mm";
-    chart.yLabel = fmt::format("{} up to this radius, %", words.spheres);
-    chart.none = fmt::format("There are no {}.", words.spheres);
+    Chart chart = chartOf("chart-cumulated", "Sizes, cumulated", "radius, mm",
+                          fmt::format("{} up to this radius, %", words.spheres), noSpheres(words));
     if (report.ks && report.ksByVolume)
         chart.note = fmt::format("Kolmogorov-Smirnov distance {:.2g}, by {} {:.2g}.", *report.ks,
                                  words.volume, *report.ksByVolume);
@@ -101,27 +103,22 @@ Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const W
     chart.series.push_back({"reached", Form::line, edges, cumulated(percent(radii.counts)), {}});
     if (!radii.asked.empty())
         chart.series.push_back(
-            {"asked for", Form::points, edges, cumulated(percent(radii.asked)), {}});
+            {"requested", Form::points, edges, cumulated(percent(radii.asked)), {}});
     return chart;
 }
 
 Chart coordination(const Report& report, const Words& words) {
-    Chart chart;
-    chart.id = "chart-contacts";
-    chart.title = "Contacts";
-    chart.xLabel = fmt::format("contacts of a {}", words.sphere);
-    chart.yLabel = fmt::format("{}, %", words.spheres);
-    chart.none = fmt::format("There are no {}.", words.spheres);
+    Chart chart = chartOf("chart-contacts", "Contacts", "contacts per " + words.sphere,
+                          fmt::format("{}, %", words.spheres), noSpheres(words));
     chart.wholeTicks = true;
     if (!report.contacts) return chart;
     const ContactNetwork& c = *report.contacts;
     const bool walls = !report.domain.kind.empty();
     chart.note = fmt::format(
-        "{:.3g} on average{}; touching means a gap within {:g} of the smaller radius. {:.3g} % "
-        "have "
-        "fewer than {}.",
+        "Coordination number {:.3g}{}; a contact is a gap up to {:g} of the smaller radius. "
+        "{:.3g} % of the {} have fewer than {} contacts.",
         c.mean, walls ? fmt::format(", {:.3g} without walls", c.meanOfSpheres) : ", walls unknown",
-        report.contactTolerance, 100 * c.fewShare, c.few);
+        report.contactTolerance, 100 * c.fewShare, words.spheres, c.few);
     ChartSeries bars;
     bars.form = Form::bars;
     for (std::size_t n = 0; n <= c.histogram.size(); ++n)
@@ -131,23 +128,18 @@ Chart coordination(const Report& report, const Words& words) {
     return chart;
 }
 
-/// Why nothing is known that takes a domain.
+/// Why a chart that needs a domain is empty.
 std::string noDomain(const Report& report, const std::string& otherwise) {
-    return report.domain.kind.empty()
-               ? "No domain was given (--domain): nothing is known of depths."
-               : otherwise;
+    return report.domain.kind.empty() ? "No domain was given (--domain): depths are unknown."
+                                      : otherwise;
 }
 
 Chart profile(const Structure& structure, const Report& report, const Words& words) {
-    Chart chart;
-    chart.id = "chart-profile";
-    chart.title = "Solid fraction by depth";
-    chart.xLabel = "depth below the wall, mm";
-    chart.yLabel = "solid fraction";
+    Chart chart = chartOf(
+        "chart-profile", "Solid fraction by depth", "depth below the wall, mm", "solid fraction",
+        report.count == 0 ? noSpheres(words)
+                          : noDomain(report, "The distance field is shallower than one bin."));
     chart.fromZero = true;
-    chart.none = report.count == 0
-                     ? fmt::format("There are no {}.", words.spheres)
-                     : noDomain(report, "The domain is not known as deep as a single bin.");
     if (!structure.profile) return chart;
     const DensityProfile& p = *structure.profile;
     const auto depth = middles(p.fraction.size(), p.width, 1);
@@ -161,21 +153,18 @@ Chart profile(const Structure& structure, const Report& report, const Words& wor
 }
 
 Chart pairs(const Structure& structure, const Report& report, const Words& words) {
-    Chart chart;
-    chart.id = "chart-pairs";
-    chart.title = "Pair correlation";
-    chart.xLabel = "distance r, mean diameters";
-    chart.yLabel = "g(r)";
-    chart.fromZero = true;
-    chart.none =
+    Chart chart = chartOf(
+        "chart-pairs", "Pair correlation", "distance r, mean diameters", "g(r)",
         report.count == 0
-            ? fmt::format("There are no {}.", words.spheres)
+            ? noSpheres(words)
             : noDomain(report, fmt::format("Fewer than 100 {} lie deep enough below the wall.",
-                                           words.spheres));
+                                           words.spheres)));
+    chart.fromZero = true;
     if (!structure.pairCorrelation || !(structure.meanDiameter > 0)) return chart;
     const PairCorrelation& g = *structure.pairCorrelation;
     chart.note = fmt::format(
-        "Density of centers at a distance from a center, by the mean density; about {} centers.",
+        "Density of centers at distance r from a center, divided by the mean density; averaged "
+        "over {} centers.",
         grouped(g.references));
     chart.series.push_back(
         {"", Form::line, middles(g.g.size(), g.width, structure.meanDiameter), g.g, {}});
@@ -188,7 +177,7 @@ BarChart times(const Report& report) {
     chart.id = "chart-seconds";
     chart.title = "Time";
     chart.unit = "s";
-    chart.none = "No time was taken.";
+    chart.none = "No times were recorded.";
     chart.note = fmt::format("{:.3g} s in all, on {} thread{}.", report.seconds.total,
                              report.threads, report.threads == 1 ? "" : "s");
     const Report::Seconds& s = report.seconds;

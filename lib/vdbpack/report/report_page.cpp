@@ -3,6 +3,7 @@
 #include "vdbpack/report/markup.h"
 #include "vdbpack/report/report_charts.h"
 #include "vdbpack/report/svg_chart.h"
+#include "vdbpack/report/words.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -69,7 +70,7 @@ ul { margin: .3rem 0; padding-left: 1.2rem; }
   details::details-content { content-visibility: visible; display: block; } }
 )";
 
-/// What is no number was not measured.
+/// A value that is not finite counts as not measured.
 void dropNotFinite(Report& r) {
     for (auto* value :
          {&r.solidFractionTotal, &r.solidFractionInterior, &r.ks, &r.ksByVolume, &r.smallestGap})
@@ -92,7 +93,7 @@ private:
     std::string rows_;
 };
 
-/// A check: nothing found but what was given, or how much. To measure is not to judge.
+/// A check: nothing found beyond what the input pack had, or how much. `measure` does not judge.
 void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t found,
               std::uint64_t given, const std::string& thing, double largest) {
     const std::string things = thing + "s";
@@ -100,7 +101,7 @@ void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t foun
     if (found == given)
         keys.add(
             label, "none",
-            given > 0 ? fmt::format("but the {} {} that were given", grouped(given), things) : "",
+            given > 0 ? fmt::format("new; {} {} of the input pack", grouped(given), things) : "",
             judged ? "good" : "");
     else
         keys.add(
@@ -110,10 +111,9 @@ void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t foun
 }
 
 void addPack(Keys& keys, const Report& r) {
-    const bool plane = r.dim == 2;
-    const std::string spheres = plane ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    const Words words(r.dim);
     keys.add(
-        spheres, grouped(r.count),
+        words.spheres, grouped(r.count),
         r.count > 0 ? fmt::format("radius {:.4g} to {:.4g} mm", r.radius.min, r.radius.max) : "");
     if (r.solidFractionTotal)
         keys.add("solid fraction", fmt::format("{:.4f}", *r.solidFractionTotal),
@@ -123,21 +123,20 @@ void addPack(Keys& keys, const Report& r) {
     if (r.overlap)
         addCheck(keys, r, "overlap", r.overlap->pairs, r.givenOverlaps, "pair", r.overlap->max);
     if (r.protrusion)
-        addCheck(keys, r, "outside the wall", r.protrusion->spheres, r.givenProtrusions,
-                 plane ? Measure<2>::kSphere : Measure<3>::kSphere, r.protrusion->max);
+        addCheck(keys, r, "protrusion", r.protrusion->spheres, r.givenProtrusions, words.sphere,
+                 r.protrusion->max);
     if (r.gapAsked > 0 && r.smallestGap)
         keys.add("smallest gap", fmt::format("{:.4g} mm", *r.smallestGap),
-                 fmt::format("{:.4g} mm asked for", r.gapAsked), keepsGap(r) ? "good" : "bad");
+                 fmt::format("requested {:.4g} mm", r.gapAsked), keepsGap(r) ? "good" : "bad");
     if (r.contacts)
-        keys.add(fmt::format("contacts a {}", plane ? Measure<2>::kSphere : Measure<3>::kSphere),
-                 fmt::format("{:.2f}", r.contacts->mean),
+        keys.add("coordination number", fmt::format("{:.2f}", r.contacts->mean),
                  r.domain.kind.empty()
                      ? "walls unknown"
                      : fmt::format("{:.2f} without walls", r.contacts->meanOfSpheres));
     if (r.voids && !r.voids->method.empty())
         keys.add("voids", grouped(r.voids->count),
                  (r.voids->bvtv ? fmt::format("BV/TV {:.4f}, ", *r.voids->bvtv) : "") +
-                     fmt::format("{} {} culled", grouped(r.voids->culled), spheres));
+                     fmt::format("{} {} culled", grouped(r.voids->culled), words.spheres));
 }
 
 void addSolid(Keys& keys, const Morphometry& m) {
@@ -155,7 +154,7 @@ void addSolid(Keys& keys, const Morphometry& m) {
              fmt::format("Euler number {:.6g}", m.eulerNumber));
     if (m.anisotropy)
         keys.add("DA", fmt::format("{:.4f}", m.anisotropy->degree),
-                 "0 is the same in all directions");
+                 "0: the same in all directions");
 }
 
 std::string listOf(const std::vector<std::string>& lines) {
@@ -166,10 +165,10 @@ std::string listOf(const std::vector<std::string>& lines) {
 
 std::string titleOf(const ReportPage& page) {
     const Report& r = page.report;
-    // Folders are told below, with the other settings.
+    // The folder is shown below, with the other settings.
     const std::string subject = page.subject.substr(page.subject.rfind('/') + 1);
-    if (page.morphometry) return subject + ", measured as bone";
-    const std::string spheres = r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
+    if (page.morphometry) return subject + ", bone morphometry";
+    const std::string spheres = Words(r.dim).spheres;
     return r.task == "pack" ? subject + ", packed with " + spheres
                             : subject + ", a pack of " + spheres + " measured";
 }
@@ -186,14 +185,13 @@ std::string again(const ReportPage& page) {
     if (page.morphometry) return out + "</div>\n";
     if (r.task == "pack")
         out +=
-            "<p>The same version, input and settings give the same pack, whatever the number of "
+            "<p>The same version, input and settings give the same pack, for any number of "
             "threads.</p>\n";
     out += fmt::format(
-        "<p>Its hash is <code>{}</code>, whatever the order of the {}: "
-        "<code>vdb_pack verify FILE --json</code> tells that of any file in mm but .ply, and the "
-        "ten "
-        "lines of numpy in assets/guides/files.md compute it without this program.</p>\n",
-        hashText(r.hash), r.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres);
+        "<p>Its hash is <code>{}</code>, for any order of the {}. "
+        "<code>vdb_pack verify FILE --json</code> computes it from a pack file in mm (any format "
+        "but .ply), and so do the ten lines of numpy in assets/guides/files.md.</p>\n",
+        hashText(r.hash), Words(r.dim).spheres);
     return out + "</div>\n";
 }
 
@@ -221,7 +219,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
     out += "<h1>" + title + "</h1>\n<p class='under'>" +
            escaped(fmt::format("vdb_pack {}", r.version)) +
            (r.requested.empty() ? "" : ", radii " + escaped(r.requested)) + "; lengths in mm</p>\n";
-    if (r.interrupted) out += "<p class='bad'>Interrupted: this is what was complete.</p>\n";
+    if (r.interrupted) out += "<p class='bad'>Interrupted: the completed part.</p>\n";
     out += keys.html();
     if (!page.picture.empty()) {
         const std::string words = escaped(page.pictureWords);
@@ -237,7 +235,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
                reportCharts(r, page.structure, page.radii) + "</div>\n";
     out += "<h2>All figures</h2>\n<div class='tables'>\n" + figureTables(figures, r.dim == 2) +
            "</div>\n";
-    out += "<h2>How to do it again</h2>\n" + again(page);
+    out += "<h2>How to repeat the run</h2>\n" + again(page);
     return out + "</main>\n</body>\n</html>\n";
 }
 

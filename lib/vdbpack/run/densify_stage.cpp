@@ -61,14 +61,14 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         report.interrupted = true;
     else if (!result.apart)
         callbacks.warn(
-            fmt::format("densify: the {} given did not come apart in {} steps; they are left as "
-                        "they were. There are too many of them for the domain, or some lie far "
+            fmt::format("densify: the overlaps of the input {} were not resolved in {} steps; the "
+                        "pack is unchanged. There are too many for the domain, or some lie far "
                         "outside it",
                         Measure<Dim>::kSpheres, result.steps));
     else if (!result.reached && std::isfinite(setting.fraction))
         callbacks.warn(
-            fmt::format("densify: {} of the domain was asked for, {:.4f} is what came "
-                        "apart; smaller {} reach more of it",
+            fmt::format("densify: the solid fraction {} was requested, {:.4f} was reached; "
+                        "smaller {} reach more",
                         setting.fraction, result.after, Measure<Dim>::kSpheres));
     told.seconds = clock.lap();
     report.densified = told;

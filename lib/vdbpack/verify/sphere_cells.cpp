@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/verify/counting.h"
 
 #include <atomic>
 #include <functional>
@@ -58,22 +59,15 @@ SphereCells<Dim>::SphereCells(const std::vector<Sphere<Dim>>& spheres,
     for (const auto i : members) largestRadius_ = std::max(largestRadius_, spheres[i].radius);
     perCell_ = 1 / (2 * largestRadius_);
     chooseSlots(spheres, members);
-    const std::size_t n = members.size(), slots = mask_ + 1;
+    const std::size_t n = members.size();
     // The order inside a slot depends on the threads; no result does.
-    std::vector<std::atomic<std::uint32_t>> next(slots);
+    std::vector<std::atomic<std::uint32_t>> next(mask_ + 1);
     std::vector<std::uint32_t> slot(n);
     forAll(n, [&](std::size_t k) {
         slot[k] = static_cast<std::uint32_t>(slotOf(cellsOf(spheres[members[k]].center)));
         next[slot[k]].fetch_add(1, std::memory_order_relaxed);
     });
-    start_.resize(slots + 1);
-    std::uint32_t sum = 0;
-    for (std::size_t s = 0; s < slots; ++s) {
-        start_[s] = sum;
-        sum += next[s].load(std::memory_order_relaxed);
-        next[s].store(start_[s], std::memory_order_relaxed);
-    }
-    start_[slots] = sum;
+    start_ = startsOf(next);
     spheres_.resize(n);
     index_.resize(n);
     forAll(n, [&](std::size_t k) {

@@ -15,7 +15,7 @@ std::int64_t nameOf(const Pack<Dim>& pack, std::size_t i) {
 }
 
 template <int Dim>
-std::string placeOf(const Pack<Dim>& pack, std::size_t i) {
+std::string labelOf(const Pack<Dim>& pack, std::size_t i) {
     const Sphere<Dim>& s = pack.spheres[i];
     std::string text = fmt::format("{} at (", nameOf(pack, i));
     for (int k = 0; k < Dim; ++k) text += fmt::format("{}{:.6g}", k ? ", " : "", s.center[k]);
@@ -82,17 +82,20 @@ std::string describe(const VerifyResult& result, const Pack<Dim>& pack) {
                     verdict(result.overlap.pairs == 0), result.overlap.complete ? "" : "more than ",
                     result.overlap.pairs, result.overlap.max);
     for (const auto& w : result.overlap.worst)
-        text += fmt::format("  {:.3g}: {}\n    and {}\n", w.overlap, placeOf(pack, w.i),
-                            placeOf(pack, w.j));
+        text += fmt::format("  {:.3g}: {}\n    and {}\n", w.overlap, labelOf(pack, w.i),
+                            labelOf(pack, w.j));
     if (result.protrusion) {
         const auto& p = *result.protrusion;
         text +=
             fmt::format("{:<12}{}: {} {}, largest {:.3g} of the radius, {} with centers outside\n",
                         "protrusion", verdict(p.spheres == 0), p.spheres, Measure<Dim>::kSpheres,
                         p.max, p.centersOutside);
-        if (!p.closed) text += "  the wall is not closed: what is inside was put to the vote\n";
+        if (!p.closed)
+            text +=
+                "  the wall is not closed: inside or outside is decided by the majority of six "
+                "lines\n";
         for (const auto& w : p.worst)
-            text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, placeOf(pack, w.i),
+            text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, labelOf(pack, w.i),
                                 w.protrusion > 1 ? ", center outside" : "");
     } else {
         text += fmt::format("{:<12}not checked: no domain was given\n", "protrusion");

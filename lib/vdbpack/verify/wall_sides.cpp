@@ -1,5 +1,6 @@
 #include "vdbpack/verify/wall_sides.h"
 
+#include "vdbpack/verify/counting.h"
 #include "vdbpack/verify/mix.h"
 
 #include <tbb/blocked_range.h>
@@ -158,8 +159,7 @@ void WallCrossings<Dim>::chooseBins() {
 /// Sorts the pieces into the bins by counting.
 template <int Dim>
 void WallCrossings<Dim>::fillBins() {
-    const std::size_t count = bins_[0] * bins_[1];
-    std::vector<std::atomic<std::uint32_t>> next(count);
+    std::vector<std::atomic<std::uint32_t>> next(bins_[0] * bins_[1]);
     forAllPieces([&](std::size_t i) {
         forEachRun(pieces_[i], [&](std::size_t first, std::size_t last) {
             for (std::size_t b = first; b <= last; ++b)
@@ -167,15 +167,8 @@ void WallCrossings<Dim>::fillBins() {
         });
         return true;
     });
-    start_.resize(count + 1);
-    std::uint32_t sum = 0;
-    for (std::size_t b = 0; b < count; ++b) {
-        start_[b] = sum;
-        sum += next[b].load(std::memory_order_relaxed);
-        next[b].store(start_[b], std::memory_order_relaxed);
-    }
-    start_[count] = sum;
-    members_.resize(sum);
+    start_ = startsOf(next);
+    members_.resize(start_.back());
     forAllPieces([&](std::size_t i) {
         forEachRun(pieces_[i], [&](std::size_t first, std::size_t last) {
             for (std::size_t b = first; b <= last; ++b)

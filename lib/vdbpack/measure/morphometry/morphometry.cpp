@@ -241,15 +241,15 @@ std::string summary(const Morphometry& m) {
     line("BS", fmt::format("{:.6g} mm²", m.solidSurface));
     line("Tb.Th", text(m.thickness));
     line("Tb.Sp", text(m.separation));
-    line("Tb.N", m.number ? fmt::format("{:.4g} /mm (BV/TV by Tb.Th)", *m.number) : "none");
-    line("Conn.D", fmt::format("{:.5g} /mm³ (Euler number {:.8g}, cut from a whole {:.8g})",
+    line("Tb.N", m.number ? fmt::format("{:.4g} /mm (BV/TV divided by Tb.Th)", *m.number) : "none");
+    line("Conn.D", fmt::format("{:.5g} /mm³ (Euler number {:.8g}, {:.8g} corrected for cut faces)",
                                m.connectivityDensity, m.eulerNumber, m.deltaEuler));
     if (m.anisotropy) {
         const Anisotropy& a = *m.anisotropy;
         line("DA", fmt::format("{:.4f} as 1 - (short / long)², {} as long / short", a.degree,
                                a.ratio ? fmt::format("{:.4g}", *a.ratio) : "infinite"));
         if (m.voxelAnisotropy)
-            line("", fmt::format("{:.4f} by lines from voxel to voxel, as BoneJ counts",
+            line("", fmt::format("{:.4f} by lines from voxel to voxel, as in BoneJ",
                                  m.voxelAnisotropy->degree));
         std::string lengths;
         for (const auto& length : a.meanInterceptLengths)

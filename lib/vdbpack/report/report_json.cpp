@@ -1,0 +1,154 @@
+#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/report/report.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstddef>
+#include <type_traits>
+
+namespace vdbpack {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <typename T>
+Json orNull(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json contactsJson(const Report& r) {
+    Json json = {{"mean", nullptr}, {"tolerance", r.contactTolerance}};
+    if (!r.contacts) return json;
+    const ContactNetwork& c = *r.contacts;
+    json["mean"] = c.mean;
+    json["meanOfSpheres"] = c.meanOfSpheres;
+    json["wallsKnown"] = !r.domain.kind.empty();
+    json["pairs"] = c.pairs;
+    json["wall"] = c.wallContacts;
+    json["histogram"] = c.histogram;
+    json["few"] = {{"below", c.few}, {"share", c.fewShare}};
+    json["components"] = c.components;
+    json["largestComponent"] = c.largestComponent;
+    const auto fabric = [&](auto dim) {
+        constexpr int Dim = decltype(dim)::value;
+        Matrix<Dim> m;
+        Json rows = Json::array();
+        for (std::size_t i = 0; i < Dim; ++i) {
+            for (std::size_t j = 0; j < Dim; ++j) m[i].c[j] = c.fabric[i].c[j];
+            rows.push_back(m[i].c);
+        }
+        const auto eigen = eigenSystem<Dim>(m);
+        json["fabric"] = {
+            {"tensor", rows}, {"eigenvalues", eigen.values.c}, {"direction", eigen.vectors[0].c}};
+    };
+    if (r.dim == 2)
+        fabric(std::integral_constant<int, 2>());
+    else
+        fabric(std::integral_constant<int, 3>());
+    return json;
+}
+
+Json densifiedJson(const Report& r) {
+    if (!r.densified) return {};
+    const Report::Densified& d = *r.densified;
+    Json contacts = Json::array();
+    for (std::size_t k = 0; k < d.contactsBefore.size(); ++k)
+        contacts.push_back({{"tolerance", Report::Densified::kContactTolerances[k]},
+                            {"before", d.contactsBefore[k]},
+                            {"after", d.contactsAfter ? Json((*d.contactsAfter)[k]) : Json()}});
+    return {{"asked", d.asked ? Json(*d.asked) : Json("max")},
+            {"before", d.before},
+            {"after", d.after},
+            {"inserted", d.inserted},
+            {"steps", d.steps},
+            {"stages", d.stages},
+            {"contacts", contacts},
+            {"solidLike", orNull(d.solidLike)}};
+}
+
+Json voidsJson(const Report& r) {
+    const VoidReport v = r.voids.value_or(VoidReport());
+    Json json = {{"count", v.count}, {"bvtv", orNull(v.bvtv)}, {"culled", v.culled}};
+    if (!r.voids) return json;
+    json["method"] = v.method.empty() ? Json() : Json(v.method);
+    json["shell"] = v.shell;
+    json["voxelSize"] = v.voxelSize > 0 ? Json(v.voxelSize) : Json();
+    json["totalVolume"] = v.totalVolume;
+    json["bvtvOf"] = v.ofSpheres ? "spheres" : "solid";
+    json["amount"] = orNull(v.amount);
+    json["reachedShare"] = orNull(v.reachedShare);
+    json["radius"] = v.radius.empty() ? Json() : Json(v.radius);
+    json["tbth"] = orNull(v.thickness);
+    json["solidAttached"] = orNull(v.solidAttached);
+    json["solidPieces"] = v.solidPieces;
+    json["spheresAttached"] = orNull(v.spheresAttached);
+    json["dropped"] = v.dropped;
+    json["cortical"] = v.cortical;
+    json["across"] = orNull(v.across);
+    return json;
+}
+
+Json domainJson(const Report& r) {
+    Json json = {{"kind", r.domain.kind},
+                 {"triangles", r.domain.triangles},
+                 {"volume", r.volume},
+                 {"meshVolume", r.domain.meshVolume > 0 ? Json(r.domain.meshVolume) : Json()},
+                 {"area", r.area},
+                 {"voxelSize", r.domain.voxelSize > 0 ? Json(r.domain.voxelSize) : Json()},
+                 {"activeVoxels", r.domain.activeVoxels},
+                 {"boundaryEdges", r.domain.boundaryEdges},
+                 {"nonManifoldEdges", r.domain.nonManifoldEdges}};
+    if (r.domain.repair) json["repair"] = toJson(*r.domain.repair);
+    return json;
+}
+
+}  // namespace
+
+nlohmann::ordered_json toJson(const Report& r) {
+    Json json;
+    json["version"] = r.version;
+    json["command"] = r.command;
+    json["unit"] = "mm";
+    json["seed"] = r.seed;
+    json["threads"] = r.threads;
+    json["hash"] = hashText(r.hash);
+    json["interrupted"] = r.interrupted;
+    json["domain"] = domainJson(r);
+    const bool any = r.count > 0;
+    json["spheres"] = {{"count", r.count},
+                       {"existing", r.existing},
+                       {"requested", r.requested.empty() ? Json() : Json(r.requested)},
+                       {"radius",
+                        {{"min", any ? Json(r.radius.min) : Json()},
+                         {"mean", any ? Json(r.radius.mean) : Json()},
+                         {"max", any ? Json(r.radius.max) : Json()},
+                         {"sd", any ? Json(r.radius.sd) : Json()}}},
+                       {"ks", orNull(r.ks)},
+                       {"ksByVolume", orNull(r.ksByVolume)},
+                       {"wall", r.wallSizes ? Json({{"depth", r.wallSizes->depth},
+                                                    {"count", r.wallSizes->count},
+                                                    {"ks", r.wallSizes->ks},
+                                                    {"ksByVolume", r.wallSizes->ksByVolume}})
+                                            : Json()}};
+    json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
+                             {"interior", orNull(r.solidFractionInterior)}};
+    json["contacts"] = contactsJson(r);
+    json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
+                       {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
+    json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
+    json["protrusion"] = {
+        {"max", r.protrusion ? Json(r.protrusion->max) : Json()},
+        {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()},
+        {"centersOutside", r.protrusion ? Json(r.protrusion->centersOutside) : Json()}};
+    json["densified"] = densifiedJson(r);
+    json["voids"] = voidsJson(r);
+    json["seconds"] = {{"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
+                       {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
+                       {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
+                       {"write", r.seconds.write}, {"total", r.seconds.total}};
+    json["peakMemoryBytes"] = r.peakMemoryBytes;
+    return json;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,260 @@
+#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/report/report.h"
+#include "vdbpack/report/words.h"
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// Columns on a terminal of UTF-8 text.
+std::size_t columns(const std::string& text) {
+    std::size_t n = 0;
+    for (const char c : text) n += (static_cast<unsigned char>(c) & 0xC0) != 0x80;
+    return n;
+}
+
+/// Lines under labels, wrapped between words.
+class Summary {
+public:
+    void line(const std::string& label, const std::string& text) {
+        constexpr std::size_t kLabel = 11, kWidth = 80;
+        std::string row = fmt::format("{:<{}}", label, kLabel);
+        std::size_t used = kLabel;
+        bool fresh = true;
+        for (std::size_t at = 0; at < text.size();) {
+            const std::size_t end = std::min(text.find(' ', at), text.size());
+            const std::string word = text.substr(at, end - at);
+            if (!fresh && used + 1 + columns(word) > kWidth) {
+                text_ += row + "\n";
+                row = std::string(kLabel, ' ');
+                used = kLabel;
+                fresh = true;
+            }
+            row += (fresh ? "" : " ") + word;
+            used += columns(word) + (fresh ? 0 : 1);
+            fresh = false;
+            at = end + 1;
+        }
+        text_ += row + "\n";
+    }
+    const std::string& text() const { return text_; }
+
+private:
+    std::string text_;
+};
+
+void addDomain(Summary& out, const Report& r, const Words& words) {
+    const DomainFacts& d = r.domain;
+    std::string text = d.kind;
+    if (d.triangles > 0) text += fmt::format(", {} triangles", grouped(d.triangles));
+    text += fmt::format(", {} {:.6g} {}", words.volume, r.volume, words.volumeUnit);
+    if (d.meshVolume > 0) text += fmt::format(" (mesh: {:.6g})", d.meshVolume);
+    text += fmt::format(", wall {:.6g} {}", r.area, words.wallUnit);
+    out.line("domain", text);
+    if (d.voxelSize > 0)
+        out.line("", fmt::format("field of {} active voxels of {:.4g} mm", grouped(d.activeVoxels),
+                                 d.voxelSize));
+    if (d.boundaryEdges > 0 || d.nonManifoldEdges > 0)
+        out.line("", fmt::format("the mesh has {} boundary and {} non-manifold edges",
+                                 grouped(d.boundaryEdges), grouped(d.nonManifoldEdges)));
+    if (!d.repair) return;
+    out.line("repair", describe(*d.repair));
+    if (d.repair->doubtfulVolume > 0)
+        out.line("", fmt::format("ambiguous volume next to holes: {:.4g} mm³",
+                                 d.repair->doubtfulVolume));
+}
+
+void addSpheres(Summary& out, const Report& r, const Words& words) {
+    std::string text = grouped(r.count);
+    if (!r.requested.empty()) text += ", requested " + r.requested;
+    if (r.ks && r.ksByVolume)
+        text += fmt::format(" (Kolmogorov-Smirnov distance {:.2g}, by {} {:.2g})", *r.ks,
+                            words.volume, *r.ksByVolume);
+    if (r.voids && r.voids->culled > 0 && r.ks) text += "; distances before voids were cut";
+    if (r.interrupted) text += "; INTERRUPTED, these are the completed ones";
+    if (r.existing > 0) text += fmt::format("; {} of them existed before", grouped(r.existing));
+    if (r.task != "voids") out.line(words.spheres, text);
+    if (r.count > 0)
+        out.line("", fmt::format("radius {:.5g} to {:.5g} mm, mean {:.5g}, deviation {:.4g}",
+                                 r.radius.min, r.radius.max, r.radius.mean, r.radius.sd));
+    if (!r.solidFractionTotal) return;
+    std::string solid = fmt::format("{:.4f} of the domain", *r.solidFractionTotal);
+    if (r.solidFractionInterior)
+        solid += fmt::format(", {:.4f} deeper than three largest radii", *r.solidFractionInterior);
+    out.line("solid", solid);
+}
+
+void addContacts(Summary& out, const Report& r, const Words& words) {
+    const ContactNetwork& c = *r.contacts;
+    out.line(
+        "contacts",
+        fmt::format("coordination number {:.3g}, {} (gap up to {:g} of the smaller radius); "
+                    "{:.3g} % of the {} have fewer than {} contacts; largest connected "
+                    "component {:.4g} %",
+                    c.mean,
+                    r.domain.kind.empty() ? std::string("walls unknown")
+                                          : fmt::format("{:.3g} without walls", c.meanOfSpheres),
+                    r.contactTolerance, 100 * c.fewShare, words.spheres, c.few,
+                    100 * c.largestComponent));
+}
+
+void addDensified(Summary& out, const Report& r, const Words& words) {
+    const Report::Densified& d = *r.densified;
+    out.line("densified",
+             fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
+                         d.after, grouped(d.inserted), words.spheres, grouped(d.steps)));
+    const auto& before = d.contactsBefore;
+    if (!d.contactsAfter || !d.solidLike) return;
+    const auto& after = *d.contactsAfter;
+    out.line("",
+             fmt::format("coordination numbers without walls, for gaps up to 0.1, 1 and 5 % of the "
+                         "smaller radius: {:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
+                         after[0], after[1], after[2], before[0], before[1], before[2]));
+    constexpr double kNextTolerance = Report::Densified::kContactTolerances[1];
+    if (r.contactTolerance < kNextTolerance)
+        out.line("", fmt::format("contacts and bonds of densified {} need a wider tolerance: "
+                                 "--contact-tol {:.2g}",
+                                 words.spheres, kNextTolerance));
+    out.line("", fmt::format("{:.2g} % in crystalline order (by bond order)", 100 * *d.solidLike));
+}
+
+std::string voidsText(const Report& r, const Words& words) {
+    const VoidReport& v = *r.voids;
+    std::string text = v.method;
+    if (v.count > 0) text += fmt::format(": {}", grouped(v.count));
+    if (v.bvtv)
+        text += fmt::format(", {} {:.4f}",
+                            v.ofSpheres ? "share of the spheres' volume left" : "BV/TV", *v.bvtv);
+    if (v.amount && v.method == "boolean")
+        text += fmt::format(", {:.5g} centers per {}", *v.amount, words.volumeUnit);
+    else if (v.amount)
+        text += fmt::format(", {} {:.5g}",
+                            v.method == "overlay" ? "number"
+                            : v.ofSpheres         ? "D ="
+                                                  : "probability",
+                            *v.amount);
+    if (v.reachedShare) text += fmt::format(" (share of holes {:.4g})", *v.reachedShare);
+    if (v.culled > 0) text += fmt::format(", {} {} culled", grouped(v.culled), words.spheres);
+    return text;
+}
+
+void addVoids(Summary& out, const Report& r, const Words& words) {
+    const VoidReport& v = *r.voids;
+    const char* root = v.shell > 0 ? "connected to the shell" : "in the largest component";
+    if (!v.method.empty()) {
+        out.line("voids", voidsText(r, words));
+        if (v.thickness)
+            out.line("", fmt::format("Tb.Th {:.4g} mm with void radii {}", *v.thickness, v.radius));
+        if (v.voxelSize > 0)
+            out.line("", fmt::format("level set in voxels of {:.4g} mm", v.voxelSize));
+        if (v.solidAttached)
+            out.line("", fmt::format("{:.4g} % of the solid is {}; {} connected component{}",
+                                     100 * *v.solidAttached, root, grouped(v.solidPieces),
+                                     v.solidPieces == 1 ? "" : "s"));
+        if (v.spheresAttached)
+            out.line("", fmt::format("{:.4g} % of the {} are {} by contacts{}",
+                                     100 * *v.spheresAttached, words.spheres, root,
+                                     v.dropped > 0
+                                         ? fmt::format("; {} others removed", grouped(v.dropped))
+                                         : std::string()));
+    }
+    if (v.shell > 0 && r.count > 0)
+        out.line(
+            "shell",
+            fmt::format("{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), words.spheres,
+                        v.across ? fmt::format("; {:.3g} {} across", *v.across, words.spheres)
+                                 : std::string()));
+}
+
+/// "none", apart from what the input pack had; or nothing if this run found more than that.
+std::string noneNew(std::uint64_t found, std::uint64_t given, const std::string& things,
+                    const std::string& fault, double largest, const char* radius) {
+    if (found != given) return "";
+    if (found == 0) return fmt::format("none (largest {:.2g} of {})", largest, radius);
+    return fmt::format("none new; {} {} of the input pack {}", grouped(found), things, fault);
+}
+
+void addChecks(Summary& out, const Report& r, const Words& words) {
+    // `measure` reports; it does not judge.
+    const char* failed = r.task == "measure" ? "" : "CHECK FAILED: ";
+    if (r.overlap) {
+        const auto& o = *r.overlap;
+        const std::string none =
+            noneNew(o.pairs, r.givenOverlaps, "pairs", "overlap", o.max, "a radius");
+        out.line("overlap",
+                 !none.empty()
+                     ? none
+                     : fmt::format("{}{}{} pairs, largest {:.3g} of the smaller radius", failed,
+                                   o.complete ? "" : "more than ", grouped(o.pairs), o.max));
+    }
+    if (r.gapAsked > 0 && r.smallestGap)
+        out.line("gap", fmt::format("{}smallest {:.6g} mm, requested {:.6g} mm",
+                                    keepsGap(r) ? "" : failed, *r.smallestGap, r.gapAsked));
+    if (r.protrusion) {
+        const auto& p = *r.protrusion;
+        const std::string none =
+            noneNew(p.spheres, r.givenProtrusions, words.spheres, "protrude", p.max, "a radius");
+        out.line("protrusion", !none.empty()
+                                   ? none
+                                   : fmt::format("{}{} {}, largest {:.3g} of the radius, {} with "
+                                                 "centers outside",
+                                                 failed, grouped(p.spheres), words.spheres, p.max,
+                                                 grouped(p.centersOutside)));
+    }
+}
+
+void addRun(Summary& out, const Report& r, const Words& words) {
+    std::string seconds;
+    const std::pair<const char*, double> stages[] = {
+        {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
+        {"pack", r.seconds.pack},   {"densify", r.seconds.densify},
+        {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
+        {"write", r.seconds.write}};
+    for (const auto& [name, value] : stages)
+        if (value > 0) seconds += fmt::format("{} {:.2f}, ", name, value);
+    out.line("seconds", seconds + fmt::format("total {:.2f} on {} thread{}", r.seconds.total,
+                                              r.threads, r.threads == 1 ? "" : "s"));
+    if (r.seconds.pack > 0 && r.count > 0)
+        out.line("", fmt::format("{} {} placed per second",
+                                 grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /
+                                                                    r.seconds.pack)),
+                                 words.spheres));
+    if (r.peakMemoryBytes > 0)
+        out.line("memory", fmt::format("{:.0f} MiB at most",
+                                       static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
+    if (r.task == "voids")
+        out.line("seed", std::to_string(r.seed));
+    else if (r.task == "pack" || r.task == "carve")
+        out.line("seed", fmt::format("{}, hash {}", r.seed, hashText(r.hash)));
+    else
+        out.line("hash", hashText(r.hash));
+}
+
+/// Lines of which the first has a label.
+void addLines(Summary& out, const char* label, const std::vector<std::string>& lines) {
+    for (std::size_t i = 0; i < lines.size(); ++i) out.line(i == 0 ? label : "", lines[i]);
+}
+
+}  // namespace
+
+std::string summary(const Report& r) {
+    const Words words(r.dim);
+    Summary out;
+    if (!r.domain.kind.empty()) addDomain(out, r, words);
+    addLines(out, "by default", r.chosen);
+    addSpheres(out, r, words);
+    if (r.contacts) addContacts(out, r, words);
+    if (r.densified) addDensified(out, r, words);
+    if (r.voids) addVoids(out, r, words);
+    addChecks(out, r, words);
+    addRun(out, r, words);
+    addLines(out, "written", r.files);
+    return out.text();
+}
+
+}  // namespace vdbpack
