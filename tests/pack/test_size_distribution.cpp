@@ -8,6 +8,8 @@
 
 #include <cmath>
 #include <fstream>
+#include <string>
+#include <vector>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -142,4 +144,66 @@ TEST_CASE("a table of radii that is a folder, missing or empty is refused", "[pa
         REQUIRE_THROWS_AS(SizeDistribution::parse(kind + folder.file("none.csv"), 3), IoError);
         REQUIRE_THROWS_AS(SizeDistribution::parse(kind + folder.file("empty.csv"), 3), InputError);
     }
+}
+
+TEST_CASE("typed distributions are those of the texts, bit by bit", "[pack][sizes]") {
+    const TemporaryFolder folder;
+    const std::string radii = folder.file("radii.csv"), curve = folder.file("curve.csv");
+    std::ofstream(radii) << "radius,weight\n2,1\n1,8\n1.5,0\n2,0.5\n";
+    std::ofstream(curve) << "diameter,finer\n4,100\n1,0\n2,30\n";
+    const auto dim = GENERATE(2, 3);
+    struct Pair {
+        std::string text;
+        SizeDistribution typed;
+        WeightBy weightBy = WeightBy::count;
+    };
+    const std::vector<Pair> pairs{
+        {"constant:0.3", SizeDistribution::constant(0.3)},
+        {"uniform:0.31,0.62", SizeDistribution::uniform(0.31, 0.62)},
+        {"uniform:2,2", SizeDistribution::uniform(2, 2)},
+        {"normal:1.5,0.3,1,2", SizeDistribution::normal(1.5, 0.3, 1, 2)},
+        {"lognormal:1,0.5,0.3,3", SizeDistribution::lognormal(1, 0.5, 0.3, 3)},
+        {"table:" + radii, SizeDistribution::table({2, 1, 1.5, 2}, {1, 8, 0, 0.5})},
+        {"table:" + radii,
+         SizeDistribution::table({2, 1, 1.5, 2}, {1, 8, 0, 0.5}, WeightBy::volume, dim),
+         WeightBy::volume},
+        {"psd:" + curve, SizeDistribution::sieve({4, 1, 2}, {100, 0, 30}, dim)},
+    };
+    for (const Pair& pair : pairs) {
+        CAPTURE(pair.text, dim);
+        const auto parsed = SizeDistribution::parse(pair.text, dim, pair.weightBy);
+        for (const double factor : {1.0, 0.7}) {
+            const auto a = parsed.scaled(factor), b = pair.typed.scaled(factor);
+            for (int i = 0; i <= 1000; ++i) {
+                REQUIRE(a.quantile(i / 1000.0) == b.quantile(i / 1000.0));
+                const double r = a.min() + i / 1000.0 * (a.max() - a.min());
+                REQUIRE(a.cdf(r) == b.cdf(r));
+                REQUIRE(a.cdfBelow(r) == b.cdfBelow(r));
+            }
+            CHECK(a.mean() == b.mean());
+            CHECK(a.meanBall(dim) == b.meanBall(dim));
+        }
+        if (pair.text.find(".csv") == std::string::npos) {
+            CHECK(parsed.spec() == pair.typed.spec());
+            CHECK(parsed.scaled(0.7).spec() == pair.typed.scaled(0.7).spec());
+        }
+    }
+}
+
+TEST_CASE("bad values of typed distributions are refused", "[pack][sizes]") {
+    const double nan = std::nan("");
+    CHECK_THROWS_AS(SizeDistribution::constant(0), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::constant(nan), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::uniform(2, 1), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::uniform(1, nan), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::normal(nan, 1, 1, 2), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::normal(1, 0, 1, 2), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::lognormal(-1, 1, 1, 2), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::table({}, {}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::table({1, 2}, {1}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::table({1, 2}, {1, -1}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::table({1, 2}, {0, 0}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::sieve({1}, {100}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {50, 20}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {50, nan}), ParameterError);
 }

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/pack/size_shape.h"
 
 #include <fmt/format.h>
 
@@ -11,47 +12,12 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <numeric>
 #include <string_view>
+#include <utility>
 
 namespace vdbpack {
 
-/// A distribution at factor 1: nodes (radius, share below) joined by `cdfOf` between them.
-struct SizeDistribution::Shape {
-    enum class Kind { uniform, normal, lognormal, discrete, massLinear };
-    Kind kind = Kind::uniform;
-    std::string spec;
-    double lo = 0, hi = 0;  ///< mm
-    double center = 0, spread = 0;
-    int dim = 3;
-    std::vector<double> radius;      ///< discrete: values; massLinear: nodes
-    std::vector<double> cumulative;  ///< discrete: share up to and with; massLinear: share below
-    std::vector<double> massSlope;   ///< massLinear: mass per mm on each interval
-    double massTotal = 1;            ///< massLinear: number integral before normalization
-    std::vector<double> quantiles;   ///< tabulated inverse for kinds without a formula
-    double mean = 0;
-    double ballMoment[4] = {};  ///< E[r^d]
-
-    double cdf(double r, bool below) const;
-    double invert(double u) const;
-    double bisect(double u, double from, double to) const;
-    void finish();
-};
-
 namespace {
-
-constexpr std::size_t kQuantileNodes = 1 << 14;
-constexpr double kTail = 0.01;
-
-double normalCdf(double z) {
-    return 0.5 * std::erfc(-z / std::sqrt(2.0));
-}
-
-/// Numbers of spheres per unit of mass between diameters (here radii) a and b for mass spread
-/// evenly: the integral of r^-dim.
-double inversePower(double a, double b, int dim) {
-    return dim == 3 ? 0.5 * (1 / (a * a) - 1 / (b * b)) : 1 / a - 1 / b;
-}
 
 std::vector<double> parseNumbers(const std::string& spec, std::string_view text,
                                  std::size_t expected, const char* form) {
@@ -140,194 +106,219 @@ std::vector<std::pair<double, double>> readTable(const std::string& path, const 
 
 }  // namespace
 
-double SizeDistribution::Shape::cdf(double r, bool below) const {
-    if (kind == Kind::discrete) {
-        const auto at = below ? std::lower_bound(radius.begin(), radius.end(), r)
-                              : std::upper_bound(radius.begin(), radius.end(), r);
-        return at == radius.begin() ? 0.0
-                                    : cumulative[static_cast<std::size_t>(at - radius.begin() - 1)];
-    }
-    if (r <= lo) return 0;
-    if (r >= hi) return 1;
-    switch (kind) {
-        case Kind::uniform:
-            return (r - lo) / (hi - lo);
-        case Kind::normal: {
-            const double a = normalCdf((lo - center) / spread);
-            const double b = normalCdf((hi - center) / spread);
-            return (normalCdf((r - center) / spread) - a) / (b - a);
-        }
-        case Kind::lognormal: {
-            const double a = normalCdf(std::log(lo / center) / spread);
-            const double b = normalCdf(std::log(hi / center) / spread);
-            return (normalCdf(std::log(r / center) / spread) - a) / (b - a);
-        }
-        case Kind::massLinear: {
-            const auto k = static_cast<std::size_t>(
-                std::upper_bound(radius.begin(), radius.end(), r) - radius.begin() - 1);
-            return cumulative[k] + massSlope[k] * inversePower(radius[k], r, dim) / massTotal;
-        }
-        case Kind::discrete:
-            break;
-    }
-    return 1;
+namespace {
+
+SizeShape uniformShape(double a, double b) {
+    SizeShape shape;
+    shape.lo = a;
+    shape.hi = b;
+    if (a != b) return shape;
+    shape.kind = SizeShape::Kind::discrete;
+    shape.radius = {a};
+    shape.cumulative = {1.0};
+    return shape;
 }
 
-double SizeDistribution::Shape::bisect(double u, double from, double to) const {
-    for (int i = 0; i < 60 && from < to; ++i) {
-        const double middle = 0.5 * (from + to);
-        (cdf(middle, false) < u ? from : to) = middle;
-    }
-    return to;
-}
-
-double SizeDistribution::Shape::invert(double u) const {
-    if (kind == Kind::uniform) return lo + u * (hi - lo);
-    if (kind == Kind::discrete) {
-        const auto at = std::upper_bound(cumulative.begin(), cumulative.end() - 1, u);
-        return radius[static_cast<std::size_t>(at - cumulative.begin())];
-    }
-    // The tails are too curved for the table.
-    if (u < kTail || u > 1 - kTail) return bisect(u, lo, hi);
-    const double x = u * static_cast<double>(kQuantileNodes);
-    const auto k = std::min(static_cast<std::size_t>(x), kQuantileNodes - 1);
-    const double t = x - static_cast<double>(k);
-    return quantiles[k] * (1 - t) + quantiles[k + 1] * t;
-}
-
-void SizeDistribution::Shape::finish() {
-    if (kind != Kind::uniform && kind != Kind::discrete) {
-        quantiles.resize(kQuantileNodes + 1);
-        double a = lo;
-        for (std::size_t k = 0; k <= kQuantileNodes; ++k) {
-            const double u = static_cast<double>(k) / static_cast<double>(kQuantileNodes);
-            a = bisect(u, a, hi);
-            quantiles[k] = a;
+/// @param weightBy, dim  what weights count, and the power of the radius that volume goes with.
+/// @param fail           throws, with what is wrong with the rows.
+template <class Fail>
+SizeShape tableShape(std::vector<std::pair<double, double>> rows, WeightBy weightBy, int dim,
+                     const Fail& fail) {
+    std::sort(rows.begin(), rows.end());
+    SizeShape shape;
+    shape.kind = SizeShape::Kind::discrete;
+    double total = 0;
+    for (const auto& [r, weight] : rows) {
+        if (weight < 0) fail(fmt::format("weight {} of radius {} is negative", weight, r));
+        if (weight == 0) continue;
+        total += weightBy == WeightBy::volume ? weight / std::pow(r, dim) : weight;
+        if (!shape.radius.empty() && shape.radius.back() == r) {
+            shape.cumulative.back() = total;
+        } else {
+            shape.radius.push_back(r);
+            shape.cumulative.push_back(total);
         }
-        quantiles.front() = lo;
-        quantiles.back() = hi;
     }
-    // Moments by the midpoint rule over shares: 2^16 strata leave an error near 1e-9.
-    constexpr int kStrata = 1 << 16;
-    for (int d = 0; d <= 3; ++d) {
-        double sum = 0;
-        for (int i = 0; i < kStrata; ++i) sum += std::pow(invert((i + 0.5) / kStrata), d);
-        ballMoment[d] = sum / kStrata;
+    if (!(total > 0) || !std::isfinite(total)) fail("the weights have no finite, positive sum");
+    for (double& c : shape.cumulative) c /= total;
+    shape.cumulative.back() = 1;
+    shape.lo = shape.radius.front();
+    shape.hi = shape.radius.back();
+    return shape;
+}
+
+/// @param rows  diameter and percent finer by mass.
+template <class Fail>
+SizeShape sieveShape(std::vector<std::pair<double, double>> rows, int dim, const Fail& fail) {
+    std::sort(rows.begin(), rows.end());
+    SizeShape shape;
+    shape.kind = SizeShape::Kind::massLinear;
+    shape.dim = dim;
+    const double range = rows.back().second - rows.front().second;
+    double number = 0;
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        shape.radius.push_back(rows[k].first / 2);
+        shape.cumulative.push_back(number);
+        if (k + 1 == rows.size()) break;
+        const double step = rows[k + 1].second - rows[k].second;
+        const double width = (rows[k + 1].first - rows[k].first) / 2;
+        if (step < 0 || width <= 0 || rows[k].second < 0 || rows[k + 1].second > 100.0001)
+            fail(
+                fmt::format("percent finer must rise from 0 to 100 with the diameter; it goes from "
+                            "{} at {} to {} at {}",
+                            rows[k].second, rows[k].first, rows[k + 1].second, rows[k + 1].first));
+        shape.massSlope.push_back(step / range / width);
+        number +=
+            shape.massSlope.back() * inversePower(shape.radius[k], rows[k + 1].first / 2, dim);
     }
-    mean = ballMoment[1];
+    if (!(range > 0) || !(number > 0) || !std::isfinite(number))
+        fail("percent finer does not rise; nothing can be drawn from it");
+    shape.massTotal = number;
+    for (double& c : shape.cumulative) c /= number;
+    shape.lo = shape.radius.front();
+    shape.hi = shape.radius.back();
+    return shape;
+}
+
+/// Rows of two columns that a caller gave apart.
+std::vector<std::pair<double, double>> rowsOf(const std::vector<double>& first,
+                                              const std::vector<double>& second,
+                                              const char* names) {
+    if (first.empty() || first.size() != second.size())
+        throw ParameterError(fmt::format("{}: {} and {} values; give as many of each, at least one",
+                                         names, first.size(), second.size()));
+    std::vector<std::pair<double, double>> rows;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (!std::isfinite(first[i]) || !std::isfinite(second[i]))
+            throw ParameterError(fmt::format("{}: row {} ({}, {}) is not two finite numbers", names,
+                                             i, first[i], second[i]));
+        rows.emplace_back(first[i], second[i]);
+    }
+    return rows;
+}
+
+void requireRange(const std::string& spec, const std::vector<std::pair<double, double>>& rows) {
+    const auto [least, most] = std::minmax_element(rows.begin(), rows.end());
+    requireRange(spec, least->first, most->first);
+}
+
+}  // namespace
+
+SizeDistribution::SizeDistribution(SizeShape shape, std::string spec)
+    : base_(spec), spec_(std::move(spec)) {
+    shape.finish();
+    shape_ = std::make_shared<const SizeShape>(std::move(shape));
+}
+
+SizeDistribution SizeDistribution::constant(double radius) {
+    const std::string spec = fmt::format("constant:{}", radius);
+    requireRange(spec, radius, radius);
+    return {uniformShape(radius, radius), spec};
+}
+
+SizeDistribution SizeDistribution::uniform(double a, double b) {
+    const std::string spec = fmt::format("uniform:{},{}", a, b);
+    requireRange(spec, a, b);
+    return {uniformShape(a, b), spec};
+}
+
+SizeDistribution SizeDistribution::bell(bool logarithmic, double center, double spread, double a,
+                                        double b) {
+    const std::string spec =
+        fmt::format("{}:{},{},{},{}", logarithmic ? "lognormal" : "normal", center, spread, a, b);
+    requireRange(spec, a, b);
+    if (!(spread > 0) || !std::isfinite(center) || (logarithmic && !(center > 0)) || a == b)
+        throw ParameterError(fmt::format(
+            "radius distribution '{}': the {} and the range A,B must be positive; for one "
+            "radius write constant:R",
+            spec, logarithmic ? "median, SIGMA" : "standard deviation"));
+    const double from = logarithmic ? std::log(a / center) / spread : (a - center) / spread;
+    const double to = logarithmic ? std::log(b / center) / spread : (b - center) / spread;
+    if (!(normalCdf(to) - normalCdf(from) > 1e-9))
+        throw ParameterError(fmt::format(
+            "radius distribution '{}': the range {} to {} holds none of it; widen the range", spec,
+            a, b));
+    SizeShape shape;
+    shape.kind = logarithmic ? SizeShape::Kind::lognormal : SizeShape::Kind::normal;
+    shape.center = center;
+    shape.spread = spread;
+    shape.lo = a;
+    shape.hi = b;
+    return {std::move(shape), spec};
+}
+
+SizeDistribution SizeDistribution::normal(double mean, double sd, double a, double b) {
+    return bell(false, mean, sd, a, b);
+}
+
+SizeDistribution SizeDistribution::lognormal(double median, double sigma, double a, double b) {
+    return bell(true, median, sigma, a, b);
+}
+
+SizeDistribution SizeDistribution::table(const std::vector<double>& radii,
+                                         const std::vector<double>& weights, WeightBy weightBy,
+                                         int dim) {
+    const std::string spec = fmt::format("table of {} radii", radii.size());
+    auto rows = rowsOf(radii, weights, "radii and weights");
+    requireRange(spec, rows);
+    const auto fail = [](const std::string& what) {
+        throw ParameterError("radii and weights: " + what);
+    };
+    return {tableShape(std::move(rows), weightBy, dim, fail), spec};
+}
+
+SizeDistribution SizeDistribution::sieve(const std::vector<double>& diameters,
+                                         const std::vector<double>& percentFiner, int dim) {
+    const std::string spec = fmt::format("grading curve of {} diameters", diameters.size());
+    auto rows = rowsOf(diameters, percentFiner, "diameters and percent finer");
+    const auto fail = [](const std::string& what) {
+        throw ParameterError("diameters and percent finer: " + what);
+    };
+    if (rows.size() < 2) fail("a grading curve needs two points or more");
+    requireRange(spec, rows);
+    return {sieveShape(std::move(rows), dim, fail), spec};
 }
 
 SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, WeightBy weightBy) {
-    auto shape = std::make_shared<Shape>();
-    shape->spec = spec;
-    shape->dim = dim;
     const auto colon = spec.find(':');
     const std::string kind = spec.substr(0, colon);
     const std::string rest = colon == std::string::npos ? "" : spec.substr(colon + 1);
-    using Kind = Shape::Kind;
-    if (kind == "constant") {
-        const auto v = parseNumbers(spec, rest, 1, "constant:R");
-        requireRange(spec, v[0], v[0]);
-        shape->kind = Kind::discrete;
-        shape->radius = {v[0]};
-        shape->cumulative = {1.0};
-    } else if (kind == "uniform") {
-        const auto v = parseNumbers(spec, rest, 2, "uniform:A,B");
-        requireRange(spec, v[0], v[1]);
-        shape->lo = v[0];
-        shape->hi = v[1];
-        if (v[0] == v[1]) {
-            shape->kind = Kind::discrete;
-            shape->radius = {v[0]};
-            shape->cumulative = {1.0};
-        }
-    } else if (kind == "normal" || kind == "lognormal") {
-        const bool logarithmic = kind == "lognormal";
-        const auto v = parseNumbers(
-            spec, rest, 4, logarithmic ? "lognormal:MEDIAN,SIGMA,A,B" : "normal:MEAN,SD,A,B");
-        requireRange(spec, v[2], v[3]);
-        if (!(v[1] > 0) || (logarithmic && !(v[0] > 0)) || v[2] == v[3])
-            throw ParameterError(fmt::format(
-                "radius distribution '{}': the {} and the range A,B must be positive; for one "
-                "radius write constant:R",
-                spec, logarithmic ? "median, SIGMA" : "standard deviation"));
-        shape->kind = logarithmic ? Kind::lognormal : Kind::normal;
-        shape->center = v[0];
-        shape->spread = v[1];
-        shape->lo = v[2];
-        shape->hi = v[3];
-        const double a = logarithmic ? std::log(v[2] / v[0]) / v[1] : (v[2] - v[0]) / v[1];
-        const double b = logarithmic ? std::log(v[3] / v[0]) / v[1] : (v[3] - v[0]) / v[1];
-        if (!(normalCdf(b) - normalCdf(a) > 1e-9))
-            throw ParameterError(fmt::format(
-                "radius distribution '{}': the range {} to {} holds none of it; widen the range",
-                spec, v[2], v[3]));
-    } else if (kind == "table" && !rest.empty()) {
+    const auto numbers = [&](std::size_t count, const char* form) {
+        return parseNumbers(spec, rest, count, form);
+    };
+    const auto asWritten = [&](SizeDistribution sizes) {
+        sizes.base_ = sizes.spec_ = spec;
+        return sizes;
+    };
+    const auto fail = [&](const std::string& what) { throw InputError(rest + ": " + what); };
+    if (kind == "constant") return asWritten(constant(numbers(1, "constant:R")[0]));
+    if (kind == "uniform") {
+        const auto v = numbers(2, "uniform:A,B");
+        return asWritten(uniform(v[0], v[1]));
+    }
+    if (kind == "normal") {
+        const auto v = numbers(4, "normal:MEAN,SD,A,B");
+        return asWritten(normal(v[0], v[1], v[2], v[3]));
+    }
+    if (kind == "lognormal") {
+        const auto v = numbers(4, "lognormal:MEDIAN,SIGMA,A,B");
+        return asWritten(lognormal(v[0], v[1], v[2], v[3]));
+    }
+    if (kind == "table" && !rest.empty()) {
         auto rows = readTable(rest, "radius,weight");
-        std::sort(rows.begin(), rows.end());
-        requireRange(spec, rows.front().first, rows.back().first);
-        shape->kind = Kind::discrete;
-        double total = 0;
-        for (const auto& [r, weight] : rows) {
-            if (weight < 0)
-                throw InputError(
-                    fmt::format("{}: weight {} of radius {} is negative", rest, weight, r));
-            if (weight == 0) continue;
-            total += weightBy == WeightBy::volume ? weight / std::pow(r, dim) : weight;
-            if (!shape->radius.empty() && shape->radius.back() == r) {
-                shape->cumulative.back() = total;
-            } else {
-                shape->radius.push_back(r);
-                shape->cumulative.push_back(total);
-            }
-        }
-        if (!(total > 0) || !std::isfinite(total))
-            throw InputError(rest + ": the weights have no finite, positive sum");
-        for (double& c : shape->cumulative) c /= total;
-        shape->cumulative.back() = 1;
-    } else if (kind == "psd" && !rest.empty()) {
+        requireRange(spec, rows);
+        return {tableShape(std::move(rows), weightBy, dim, fail), spec};
+    }
+    if (kind == "psd" && !rest.empty()) {
         auto rows = readTable(rest, "diameter,percent finer by mass");
-        std::sort(rows.begin(), rows.end());
-        if (rows.size() < 2) throw InputError(rest + ": a grading curve needs two points or more");
-        requireRange(spec, rows.front().first, rows.back().first);
-        const double range = rows.back().second - rows.front().second;
-        shape->kind = Kind::massLinear;
-        double number = 0;
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            shape->radius.push_back(rows[k].first / 2);
-            shape->cumulative.push_back(number);
-            if (k + 1 == rows.size()) break;
-            const double step = rows[k + 1].second - rows[k].second;
-            const double width = (rows[k + 1].first - rows[k].first) / 2;
-            if (step < 0 || width <= 0 || rows[k].second < 0 || rows[k + 1].second > 100.0001)
-                throw InputError(fmt::format(
-                    "{}: percent finer must rise from 0 to 100 with the diameter; it goes from {} "
-                    "at {} to {} at {}",
-                    rest, rows[k].second, rows[k].first, rows[k + 1].second, rows[k + 1].first));
-            shape->massSlope.push_back(step / range / width);
-            number += shape->massSlope.back() *
-                      inversePower(shape->radius[k], rows[k + 1].first / 2, dim);
-        }
-        if (!(range > 0) || !(number > 0) || !std::isfinite(number))
-            throw InputError(rest + ": percent finer does not rise; nothing can be drawn from it");
-        shape->massTotal = number;
-        for (double& c : shape->cumulative) c /= number;
-        shape->lo = shape->radius.front();
-        shape->hi = shape->radius.back();
-    } else {
-        throw ParameterError(
-            fmt::format("radius distribution '{}' is not known; use constant:R, uniform:A,B, "
-                        "normal:MEAN,SD,A,B, lognormal:MEDIAN,SIGMA,A,B, table:FILE or psd:FILE",
-                        spec));
+        if (rows.size() < 2) fail("a grading curve needs two points or more");
+        requireRange(spec, rows);
+        return {sieveShape(std::move(rows), dim, fail), spec};
     }
-    if (shape->kind == Kind::discrete) {
-        shape->lo = shape->radius.front();
-        shape->hi = shape->radius.back();
-    }
-    shape->finish();
-    SizeDistribution result(std::move(shape), 1.0);
-    result.spec_ = spec;
-    return result;
+    throw ParameterError(
+        fmt::format("radius distribution '{}' is not known; use constant:R, uniform:A,B, "
+                    "normal:MEAN,SD,A,B, lognormal:MEDIAN,SIGMA,A,B, table:FILE or psd:FILE",
+                    spec));
 }
 
 double SizeDistribution::quantile(double u) const {
@@ -340,13 +331,13 @@ double SizeDistribution::quantile(double u) const {
 }
 
 double SizeDistribution::cdf(double r) const {
-    // A drawn atom is the float nearest to the tabulated value: count it at either.
-    const double slack = shape_->kind == Shape::Kind::discrete ? 1e-6 : 0.0;
+    // A radius drawn is the float nearest to the tabulated value: both count.
+    const double slack = shape_->kind == SizeShape::Kind::discrete ? 1e-6 : 0.0;
     return shape_->cdf(r / factor_ * (1 + slack), false);
 }
 
 double SizeDistribution::cdfBelow(double r) const {
-    const double slack = shape_->kind == Shape::Kind::discrete ? 1e-6 : 0.0;
+    const double slack = shape_->kind == SizeShape::Kind::discrete ? 1e-6 : 0.0;
     return shape_->cdf(r / factor_ * (1 - slack), true);
 }
 
@@ -370,10 +361,11 @@ const std::string& SizeDistribution::spec() const {
 }
 
 SizeDistribution SizeDistribution::scaled(double factor) const {
-    SizeDistribution result(shape_, factor_ * factor);
-    const Shape& s = *shape_;
+    SizeDistribution result = *this;
+    result.factor_ = factor_ * factor;
+    const SizeShape& s = *shape_;
     const double f = result.factor_;
-    const std::string kind = s.spec.substr(0, s.spec.find(':'));
+    const std::string kind = base_.substr(0, base_.find(':'));
     if (kind == "constant")
         result.spec_ = fmt::format("constant:{:.6g}", s.hi * f);
     else if (kind == "uniform")
@@ -385,7 +377,7 @@ SizeDistribution SizeDistribution::scaled(double factor) const {
         result.spec_ = fmt::format("lognormal:{:.6g},{:.6g},{:.6g},{:.6g}", s.center * f, s.spread,
                                    s.lo * f, s.hi * f);
     else
-        result.spec_ = fmt::format("{} x {:.6g}", s.spec, f);
+        result.spec_ = fmt::format("{} x {:.6g}", base_, f);
     return result;
 }
 

@@ -1,4 +1,4 @@
-// Radius distributions: what `--radius` asks for.
+// Distributions of radii.
 #pragma once
 
 #include <memory>
@@ -7,52 +7,86 @@
 
 namespace vdbpack {
 
-/// How the weights of a radius table count.
+struct SizeShape;
+
+/// What the weights of a table of radii count: spheres, or their volume (2D: area).
 enum class WeightBy { count, volume };
 
 /// A distribution of radii by number, mm. Immutable and cheap to copy.
+///
+///     SizeDistribution::uniform(1, 2)
+///     SizeDistribution::parse("lognormal:1,0.5,0.3,3", 3)
 class SizeDistribution {
 public:
-    /// Parses SPEC:
+    // All lengths in mm, from 1e-9 to 1e9; anything else is a ParameterError.
+
+    /// One radius for all.
+    static SizeDistribution constant(double radius);
+    /// Radii spread evenly over [a, b], 0 < a <= b.
+    static SizeDistribution uniform(double a, double b);
+    /// Normal with `mean` and standard deviation `sd` > 0, truncated to [a, b].
+    /// @throws ParameterError also if the range holds less than 1e-9 of it.
+    static SizeDistribution normal(double mean, double sd, double a, double b);
+    /// Log-normal with `median`, and the standard deviation `sigma` > 0 of ln r; truncated to
+    /// [a, b].
+    /// @throws ParameterError also if the range holds less than 1e-9 of it.
+    static SizeDistribution lognormal(double median, double sigma, double a, double b);
+    /// Discrete: `weights[i]` >= 0 (with any sum) of `radii[i]`, in any order.
+    /// @param weightBy  what the weights count.
+    /// @param dim       2 or 3: volume goes with r^dim.
+    /// @throws ParameterError also for lists that are empty or differ in length.
+    static SizeDistribution table(const std::vector<double>& radii,
+                                  const std::vector<double>& weights,
+                                  WeightBy weightBy = WeightBy::count, int dim = 3);
+    /// A grading curve (sieve analysis): `percentFiner[i]` of the mass, 0 to 100, is in spheres
+    /// smaller than `diameters[i]`; linear in between, none outside.
+    /// @param dim  2 or 3: mass goes with r^dim.
+    /// @throws ParameterError also for fewer than two points, or if percent finer does not rise.
+    static SizeDistribution sieve(const std::vector<double>& diameters,
+                                  const std::vector<double>& percentFiner, int dim = 3);
+
+    /// The same from a text:
     ///   constant:R   uniform:A,B   normal:MEAN,SD,A,B   lognormal:MEDIAN,SIGMA,A,B
-    ///   table:FILE   columns radius, weight; discrete; `weightBy` says what the weights count
-    ///   psd:FILE     columns diameter, percent finer by mass; interpolated linearly
-    /// normal and lognormal are truncated to [A, B]; SIGMA is the standard deviation of ln r.
-    /// @param dim  2 or 3: mass (weight by volume) goes with r^dim.
-    /// @throws ParameterError for a malformed SPEC, IoError or InputError for a bad file.
+    ///   table:FILE   columns radius, weight
+    ///   psd:FILE     columns diameter, percent finer by mass
+    /// @param dim       2 or 3, as in `table` and `sieve`.
+    /// @param weightBy  of table:FILE.
+    /// @throws ParameterError for a malformed text, IoError or InputError for a bad file.
     static SizeDistribution parse(const std::string& spec, int dim,
                                   WeightBy weightBy = WeightBy::count);
 
     /// The radius below which the share `u` in [0, 1] of the spheres lies, mm. Always a 32-bit
-    /// float value, so that files with float radii hold the pack exactly.
+    /// float value, so that files with float radii store the pack exactly.
     double quantile(double u) const;
     /// Share of radii <= r by number.
     double cdf(double r) const;
     /// Share of radii < r by number; differs from `cdf` at the atoms of a discrete distribution.
     double cdfBelow(double r) const;
 
-    double min() const;               ///< mm
-    double max() const;               ///< mm
-    double mean() const;              ///< mm, by number
-    double meanBall(int dim) const;   ///< mean volume (2D: area) of a sphere, mm^dim
-    const std::string& spec() const;  ///< as parsed; scaled ones say so
+    double min() const;              ///< mm
+    double max() const;              ///< mm
+    double mean() const;             ///< mm, by number
+    double meanBall(int dim) const;  ///< mean volume (2D: area) of a sphere, mm^dim
+    /// The text as parsed, or one that `parse` would take (but for typed tables and curves).
+    const std::string& spec() const;
 
     /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with
     /// its lengths multiplied and rounded to six digits.
     SizeDistribution scaled(double factor) const;
 
 private:
-    struct Shape;
-    SizeDistribution(std::shared_ptr<const Shape> shape, double factor)
-        : shape_(std::move(shape)), factor_(factor) {}
+    SizeDistribution(SizeShape shape, std::string spec);
+    static SizeDistribution bell(bool logarithmic, double center, double spread, double a,
+                                 double b);
 
-    std::shared_ptr<const Shape> shape_;
+    std::shared_ptr<const SizeShape> shape_;
     double factor_ = 1;
+    std::string base_;  ///< spec at factor 1
     std::string spec_;
 };
 
-/// Share of the spheres' volume (2D: area) that a distribution puts into the smallest ones: from
-/// shares by number to shares by volume, as a table over 2^16 quantiles; exact to about 1e-5.
+/// From shares by number to shares by volume (2D: area): the share of the spheres' volume that is
+/// in the smallest ones, from a table of 2^16 quantiles; exact to about 1e-5.
 class VolumeShares {
 public:
     VolumeShares(const SizeDistribution& sizes, int dim);
