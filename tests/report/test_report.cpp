@@ -1,3 +1,5 @@
+#include "report/sample_report.h"
+
 #include "vdbpack/report/report.h"
 
 #include <catch2/catch.hpp>
@@ -12,36 +14,16 @@ using namespace vdbpack;
 namespace {
 
 Report fullReport() {
-    Report r;
-    r.version = "1.2.3";
-    r.command = "vdb_pack pack femur.stl -o femur.vdb";
-    r.seed = 7;
-    r.threads = 2;
-    r.hash = 0xabcULL;
-    r.domain.kind = "mesh";
+    Report r = test::sampleReport();
     r.domain.triangles = 624608;
     r.domain.meshVolume = 12345.5;
     r.domain.voxelSize = 0.3;
     r.domain.activeVoxels = 2900000;
     r.domain.boundaryEdges = 3;
-    r.volume = 12340;
     r.area = 4567;
-    r.count = 1101921;
-    r.requested = "uniform:0.31,0.62";
-    r.radius = {0.31, 0.465, 0.62, 0.0895};
-    r.ks = 0.004;
-    r.solidFractionTotal = 0.586;
-    r.solidFractionInterior = 0.62;
-    r.ksByVolume = 0.005;
-    r.contacts.emplace();
-    r.contacts->mean = 4.31;
     r.contacts->histogram = {1, 1101920};
     r.wallSizes = Report::WallSizes{};
-    r.overlap = OverlapCheck{};
-    r.protrusion = ProtrusionCheck{};
     r.seconds.domain = 1.5;
-    r.seconds.pack = 10;
-    r.seconds.total = 13.25;
     r.densified = Report::Densified{};
     r.densified->asked = 0.65;
     r.densified->contactsAfter = {0.4, 5, 7};

@@ -1,3 +1,4 @@
+#include "report/sample_report.h"
 #include "support/well_formed.h"
 
 #include "vdbpack/report/markup.h"
@@ -25,30 +26,8 @@ const double kNothing = std::numeric_limits<double>::quiet_NaN();
 ReportPage fullPage(int dim) {
     ReportPage page;
     page.subject = "femur.ply";
-    Report& r = page.report;
-    r.dim = dim;
-    r.version = "1.2.3";
-    r.task = "pack";
-    r.command = "pack femur.ply -o femur.vdb";
-    r.seed = 7;
-    r.threads = 2;
-    r.hash = 0xabc;
-    r.domain.kind = "mesh";
-    r.volume = 12340;
-    r.count = 1101921;
-    r.requested = "uniform:1,2";
-    r.radius = {1, 1.5, 2, 0.29};
-    r.ks = 0.004;
-    r.ksByVolume = 0.005;
-    r.solidFractionTotal = 0.586;
-    r.solidFractionInterior = 0.62;
-    r.contacts.emplace();
-    r.contacts->mean = 4.31;
-    r.contacts->histogram = {1, 20, 300, 4000, 2000, 10};
-    r.overlap = OverlapCheck{};
-    r.protrusion = ProtrusionCheck{};
-    r.seconds.pack = 10;
-    r.seconds.total = 13.25;
+    page.report = test::sampleReport();
+    page.report.dim = dim;
     page.structure.dim = dim;
     page.structure.meanDiameter = 3;
     page.structure.profile = DensityProfile{0.4, {5, 4, 3}, {0.2, 0.7, 0.6}, {0.01, 0.02, 0.03}};
@@ -74,7 +53,7 @@ std::size_t countOf(const std::string& text, const std::string& part) {
     return n;
 }
 
-/// Whether a word stands there, not as a part of another ("information").
+/// Whether a word occurs, not as a part of another ("information").
 bool hasWord(const std::string& text, const std::string& word) {
     const auto isLetter = [](char c) { return c >= 'a' && c <= 'z'; };
     for (std::size_t at = 0; (at = text.find(word, at)) != std::string::npos; ++at) {
@@ -241,7 +220,7 @@ TEST_CASE("ticks are round numbers within the range", "[report]") {
         }
 }
 
-TEST_CASE("a histogram of radii holds all of them beside what was asked for", "[report]") {
+TEST_CASE("a histogram of radii counts all of them, beside the requested shares", "[report]") {
     std::vector<double> radii;
     for (int i = 0; i <= 1000; ++i) radii.push_back(static_cast<float>(1 + i / 1000.0));
     const auto uniform = [](double r) { return std::clamp(r - 1, 0.0, 1.0); };

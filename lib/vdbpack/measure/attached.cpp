@@ -14,7 +14,7 @@ std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& sphere
     const auto count = static_cast<std::uint32_t>(spheres.size());
     DisjointSets sets(count);
     for (const Contact& c : listContacts(spheres, tolerance)) sets.join(c.i, c.j);
-    std::vector<std::uint8_t> rooted(count);  // by the name of the set
+    std::vector<std::uint8_t> rooted(count);  // by the root of the component
     if (!region.empty()) {
         for (std::uint32_t i = 0; i < count; ++i)
             if (region[i] == 0) rooted[sets.find(i)] = 1;

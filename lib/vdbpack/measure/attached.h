@@ -1,4 +1,4 @@
-// Which spheres of a pack hang together.
+// Connected components of a pack.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -8,8 +8,8 @@
 
 namespace vdbpack {
 
-/// 1 for each sphere that contacts join, over any number of others, with one whose region is 0 (the
-/// shell); with no regions given, for each of the largest set that contacts join.
+/// 1 for each sphere in a connected component (by contacts) with a sphere of region 0 (the shell);
+/// without regions, for each sphere of the largest connected component.
 /// @param tolerance  as of `countContacts`.
 /// @throws as `countContacts`.
 template <int Dim>

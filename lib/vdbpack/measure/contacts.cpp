@@ -16,7 +16,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Sets of spheres that contacts join, from many threads at once.
+/// Connected components, joined from many threads at once.
 /// Source: Anderson, Woll (1991), "Wait-free parallel algorithms for the union-find problem".
 class Components {
 public:

@@ -1,4 +1,4 @@
-// Which spheres touch.
+// Contacts between spheres, and the network that they form.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -27,9 +27,9 @@ struct ContactNetwork {
     /// Mean of n n^T over the touching pairs, n the unit vector from one center to the other
     /// (2D: in the upper left): trace 1; 0 without pairs. Oda (1982), second-order fabric tensor.
     Matrix<3> fabric{};
-    /// Share of the spheres in the largest set that contacts join; 0 if empty.
+    /// Share of the spheres in the largest connected component; 0 if empty.
     double largestComponent = 0;
-    std::uint64_t components = 0;  ///< sets of spheres that contacts join, lone spheres included
+    std::uint64_t components = 0;  ///< connected components, single spheres included
 };
 
 struct ContactCheck : ContactNetwork {
@@ -39,7 +39,7 @@ struct ContactCheck : ContactNetwork {
 /// @throws ParameterError unless the tolerance is a share of a radius from 0 to 1.
 void requireContactTolerance(double tolerance);
 
-/// Counts contacts and tells what network they form. The same for any number of threads.
+/// Counts contacts and measures their network. The same for any number of threads.
 ///
 /// @param tolerance  two spheres touch if their gap is below this share of the smaller radius
 ///                   (overlapping ones do), a sphere and the wall if |depth - radius| is at most

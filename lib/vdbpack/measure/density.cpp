@@ -18,7 +18,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Directions from a center to the points asked where the field is too shallow to tell.
+/// Directions from a center to the points sampled where the field ends before `depth` plus a
+/// radius.
 template <int Dim>
 std::vector<Vec<Dim>> probeDirections() {
     std::vector<Vec<Dim>> directions;
@@ -47,7 +48,7 @@ double totalMeasure(const std::vector<Sphere<Dim>>& spheres) {
         std::plus<>());
 }
 
-/// What lies deeper than a depth of a sphere.
+/// The part of a sphere that lies deeper than a depth.
 enum Part : unsigned char { none, whole, crossing };
 
 /// @param deep  `depth`, less what rounding of the field may take off.
@@ -105,7 +106,7 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
     const double volume = domain.volumeDeeperThan(depth);
     if (!(volume > 1e-9 * domain.volume())) return std::nullopt;
 
-    // A field that ends at `depth` says no more than "at least": the ulp must not decide.
+    // A field that ends at `depth` is clamped there: rounding must not decide.
     const double deep = depth * (1 - 1e-6);
     Samplers<Dim> samplers(domain);
     const auto part = partsDeeperThan(depth, deep, spheres, domain, samplers);

@@ -21,7 +21,7 @@ std::vector<float> centerDepths(
     const std::vector<HalfSpace<Dim>>& clips) {
     std::optional<WallTree<Dim>> tree;
     if (!wall.empty()) tree.emplace(wall);
-    // Beyond this the field only says "deep".
+    // Beyond this the field is clamped.
     const double clamped = 0.98 * domain.fieldDepth();
     const double slack = domain.facts().voxelSize;
     tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers(
@@ -33,7 +33,7 @@ std::vector<float> centerDepths(
             const Vec<Dim>& x = spheres[i].center;
             double distance = -sampler.signedDistance(x);
             if (tree) {
-                // A search that knows about how far to look meets fewer pieces.
+                // A search with a bound visits fewer pieces.
                 const double guess = std::fabs(distance) + slack;
                 const double bound =
                     distance < clamped ? guess * guess : std::numeric_limits<double>::infinity();

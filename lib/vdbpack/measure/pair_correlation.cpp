@@ -40,7 +40,7 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
     PairCorrelation result;
     result.width = reach / bins;
     result.density = static_cast<double>(deep.size()) / volume;
-    // Evenly along the pack's order, which is not the order of place alone.
+    // Evenly along the pack's order, which is not spatial alone.
     const std::size_t stride = (deep.size() + kMostReferences - 1) / kMostReferences;
     result.references = (deep.size() + stride - 1) / stride;
 

@@ -1,4 +1,4 @@
-// What `vdb_pack measure` tells of a pack beside its report.
+// What `vdb_pack measure` reports of a pack's structure: profiles, g(r), regions.
 #pragma once
 
 #include "vdbpack/measure/density_profile.h"
@@ -26,7 +26,7 @@ struct Structure {
     std::optional<PairCorrelation> pairCorrelation;
     int dim = 3;
     double meanDiameter = 0;  ///< mm
-    double shell = 0;         ///< thickness of the shell that parts the regions, mm; 0: none
+    double shell = 0;         ///< thickness of the shell that separates the regions, mm; 0: none
     std::vector<RegionFraction> regions;
 };
 

@@ -18,8 +18,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Blocks of a box, with as many sample points in each: those looked at one after the other are
-/// near each other.
+/// Blocks of a box, each with the same number of sample points: consecutive points are near each
+/// other.
 template <int Dim>
 class SampleBlocks {
 public:
@@ -65,7 +65,7 @@ private:
     double spacing_ = 0;
 };
 
-/// Looks at the sample points of one block after the other.
+/// Searches the sample points of a block.
 template <int Dim>
 class VacancySearch {
 public:
@@ -87,7 +87,7 @@ public:
             if (!isFarFromSpheres(x, enough)) continue;
             if (crossed && !(sampler.signedDistance(x) < 0)) continue;
             if (enough > 0 && sampler.nearestWall(x, enough, wall)) continue;
-            // The field takes some pockets of air for bone.
+            // The field shows some narrow gaps outside the wall as inside.
             if (crossed && !sampler.contains(x)) continue;
             add(x, sampler, found);
         }
@@ -117,7 +117,7 @@ private:
         }
     }
 
-    /// By doubling what is searched.
+    /// Distance to the nearest sphere or wall, by doubling the reach of the search.
     double clearanceOf(const Vec<Dim>& x, double atLeast, DomainSampler<Dim>& sampler) const {
         double reach = std::max({2 * atLeast, radius_ / 8, 1e-6 * blocks_.halfDiagonal()});
         for (;; reach *= 2) {

@@ -15,7 +15,7 @@
 
 namespace vdbpack {
 
-/// What is told of voids and the shell.
+/// What a report has of voids and the shell.
 struct VoidReport {
     std::string method;          ///< as asked for; empty: a shell alone
     std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
@@ -30,13 +30,13 @@ struct VoidReport {
     std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
     std::string radius;                   ///< SPEC of b that gave the wanted thickness, mm
     std::optional<double> thickness;      ///< Tb.Th where one was asked for, mm
-    std::optional<double> solidAttached;  ///< share of the solid that hangs together with the shell
+    std::optional<double> solidAttached;  ///< share connected to the shell
     std::uint64_t solidPieces = 0;
     std::uint64_t culled = 0;               ///< spheres that the voids removed
-    std::optional<double> spheresAttached;  ///< share that contacts join with the shell
-    std::uint64_t dropped = 0;              ///< spheres taken out since they are not
+    std::optional<double> spheresAttached;  ///< share connected to it by contacts
+    std::uint64_t dropped = 0;              ///< spheres removed since they are not connected
     std::uint64_t cortical = 0;             ///< spheres with centers in the shell
-    std::optional<double> across;           ///< mean diameters of those across the shell
+    std::optional<double> across;           ///< thickness of the shell in their mean diameters
     std::vector<std::string> chosen;        ///< what was chosen by default, a sentence each
 };
 
@@ -74,13 +74,13 @@ struct Report {
     double contactTolerance = 1e-3;          ///< of the smaller radius
     std::optional<ContactNetwork> contacts;  ///< nothing without spheres
 
-    std::uint64_t existing = 0;          ///< spheres among them that stood already, the first ones
-    std::uint64_t givenOverlaps = 0;     ///< overlapping pairs among those
-    std::uint64_t givenProtrusions = 0;  ///< and those that stick out
+    std::uint64_t existing = 0;          ///< of them, how many existed before: the first ones
+    std::uint64_t givenOverlaps = 0;     ///< overlapping pairs of the input pack
+    std::uint64_t givenProtrusions = 0;  ///< spheres of it that protrude
 
     std::optional<OverlapCheck> overlap;
     double gapAsked = 0;                ///< mm
-    std::optional<double> smallestGap;  ///< between spheres, two that stood already apart; mm
+    std::optional<double> smallestGap;  ///< between spheres, but for pairs that existed before; mm
     std::optional<ProtrusionCheck> protrusion;
 
     /// What densifying did; nothing where it was not asked for.
@@ -92,7 +92,7 @@ struct Report {
         double before = 0, after = 0;
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;
-        std::array<double, 3> contactsBefore{};  ///< spheres that one touches
+        std::array<double, 3> contactsBefore{};  ///< coordination numbers without walls
         /// Nothing once interrupted.
         std::optional<std::array<double, 3>> contactsAfter;
         std::optional<double> solidLike;  ///< `solidLikeShare` afterwards
@@ -108,9 +108,9 @@ struct Report {
     } seconds;
     std::uint64_t peakMemoryBytes = 0;
 
-    /// Not in the JSON: what was chosen by default, a sentence each ("radius uniform:0.3,0.6, so
-    /// that about 100,000 spheres fill the domain"), the files that were written, what was
-    /// warned of, and how to repeat the run.
+    /// Not in the JSON: the choices by default, a sentence each ("radius uniform:0.3,0.6, so
+    /// that about 100,000 spheres fill the domain"), the written files, the
+    /// warnings, and how to repeat the run.
     std::vector<std::string> chosen;
     std::vector<std::string> files;
     std::string recipe;  ///< TOML that repeats the run; empty: none

@@ -87,8 +87,8 @@ public:
     /// over it, mm³.
     double clippedVolume() const;
 
-    /// How far spheres stick out of the domain's wall itself (triangles or formula), checked
-    /// with none of the code that made the field.
+    /// How far spheres protrude from the domain's wall itself (triangles or formula), checked
+    /// by code that is not used for the field.
     ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
     ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles) const;
 

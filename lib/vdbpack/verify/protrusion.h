@@ -22,7 +22,7 @@ struct ProtrusionCheck {
     double max = 0;                    ///< largest (r - inner distance to the wall) / r; 0 without
     std::uint64_t spheres = 0;         ///< spheres above `kVerifyTolerance`
     std::uint64_t centersOutside = 0;  ///< of those
-    bool closed = true;  ///< false: the wall has open edges, so that the side was put to the vote
+    bool closed = true;  ///< false: the wall has open edges, so that a majority of lines decides
     std::vector<ProtrudingSphere> worst;  ///< up to `kWorstNamed` of them, by falling protrusion
 };
 
