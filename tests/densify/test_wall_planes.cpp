@@ -58,24 +58,24 @@ void requirePlanesOf(const Domain<Dim>& domain, double radius, double slide, boo
             wall.distance < 0.8 * radius)
             continue;
         ++asked;
-        typename WallPlanes<Dim>::Place place;
+        typename WallPlanes<Dim>::Vicinity vicinity;
         const Body body = bodyAt(x, radius);
-        walls.ask(homeOf(x), body, margin, place);
-        REQUIRE(place.wall != WallPlanes<Dim>::kNone);
-        REQUIRE_FALSE(walls.isDue(body, place, margin));
+        walls.ask(homeOf(x), body, margin, vicinity);
+        REQUIRE(vicinity.wall != WallPlanes<Dim>::kNone);
+        REQUIRE_FALSE(walls.isDue(body, vicinity, margin));
         Vec<Dim> to = x;
         for (int d = 0; d < Dim; ++d)
             to[d] += slide * radius * (2 * random.uniform() - 1) / std::sqrt(Dim);
         double least = std::numeric_limits<double>::infinity();
-        for (const WallPlane& plane : walls[place.wall])
+        for (const WallPlane& plane : walls[vicinity.wall])
             least =
                 std::min(least, static_cast<double>(plane.distance(bodyAt(to, radius))) * kQuantum);
         REQUIRE(sampler->nearestWall(to, 2 * radius, wall));
         if (wall.distance < 1.1 * radius) CHECK(std::abs(least - wall.distance) < tolerance);
-        REQUIRE_FALSE(walls.isDue(bodyAt(to, radius), place, margin));
+        REQUIRE_FALSE(walls.isDue(bodyAt(to, radius), vicinity, margin));
         Vec<Dim> far = x;
         far[0] += 1.01 * slide * radius;
-        REQUIRE(walls.isDue(bodyAt(far, radius), place, margin));
+        REQUIRE(walls.isDue(bodyAt(far, radius), vicinity, margin));
     }
     REQUIRE(asked > 50);
 }
@@ -117,12 +117,12 @@ TEST_CASE("planes of a mesh are those of its triangles", "[densify]") {
 TEST_CASE("a sphere outside is led back to the nearest wall", "[densify]") {
     const auto box = boxDomain<3>({{{-3, -4, -5}}, {{3, 4, 5}}});
     WallPlanes<3> walls(*box, kQuantum);
-    typename WallPlanes<3>::Place place;
+    typename WallPlanes<3>::Vicinity vicinity;
     const Vec<3> x{{3.5, 0, 0}};
-    walls.ask(homeOf(x), bodyAt(x, 1.0), 0, place);
-    REQUIRE(place.wall != WallPlanes<3>::kNone);
-    REQUIRE(walls[place.wall].count == 1);
-    const WallPlane& plane = *walls[place.wall].begin();
+    walls.ask(homeOf(x), bodyAt(x, 1.0), 0, vicinity);
+    REQUIRE(vicinity.wall != WallPlanes<3>::kNone);
+    REQUIRE(walls[vicinity.wall].count == 1);
+    const WallPlane& plane = *walls[vicinity.wall].begin();
     CHECK(plane.nx == Approx(-1));
     CHECK(static_cast<double>(plane.distance(bodyAt(x, 1.0))) * kQuantum == Approx(-0.5));
 }

@@ -14,9 +14,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Radii of one level span this factor at most.
+/// Largest ratio of the radii within a level.
 constexpr double kClass = 2.2;
-/// Cells of a level for each of its bodies, at most; and so many in any case.
+/// Most cells of a level: per body, and in any case.
 constexpr double kCellsEach = 8, kFewCells = 1000;
 
 /// Where the bodies of a level lie.
@@ -74,7 +74,7 @@ bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, fl
         if (all.count == 0) continue;
         whole.add(all.lo, all.hi);
         level.side = side.radii * static_cast<double>(level.largest) + side.more;
-        // Where bodies are far between, cells that stay empty would be all there is.
+        // Where bodies are sparse, most cells would be empty.
         for (;; level.side *= 1.25) {
             double total = 1;
             for (std::size_t d = 0; d < 3; ++d) {

@@ -1,7 +1,7 @@
-// Private to densify: bodies sorted into cells, where those near a place lie side by side.
+// Private to densify: bodies sorted into cells, so that near ones are near in memory.
 #pragma once
 
-#include "vdbpack/densify/octet.h"
+#include "vdbpack/densify/body.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,11 @@
 namespace vdbpack {
 
 /// A grid of cells for each class of radii, so that few small bodies share a cell and few cells
-/// are looked into for large ones. The same for any number of threads.
+/// are searched for large ones. The same for any number of threads.
+///
+/// A grid of its own beside core's CellLevels: positions are 64-bit integers here, all bodies are
+/// sorted anew many times per run (in parallel), and the caller moves its data into that order to
+/// read whole rows of cells eight bodies at a time.
 class BodyCells {
 public:
     /// Bodies of radii alike.
@@ -24,26 +28,26 @@ public:
         std::size_t firstCell = 0;
     };
     /// Cells are `radii` times the largest radius of their level and `more` quanta wide, wider
-    /// where bodies are far between.
+    /// where bodies are sparse.
     struct Side {
         double radii = 2, more = 0;
     };
 
     /// Sorts `homes.size()` bodies by cell, and within a cell by their numbers.
-    /// @param bodies          their radii are read, quanta.
+    /// @param bodies          only their radii are read, quanta.
     /// @param least, largest  of the radii.
-    /// @return whether low bits may take bodies that are far apart for near ones (`isNear`).
-    /// @throws ResourceError where cells would be more than 2^32.
+    /// @return whether bodies that are far apart may have near low bits (`isNear`).
+    /// @throws ResourceError for more than 2^32 cells.
     bool sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
               Side side);
 
     /// Number of the body that comes first, second, ...
     const std::vector<std::uint32_t>& order() const { return order_; }
     const std::vector<Level>& levels() const { return levels_; }
-    /// Of the body at a place in the order.
-    std::uint32_t cellOf(std::size_t place) const { return cells_[order_[place]]; }
+    /// The cell of the body at an index of the order.
+    std::uint32_t cellOf(std::size_t index) const { return cells_[order_[index]]; }
 
-    /// Calls `visit(first, last)` for the rows of places in the order that hold (at least) the
+    /// Calls `visit(first, last)` for ranges of indices in the order that contain (at least) the
     /// bodies of a level with centers within `reach` quanta of a box.
     template <class Visit>
     void forEachRow(const Level& level, const Home& low, const Home& high, double reach,
@@ -60,7 +64,7 @@ private:
                    Side side);
 
     std::vector<Level> levels_;
-    std::vector<std::uint32_t> starts_;  ///< first place of each cell
+    std::vector<std::uint32_t> starts_;  ///< first index of each cell
     std::vector<std::uint32_t> cells_;   ///< of each body
     std::vector<std::uint32_t> order_;
 };

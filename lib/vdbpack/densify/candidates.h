@@ -1,7 +1,7 @@
-// Private to densify: bodies among which neighbors are looked for, eight at a time.
+// Private to densify: bodies that are tested as neighbors, eight at a time.
 #pragma once
 
-#include "vdbpack/densify/octet.h"
+#include "vdbpack/densify/body.h"
 
 #include <cstdint>
 #include <cstring>
@@ -9,14 +9,14 @@
 
 namespace vdbpack {
 
-/// Bodies side by side, component by component.
+/// Bodies component by component.
 struct Candidates {
     std::vector<std::uint32_t> x, y, z, slots;
-    std::vector<std::uint32_t> found;  ///< room for all of them, and eight more
+    std::vector<std::uint32_t> found;  ///< scratch space for all slots and eight more
     std::vector<float> radii;
     std::size_t count = 0;
 
-    /// Those of `all` from `first` up to `last`; whole eights are read.
+    /// Appends `all[first]` to `all[last - 1]`; whole eights are read.
     void add(const Body* all, std::uint32_t first, std::uint32_t last) {
         if (const std::size_t n = count + (last - first) + 8; n > slots.size())
             for (auto* list : {&x, &y, &z, &slots, &found}) list->resize(2 * n + 8);

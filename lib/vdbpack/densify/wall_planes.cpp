@@ -7,7 +7,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Walls that rise above the planes of nearer ones by less are no further planes, in radii.
+/// A wall point that lies above the planes of nearer points by less than this (in radii) adds no
+/// plane.
 constexpr double kRise = 1e-6;
 
 }  // namespace
@@ -38,11 +39,11 @@ Vec<Dim> WallPlanes<Dim>::position(const Home& home) const {
 }
 
 template <int Dim>
-bool WallPlanes<Dim>::isDue(const Body& body, const Place& place, float margin) const {
-    if (place.wall == kNone) return true;
-    const Wall& wall = walls_[place.wall];
+bool WallPlanes<Dim>::isDue(const Body& body, const Vicinity& vicinity, float margin) const {
+    if (vicinity.wall == kNone) return true;
+    const Wall& wall = walls_[vicinity.wall];
     if (wall.count == 0) return true;
-    // What counts is the way from where it asked.
+    // The way from the position of the last query counts.
     const float dx = difference(body.x, wall.x), dy = difference(body.y, wall.y),
                 dz = difference(body.z, wall.z);
     const float way = std::sqrt(dx * dx + dy * dy + dz * dz);
@@ -50,7 +51,7 @@ bool WallPlanes<Dim>::isDue(const Body& body, const Place& place, float margin) 
 }
 
 template <int Dim>
-void WallPlanes<Dim>::ask(const Home& home, const Body& body, float margin, Place& place) {
+void WallPlanes<Dim>::ask(const Home& home, const Body& body, float margin, Vicinity& vicinity) {
     Asker& asker = this->asker();
     const Vec<Dim> x = position(home);
     const double radius = static_cast<double>(body.radius);
@@ -63,28 +64,34 @@ void WallPlanes<Dim>::ask(const Home& home, const Body& body, float margin, Plac
     points.clear();
     if (least <= seen) asker.sampler->wallsWithin(x, seen * quantum_, points);
     if (points.empty()) {
-        place.roam = static_cast<float>(std::max(least - need, 2 * slide));
-        // Nothing is near any more, but if the center left the domain altogether.
-        if (inside > -fieldError_ && place.wall != kNone) walls_[place.wall].count = 0;
+        vicinity.roam = static_cast<float>(std::max(least - need, 2 * slide));
+        // No wall is near any more, unless the center is far outside the domain.
+        if (inside > -fieldError_ && vicinity.wall != kNone) walls_[vicinity.wall].count = 0;
         return;
     }
     std::sort(points.begin(), points.end(), [](const WallPoint<Dim>& a, const WallPoint<Dim>& b) {
         return a.distance != b.distance ? a.distance < b.distance : a.point.c < b.point.c;
     });
-    if (place.wall == kNone)
-        place.wall = static_cast<std::uint32_t>(walls_.push_back(Wall{}) - walls_.begin());
-    Wall& wall = walls_[place.wall];
+    if (vicinity.wall == kNone)
+        vicinity.wall = static_cast<std::uint32_t>(walls_.push_back(Wall{}) - walls_.begin());
+    Wall& wall = walls_[vicinity.wall];
     wall.count = 0;
     wall.seen = static_cast<float>(seen);
     wall.x = body.x, wall.y = body.y, wall.z = body.z;
     const double distance = points.front().distance / quantum_;
-    place.roam = static_cast<float>(distance - need);
-    // The field knows the side where it knows the distance, too.
+    vicinity.roam = static_cast<float>(distance - need);
+    // Where the field's distance is right, its side is right too.
     const bool known = distance > fieldError_ && std::abs(inside) > 0.5 * distance;
     const bool within = known ? inside > 0 : asker.sampler->contains(x);
+    addPlanes(x, radius, within, points, wall);
+}
+
+template <int Dim>
+void WallPlanes<Dim>::addPlanes(const Vec<Dim>& x, double radius, bool within,
+                                std::vector<WallPoint<Dim>>& points, Wall& wall) const {
     std::array<Vec<Dim>, kMostPlanes> normals;
     for (const WallPoint<Dim>& found : points) {
-        // What lies behind the plane of a nearer one, that one keeps it away from.
+        // The plane of a nearer point keeps the sphere away from what lies behind it.
         const auto isBehind = [&](std::uint32_t k) {
             return dot(normals[k], found.point - points[k].point) <= kRise * radius * quantum_;
         };
@@ -102,7 +109,7 @@ void WallPlanes<Dim>::ask(const Home& home, const Body& body, float margin, Plac
             *to[static_cast<std::size_t>(d)] =
                 lowBits(static_cast<std::int64_t>(std::nearbyint(found.point[d] / quantum_)));
         if constexpr (Dim > 2) plane.nz = static_cast<float>(normal[2]);
-        // `points` keeps those that are planes at its front, in the same order.
+        // The points of planes move to the front of `points`, in the same order.
         points[wall.count] = found;
         if (++wall.count == kMostPlanes || !within) break;
     }

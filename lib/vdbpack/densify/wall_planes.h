@@ -1,7 +1,7 @@
-// Private to densify: the wall near each sphere, as planes that hold it in.
+// Private to densify: the wall near each sphere, approximated by planes.
 #pragma once
 
-#include "vdbpack/densify/octet.h"
+#include "vdbpack/densify/body.h"
 #include "vdbpack/domain/domain.h"
 
 #include <tbb/concurrent_vector.h>
@@ -23,14 +23,14 @@ struct WallPlane {
     float distance(const Body& body) const {
         return nx * difference(body.x, x) + ny * difference(body.y, y) + nz * difference(body.z, z);
     }
-    /// How far a ball whose center is that far away crosses it, as a share of that.
+    /// How far a ball whose center is at `distance` crosses the plane, divided by that distance.
     float overlap(float distance, float radius) const {
         return (radius - distance) / std::max(distance, 0.1f * radius);
     }
 };
 
-/// Planes for the spheres that are near a wall: asked for once, then good for a short way.
-/// Lengths in quanta unless they say otherwise. Questions may come from many threads.
+/// Planes for the spheres that are near a wall: queried once, then valid for a short way.
+/// Lengths in quanta unless stated otherwise. Thread-safe for different spheres.
 template <int Dim>
 class WallPlanes {
 public:
@@ -39,17 +39,17 @@ public:
 
     struct Wall {
         std::uint32_t count = 0;
-        float seen = 0;                     ///< no wall but these planes was nearer than that,
-        std::uint32_t x = 0, y = 0, z = 0;  ///< from here
+        float seen = 0;                     ///< there is no other wall within this distance
+        std::uint32_t x = 0, y = 0, z = 0;  ///< of this position
         std::array<WallPlane, kMostPlanes> planes;
 
         const WallPlane* begin() const { return planes.data(); }
         const WallPlane* end() const { return planes.data() + count; }
     };
-    /// What is known of a sphere's wall.
-    struct Place {
-        std::uint32_t wall = kNone;  ///< its number; none: none is near
-        float roam = -1;             ///< way that it may go before it must ask
+    /// What is known about the wall near a sphere.
+    struct Vicinity {
+        std::uint32_t wall = kNone;  ///< its number; kNone: no wall is near
+        float roam = -1;             ///< way that the sphere may go before the next query
     };
 
     /// @param domain   must outlive this.
@@ -59,14 +59,14 @@ public:
 
     const Wall& operator[](std::uint32_t wall) const { return walls_[wall]; }
 
-    /// How far a sphere goes along a wall before it asks anew, in its radii.
+    /// How far a sphere may go along a wall before the next query, in its radii.
     void setSlide(float slide) { slide_ = slide; }
-    /// Whether a sphere that has used up its way must ask again.
-    /// @param margin  gap to the wall from which on the wall need not be known.
-    bool isDue(const Body& body, const Place& place, float margin) const;
-    /// Asks for the wall about a sphere at `home`, and tells how far it may go from there.
-    void ask(const Home& home, const Body& body, float margin, Place& place);
-    /// Whether the wall itself lets the sphere be there, larger by the factor `grow`.
+    /// Whether a sphere that has used up its way needs a new query.
+    /// @param margin  a wall farther from the sphere's surface than this need not be known.
+    bool isDue(const Body& body, const Vicinity& vicinity, float margin) const;
+    /// Queries the wall around a sphere at `home`, and how far it may go from there.
+    void ask(const Home& home, const Body& body, float margin, Vicinity& vicinity);
+    /// Whether the sphere, enlarged by the factor `grow`, lies inside by the exact wall.
     bool allows(const Home& home, const Body& body, double grow);
 
     /// In mm.
@@ -74,12 +74,16 @@ public:
     DomainSampler<Dim>& sampler() { return *asker().sampler; }
 
 private:
-    /// What a thread asks with.
+    /// What a thread queries with.
     struct Asker {
         std::unique_ptr<DomainSampler<Dim>> sampler;
         std::vector<WallPoint<Dim>> points;
     };
     Asker& asker();
+    /// Adds planes for `points` (nearest first) that no plane before covers.
+    /// @param x, radius  of the sphere, mm and quanta. @param within  whether x is inside.
+    void addPlanes(const Vec<Dim>& x, double radius, bool within,
+                   std::vector<WallPoint<Dim>>& points, Wall& wall) const;
 
     const Domain<Dim>& domain_;
     double quantum_;
@@ -88,8 +92,5 @@ private:
     tbb::concurrent_vector<Wall> walls_;
     tbb::enumerable_thread_specific<Asker> askers_;
 };
-
-extern template class WallPlanes<2>;
-extern template class WallPlanes<3>;
 
 }  // namespace vdbpack

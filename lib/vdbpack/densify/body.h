@@ -1,5 +1,4 @@
-// Private to densify: a sphere as the relaxation stores it, and eight of them component by
-// component.
+// Private to densify: spheres in integer positions, one by one and eight at a time.
 #pragma once
 
 #include "vdbpack/core/lanes.h"
@@ -13,8 +12,8 @@ namespace vdbpack {
 
 /// A sphere as the relaxation sees it, in units of the quantum; 2D: `z` is 0.
 ///
-/// Positions are the low 32 bits of the whole ones: differences of near spheres come out right,
-/// however large the domain, since they are taken modulo 2^32.
+/// Positions are the low 32 bits of whole positions: differences are taken modulo 2^32, so that
+/// those of near spheres are right however large the domain is.
 struct alignas(16) Body {
     std::uint32_t x = 0, y = 0, z = 0;
     float radius = 0;
@@ -29,7 +28,15 @@ inline std::uint32_t lowBits(std::int64_t v) {
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(v));
 }
 
-/// Whether low bits tell how far apart two positions are.
+/// The whole position of a body that was at `home` when its low bits were last taken.
+inline Home whereIs(const Home& home, const Body& body) {
+    const auto moved = [](std::int64_t was, std::uint32_t is) {
+        return was + static_cast<std::int32_t>(is - lowBits(was));
+    };
+    return {moved(home[0], body.x), moved(home[1], body.y), moved(home[2], body.z)};
+}
+
+/// Whether the difference of low bits is the difference of two positions.
 inline bool isNear(const Home& a, const Home& b) {
     for (std::size_t d = 0; d < 3; ++d)
         if (a[d] - b[d] > (std::int64_t(1) << 30) || b[d] - a[d] > (std::int64_t(1) << 30))
@@ -74,7 +81,7 @@ VDBPACK_INLINE Bodies8 load(const Body* first) {
     return byComponent(b);
 }
 
-/// a - b where they are less than 2^31 apart.
+/// a - b, for positions less than 2^31 apart.
 VDBPACK_INLINE Float8 difference(Word8 a, std::uint32_t b) {
     return __builtin_convertvector(bitsAs<Int8>(a - b), Float8);
 }

@@ -1,0 +1,63 @@
+#include "vdbpack/densify/pace.h"
+
+#include <algorithm>
+
+namespace vdbpack {
+
+namespace {
+
+/// Standard deviation of the radii up to which spheres are nearly equal, in mean radii.
+constexpr double kNarrowDeviation = 0.06;
+/// A relaxation that succeeds does so within this many memories, 1 / (1 - inertia).
+constexpr double kMemories = 14;
+
+bool areNearlyEqual(const std::vector<double>& radii) {
+    double sum = 0, squares = 0;
+    for (const double r : radii) sum += r;
+    const double mean = sum / static_cast<double>(radii.size());
+    for (const double r : radii) squares += (r - mean) * (r - mean);
+    return squares <= kNarrowDeviation * kNarrowDeviation * mean * sum;
+}
+
+}  // namespace
+
+// Gains measured on spheres of size ratio 2 in a box.
+const Paces::Steps Paces::kWide{{{{0.97, 0.07, 3}, 0.018},
+                                 {{0.98, 0.15, 3}, 0.032},
+                                 {{0.99, 0.20, 3}, 0.045},
+                                 {{0.995, 0.25, 3}, 1}}};
+const Paces::Steps Paces::kNarrow{{{{0.97, 0.07, 3}, 0.02},
+                                   {{0.98, 0.07, 3}, 0.045},
+                                   {{0.98, 0.15, 3}, 0.05},
+                                   {{0.99, 0.20, 3}, 1}}};
+
+Paces::Paces(const std::vector<double>& radii)
+    : narrow_(areNearlyEqual(radii)), steps_(narrow_ ? &kNarrow : &kWide) {}
+
+std::size_t Paces::firstFor(double gain) const {
+    std::size_t k = 0;
+    while (k + 1 < size() && gain > (*steps_)[k].gain) ++k;
+    return k;
+}
+
+int mostSteps(const RelaxationPace& pace) {
+    return static_cast<int>(kMemories / (1 - pace.inertia));
+}
+
+bool Jam::add(int step, double worst) {
+    const auto window = static_cast<std::size_t>(step / memory_);
+    if (window == least_.size()) {
+        if (isJammed()) return true;
+        least_.push_back(worst);
+    }
+    least_.back() = std::min(least_.back(), worst);
+    return false;
+}
+
+bool Jam::isJammed() const {
+    const std::size_t n = least_.size();
+    if (n < 7) return false;
+    return least_[n - 1] > 0.4 * least_[n - 4] && std::min(least_[n - 1], least_[n - 2]) > 1e-3;
+}
+
+}  // namespace vdbpack

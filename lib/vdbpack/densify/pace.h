@@ -1,0 +1,58 @@
+// Private to densify: which pace a gain in solid fraction needs, and when a relaxation has jammed.
+#pragma once
+
+#include "vdbpack/densify/relaxation.h"
+
+#include <array>
+#include <cstddef>
+#include <vector>
+
+namespace vdbpack {
+
+/// The paces to try for a set of spheres, from quick to thorough.
+class Paces {
+public:
+    /// @param radii  of the spheres that move, mm.
+    explicit Paces(const std::vector<double>& radii);
+
+    /// The quickest pace worth a try for a gain in solid fraction over the front's.
+    std::size_t firstFor(double gain) const;
+    std::size_t size() const { return steps_->size(); }
+    const RelaxationPace& operator[](std::size_t k) const { return (*steps_)[k].pace; }
+    /// Whether the spheres are nearly equal: relaxed slowly, they crystallize.
+    bool areNarrow() const { return narrow_; }
+
+private:
+    struct Step {
+        RelaxationPace pace;
+        double gain;  // up to which it is worth a try
+    };
+    using Steps = std::array<Step, 4>;
+    static const Steps kWide, kNarrow;
+
+    bool narrow_;
+    const Steps* steps_;
+};
+
+/// Most steps of a relaxation at a pace.
+int mostSteps(const RelaxationPace& pace);
+
+/// Whether a relaxation has jammed. One that will succeed reduces its worst overlap to a tenth in
+/// three memories of 1 / (1 - inertia) steps, from the sixth on; in one that has jammed, the
+/// overlap stays.
+class Jam {
+public:
+    explicit Jam(const RelaxationPace& pace) : memory_(1 / (1 - pace.inertia)) {}
+
+    /// Takes note of a step's worst overlap. @return whether the relaxation has jammed.
+    bool add(int step, double worst);
+
+private:
+    /// By the memories that are complete.
+    bool isJammed() const;
+
+    double memory_;
+    std::vector<double> least_;  // smallest worst overlap in each memory
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,73 @@
+// The wall in the relaxation: queries for the spheres near it, and the exact test at the end.
+#include "vdbpack/densify/relaxation.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
+
+namespace vdbpack {
+
+template <int Dim>
+void Relaxation<Dim>::askWalls() {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, now_.labels.size(), 256),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                          for (std::size_t i = part.begin(); i < part.end(); ++i)
+                              if (now_.vicinities[i].roam < 0) askWall(i);
+                      });
+}
+
+template <int Dim>
+void Relaxation<Dim>::askWall(std::size_t slot) {
+    const Body& body = now_.bodies[slot];
+    auto& vicinity = now_.vicinities[slot];
+    const float margin = body.radius * delta_ + skin_;
+    if (walls_.isDue(body, vicinity, margin))
+        walls_.ask(whereIs(now_.homes[slot], body), body, margin, vicinity);
+}
+
+template <int Dim>
+void Relaxation<Dim>::listPlanes(Run& run) {
+    run.planes.clear();
+    run.planeEnds.clear();
+    for (std::uint32_t i = run.first; i < run.last; ++i) {
+        if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
+            const Body& body = now_.bodies[i];
+            for (const WallPlane& plane : walls_[wall])
+                if (plane.distance(body) < body.radius * (1 + delta_) + skin_)
+                    run.planes.push_back(plane);
+        }
+        run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
+    }
+}
+
+template <int Dim>
+bool Relaxation<Dim>::keepsWall() {
+    std::atomic<bool> keeps{true};
+    const double grow = 1 + 0.03 * static_cast<double>(delta_);
+    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+        Run& run = runs_[k];
+        bool asked = false;
+        for (std::uint32_t i = run.first; i < run.last; ++i) {
+            if (isFixed(now_.labels[i])) continue;
+            const Body& body = now_.bodies[i];
+            const Home home = whereIs(now_.homes[i], body);
+            if (walls_.allows(home, body, grow)) continue;
+            walls_.ask(home, body, body.radius * delta_ + skin_, now_.vicinities[i]);
+            asked = true;
+        }
+        if (!asked) return;
+        keeps.store(false, std::memory_order_relaxed);
+        listPlanes(run);
+    });
+    return keeps;
+}
+
+template void Relaxation<2>::askWalls();
+template void Relaxation<2>::listPlanes(Run&);
+template bool Relaxation<2>::keepsWall();
+template void Relaxation<3>::askWalls();
+template void Relaxation<3>::listPlanes(Run&);
+template bool Relaxation<3>::keepsWall();
+
+}  // namespace vdbpack
