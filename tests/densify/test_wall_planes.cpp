@@ -4,6 +4,7 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 

@@ -2,6 +2,8 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/slice_domain.h"
 
 #include <catch2/catch.hpp>
 

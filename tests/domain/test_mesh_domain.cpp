@@ -5,7 +5,9 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/slice_domain.h"
 
 #include <catch2/catch.hpp>
 #include <tbb/global_control.h>

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/solid.h"
 

@@ -1,6 +1,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/pack/packer.h"
 

@@ -1,5 +1,6 @@
 // Writes packs, bit for bit, to a file: built for several processors, the files must be equal.
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/pack/packer.h"
 
 #include <cstdio>

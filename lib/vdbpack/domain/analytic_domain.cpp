@@ -2,77 +2,24 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/domain/shape.h"
+#include "vdbpack/domain/convex_shape.h"
+#include "vdbpack/domain/slice_domain.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
-template <int Dim>
-class ShapeSampler : public DomainSampler<Dim> {
-public:
-    explicit ShapeSampler(const ConvexShape<Dim>& shape) : shape_(shape) {}
-
-    double signedDistance(const Vec<Dim>& x) override { return shape_.signedDistance(x); }
-
-    bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) override {
-        const double distance = std::abs(shape_.signedDistance(x));
-        if (!(distance < reach)) return false;
-        wall.point = shape_.nearestOnWall(x);
-        wall.distance = distance;
-        return true;
-    }
-
-    void wallsWithin(const Vec<Dim>& x, double reach,
-                     std::vector<WallPoint<Dim>>& points) override {
-        shape_.wallsWithin(x, reach, points);
-    }
-
-private:
-    const ConvexShape<Dim>& shape_;
-};
-
-}  // namespace
-
-template <int Dim>
-double ConvexShape<Dim>::fieldDepth() const {
-    return std::numeric_limits<double>::infinity();
-}
-
-template <int Dim>
-void ConvexShape<Dim>::wallsWithin(const Vec<Dim>& x, double reach,
-                                   std::vector<WallPoint<Dim>>& points) const {
-    const double distance = std::abs(signedDistance(x));
-    if (distance < reach) points.push_back({nearestOnWall(x), distance});
-}
-
-template <int Dim>
-std::unique_ptr<DomainSampler<Dim>> ConvexShape<Dim>::sampler() const {
-    return std::make_unique<ShapeSampler<Dim>>(*this);
-}
-
-template <int Dim>
-DomainFacts ConvexShape<Dim>::facts() const {
-    DomainFacts facts;
-    facts.kind = kind_;
-    return facts;
-}
-
-template class ConvexShape<2>;
-template class ConvexShape<3>;
-
-namespace {
-
 void checkPositive(double value, const char* shape, const char* what) {
     if (!(value > 0) || !std::isfinite(value))
-        throw ParameterError(fmt::format("{}: {} {} is not usable; give a positive length in mm",
-                                         shape, what, value));
+        throw ParameterError(
+            fmt::format("{}: {} {} is invalid; give a positive length in mm", shape, what, value));
 }
 
 [[noreturn]] void planeMisses(double height, double lo, double hi) {
@@ -195,7 +142,7 @@ public:
 
     Vec<Dim> nearestOnWall(const Vec<Dim>& x) const override {
         Vec<Dim> direction = normalized(x - center_);
-        if (squaredLength(direction) == 0) direction[0] = 1;  // from the center all are as near
+        if (squaredLength(direction) == 0) direction[0] = 1;  // all are equally near the center
         return center_ + direction * radius_;
     }
 
@@ -230,7 +177,7 @@ public:
     }
 };
 
-/// About the z axis, centered at the origin: a rectangle in (distance from the axis, z).
+/// Around the z axis, centered at the origin: a rectangle in (distance from the axis, z).
 class CylinderDomain : public ConvexShape<3>, public Sliceable {
 public:
     CylinderDomain(double radius, double height)

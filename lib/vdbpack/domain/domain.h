@@ -20,7 +20,7 @@ struct WallPoint {
     double distance = 0;  ///< from the query point, mm, >= 0
 };
 
-/// Asks questions of a domain from one thread; keeps that thread's caches.
+/// Queries a domain from one thread; keeps that thread's caches.
 template <int Dim>
 class DomainSampler {
 public:
@@ -31,51 +31,52 @@ public:
     /// trilinear value, off by about a voxel at worst near the wall.
     virtual double signedDistance(const Vec<Dim>& x) = 0;
 
-    /// Whether `x` is inside, by the wall itself: a field can take a pocket outside for inside
-    /// where a gap is narrower than a voxel. Dearer than `signedDistance`; for places where a
-    /// front starts, since what touches a sphere inside is inside.
+    /// Whether `x` is inside, by the wall itself: in gaps narrower than a voxel, a field may take
+    /// the outside for inside. Slower than `signedDistance`. A front needs it only where it starts,
+    /// since what touches a sphere inside is inside.
     virtual bool contains(const Vec<Dim>& x) { return signedDistance(x) < 0; }
 
     /// The wall point nearest to `x`, if one is closer than `reach`: exact to rounding (for a
-    /// mesh, by its triangles). Says nothing of the side `x` is on.
+    /// mesh, by its triangles). Does not depend on the side that `x` is on.
     /// @return false, `wall` untouched, if no wall is closer than `reach`.
     virtual bool nearestWall(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) = 0;
 
-    /// Adds the nearest point of every smooth piece of wall (a face of a box, a triangle) that is
-    /// closer to `x` than `reach`, in no order; some may come more than once. By default the
-    /// nearest of all alone.
+    /// Appends the nearest point of every smooth piece of wall (a face of a box, a triangle) that
+    /// is closer to `x` than `reach`, in no order; some may be repeated. By default the nearest
+    /// point of all alone.
     virtual void wallsWithin(const Vec<Dim>& x, double reach, std::vector<WallPoint<Dim>>& points) {
         WallPoint<Dim> wall;
         if (nearestWall(x, reach, wall)) points.push_back(wall);
     }
 
-    /// Whether any wall is closer than `reach`: as `nearestWall`, at less cost.
+    /// Whether any wall is closer than `reach`: as `nearestWall`, but faster.
     virtual bool isWallCloser(const Vec<Dim>& x, double reach) {
         WallPoint<Dim> wall;
         return nearestWall(x, reach, wall);
     }
 };
 
-/// What a report says about a domain; zero where it does not apply.
+/// Facts for a report; zero where they do not apply.
 struct DomainFacts {
-    std::string kind;  ///< "mesh", "levelset", "box", "ball", "cylinder", "rect", "disc", "slice"
+    std::string
+        kind;  ///< "mesh", "levelset", "box", "ball", "cylinder", "rect", "disc", "slice", ...
     std::uint64_t triangles = 0;
-    double meshVolume = 0;  ///< mm³, cavities taken off
+    double meshVolume = 0;  ///< mm³, without cavities
     double voxelSize = 0;   ///< mm
     std::uint64_t activeVoxels = 0;
     std::uint64_t boundaryEdges = 0;
     std::uint64_t nonManifoldEdges = 0;
-    std::shared_ptr<const RepairReport> repair;  ///< what was done to the mesh; null: nothing
+    std::shared_ptr<const RepairReport> repair;  ///< of the mesh; null: it was not repaired
 };
 
-/// A bounded region of the plane or of space. Immutable, shared between threads;
-/// each thread asks through a sampler of its own.
+/// A bounded region of the plane or of space. Immutable, shared between threads; each thread
+/// queries it through a sampler of its own.
 template <int Dim>
 class Domain {
 public:
     virtual ~Domain() = default;
 
-    /// A box that holds the domain, mm.
+    /// A box around the domain, mm.
     virtual Box<Dim> bounds() const = 0;
     /// Volume (2D: area), mm^Dim.
     virtual double volume() const = 0;
@@ -89,11 +90,8 @@ public:
     virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;
     virtual DomainFacts facts() const = 0;
 
-    /// `signedDistance` of many points, in parallel. @return one value a point, mm.
+    /// `signedDistance` of many points, in parallel. @return one value per point, mm.
     std::vector<double> signedDistances(const std::vector<Vec<Dim>>& points) const;
 };
-
-extern template class Domain<2>;
-extern template class Domain<3>;
 
 }  // namespace vdbpack

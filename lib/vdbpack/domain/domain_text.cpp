@@ -1,6 +1,8 @@
 #include "vdbpack/domain/domain_text.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/box_planes.h"
 
 #include <fmt/format.h>
 
@@ -11,6 +13,10 @@ namespace vdbpack {
 
 namespace {
 
+[[noreturn]] void malformed(const std::string& what, const char* form) {
+    throw ParameterError(fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+}
+
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
 std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
     std::vector<double> values;
@@ -20,16 +26,11 @@ std::vector<double> numbersIn(const std::string& what, const std::string& list, 
         double value = 0;
         const auto [next, failed] = std::from_chars(at, end, value);
         if (failed != std::errc() || !std::isfinite(value) || (next != end && *next != ','))
-            throw ParameterError(
-                fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+            malformed(what, form);
         values.push_back(value);
         if (next == end) return values;
         at = next + 1;
     }
-}
-
-[[noreturn]] void malformed(const std::string& what, const char* form) {
-    throw ParameterError(fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
 }
 
 template <int Dim>
@@ -47,30 +48,14 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
 }  // namespace
 
 std::vector<HalfSpace<3>> parseClip(const std::string& text) {
-    const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (what has n.x <= d stays)";
+    const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (keeps n.x <= d)";
     const auto colon = text.find(':');
     const std::string kind = text.substr(0, colon);
     if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(text, form);
     const auto v = numbersIn(text, text.substr(colon + 1), form);
-    std::vector<HalfSpace<3>> planes;
-    if (kind == "plane") {
-        if (v.size() != 4) malformed(text, form);
-        HalfSpace<3> plane;
-        plane.normal = {{v[0], v[1], v[2]}};
-        plane.offset = v[3];
-        return {plane};
-    }
-    const Box<3> box = boxFrom<3>(text, v, form);
-    for (int d = 0; d < 3; ++d) {
-        HalfSpace<3> low, high;
-        low.normal[d] = -1;
-        low.offset = -box.lo[d];
-        high.normal[d] = 1;
-        high.offset = box.hi[d];
-        planes.push_back(low);
-        planes.push_back(high);
-    }
-    return planes;
+    if (kind == "box") return halfSpacesOf(boxFrom<3>(text, v, form));
+    if (v.size() != 4) malformed(text, form);
+    return {{{{v[0], v[1], v[2]}}, v[3]}};
 }
 
 double parseSlice(const std::string& text) {

@@ -1,7 +1,8 @@
 // Domains, clips and slices as texts of the command line.
 #pragma once
 
-#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/core/half_space.h"
+#include "vdbpack/domain/domain.h"
 
 #include <memory>
 #include <optional>
@@ -24,12 +25,13 @@ struct NamedShape {
 };
 
 /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R,
-/// lengths in mm. Nothing for a text that begins with none of these words: the name of a file.
+/// lengths in mm. Nothing for a text that begins with none of these words: it is the name of a
+/// file.
 /// @throws ParameterError if the numbers are malformed or make no shape
 std::optional<NamedShape> parseShape(const std::string& text);
 
-/// box:x0,y0,z0,x1,y1,z1 or box:LX,LY,LZ (six half-spaces), or plane:nx,ny,nz,d (one: what has
-/// n.x <= d stays), mm. @throws ParameterError
+/// box:x0,y0,z0,x1,y1,z1 or box:LX,LY,LZ (six half-spaces), or plane:nx,ny,nz,d (one: n.x <= d
+/// is kept), mm. @throws ParameterError
 std::vector<HalfSpace<3>> parseClip(const std::string& text);
 
 /// The height in z=V, mm. @throws ParameterError

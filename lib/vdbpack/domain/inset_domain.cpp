@@ -38,7 +38,7 @@ public:
     }
 
 private:
-    /// On the way from the wall to x, or past x where that is nearer to the wall.
+    /// Moves a wall point toward x, or beyond x where x is closer to the wall than the inset.
     void moveInward(const Vec<Dim>& x, WallPoint<Dim>& wall) const {
         if (wall.distance > 0) wall.point += (x - wall.point) * (inset_ / wall.distance);
         wall.distance = std::fabs(wall.distance - inset_);

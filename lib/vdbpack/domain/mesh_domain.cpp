@@ -2,8 +2,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/facet_bins.h"
+#include "vdbpack/domain/mesh_requirements.h"
 #include "vdbpack/domain/mesh_slice.h"
-#include "vdbpack/domain/shape.h"
+#include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/field/vdb_field.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/mesh_shells.h"
@@ -20,52 +21,11 @@ namespace vdbpack {
 
 namespace {
 
+// Largest relative difference of the volumes of the field and the mesh.
 constexpr double kVolumeTolerance = 0.01;
-// Half the thickness of a wall, in voxels, below which its volume cannot come out so well.
-constexpr double kThinnestInVoxels = 0.05;
 constexpr double kMostDefaultVoxels = 4e7;
-// Active voxels beyond this (some 40 GB) are a slip of the units rather than a wish.
-constexpr double kMostVoxels = 5e9;
 // Layers of voxels in a common band: six radii inside, three outside.
 constexpr double kCommonLayers = 9;
-
-void checkMeshIsUsable(const TriangleMesh& mesh, const std::string& name) {
-    if (mesh.triangles.empty())
-        throw InputError(
-            fmt::format("{}: the mesh has no triangles; give a closed triangle mesh", name));
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
-        if (!isFinite(mesh.vertices[i]))
-            throw InputError(fmt::format("{}: vertex {} is not finite; repair the file", name, i));
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        for (const std::uint32_t corner : mesh.triangles[i])
-            if (corner >= mesh.vertices.size())
-                throw InputError(
-                    fmt::format("{}: triangle {} names vertex {} of {}; repair the file", name, i,
-                                corner, mesh.vertices.size()));
-}
-
-/// Active voxels of a field, about.
-double voxelsOf(double area, double voxelSize, double depth) {
-    return area * (depth + 5 * voxelSize) / (voxelSize * voxelSize * voxelSize);
-}
-
-/// Refuses voxels that are a slip of the units.
-void requireVoxels(const std::string& name, const TriangleMesh& mesh, double area, double voxelSize,
-                   double depth) {
-    const Vec<3> size = mesh.bounds().size();
-    const double longest = *std::max_element(size.c.begin(), size.c.end());
-    if (!(voxelSize <= longest))
-        throw ParameterError(fmt::format(
-            "{}: voxels of {:.4g} mm are larger than all of it, which is {:.4g} mm across; give "
-            "smaller ones, or check the unit of the mesh",
-            name, voxelSize, longest));
-    const double voxels = voxelsOf(area, voxelSize, depth);
-    if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
-        throw ResourceError(fmt::format(
-            "{}: voxels of {:.4g} mm would take about {:.2g} of them for a surface of {:.4g} mm² "
-            "and {:.4g} mm across; give larger voxels, or check the unit of the mesh",
-            name, voxelSize, voxels, area, longest));
-}
 
 /// Area and volume, about a vertex so that digits survive far from zero.
 std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
@@ -85,7 +45,8 @@ std::pair<double, double> areaAndVolume(const TriangleMesh& mesh) {
 
 class MeshDomainSampler : public DomainSampler<3> {
 public:
-    /// @param contour  the triangles are the field's own contour: none passes between voxels alike.
+    /// @param contour  the triangles are the field's own contour: none passes between voxels of the
+    ///                 same sign.
     MeshDomainSampler(const VdbField& field, const FacetBins<3>& bins, const MeshSides& sides,
                       bool contour)
         : field_(field),
@@ -108,8 +69,8 @@ public:
         return side != 0 ? side < 0 : sides_.inside(x);
     }
 
-    // A search that knows about how far to look meets fewer triangles; if the field was too wrong
-    // for that, it is repeated with the full reach.
+    // A search with a reach of about the distance meets fewer triangles; where the field is too
+    // inaccurate for that, it is repeated with the full reach.
     bool nearestWall(const Vec<3>& x, double reach, WallPoint<3>& wall) override {
         const double guess = std::abs(signedDistance(x)) + slack_;
         if (guess < reach && bins_.nearest(x, guess, wall)) return true;
@@ -137,7 +98,7 @@ struct Parts {
     TriangleMesh mesh;
     std::unique_ptr<const VdbField> field;
     std::vector<std::int8_t> facing;
-    std::vector<std::uint8_t> depthOfTriangle;  // empty: no shell lies in another
+    std::vector<std::uint8_t> depthOfTriangle;  // as `VdbField`
     std::string name;
     bool contour = false;  // the mesh is the contour of the field
     double volume = 0;
@@ -193,165 +154,149 @@ private:
     Box<3> bounds_;
 };
 
-double relativeDifference(double value, double reference) {
-    return std::abs(value - reference) / std::abs(reference);
-}
-
-/// Whether every edge has two triangles that face alike, so that the mesh has a volume.
-bool isClean(const MeshHealth& health) {
-    return health.isWatertight() && health.inconsistentEdges == 0;
-}
-
-struct Verdict {
-    bool sound = false;
-    double fieldVolume = 0;
-};
-
-/// Compares the field with the mesh, as the docstring of `meshDomain` says.
-Verdict judge(const VdbField& field, const MeshHealth& health) {
-    Verdict verdict;
-    verdict.fieldVolume = field.volumeDeeperThan(0);
-    if (!(verdict.fieldVolume > 0)) return verdict;
-    const double difference = relativeDifference(verdict.fieldVolume, health.enclosedVolume);
-    verdict.sound = difference <= kVolumeTolerance;
-    return verdict;
-}
-
-std::string flawsOf(const MeshHealth& health) {
-    std::string text;
-    const auto add = [&](std::size_t count, const char* what) {
-        if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
-    };
-    if (!health.isClosed()) text = health.describeLeak();
-    add(health.nonManifoldEdges, "edges of more than two triangles");
-    add(health.inconsistentEdges, "edges between triangles that face opposite ways");
-    add(health.duplicateTriangles, "duplicate triangles");
-    return text;
-}
-
-[[noreturn]] void refuse(const std::string& name, const MeshHealth& health, double fieldVolume,
-                         double voxelSize) {
-    const std::string volumes =
-        fmt::format("the field of {:.4g} mm voxels encloses {:.6g} mm³, the mesh {:.6g} mm³",
-                    voxelSize, fieldVolume, health.enclosedVolume);
-    if (!health.isClosed())
-        throw InputError(
-            fmt::format("{}: the mesh is not closed: {}; {}; close the holes or pass --repair",
-                        name, health.describeLeak(), volumes));
-    throw InputError(fmt::format(
-        "{}: inside and outside cannot be told apart: {}{}{}; the likely cause is {}; separate or "
-        "join the pieces, or pass --repair",
-        name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
-        health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
-}
-
-/// Refuses a closed mesh that is far thinner than the voxels of its field, before that is made.
-void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
-    const double half = health.enclosedVolume / health.area;  // of a plate's thickness
-    if (!(half > 0) || half > kThinnestInVoxels * voxelSize) return;
-    throw InputError(fmt::format(
-        "{}: the mesh is about {:.2g} mm thick (twice its volume by its area), too thin "
-        "for a field of {:.4g} mm voxels; check the mesh and its unit, or give --voxel "
-        "{:.2g}",
-        name, 2 * half, voxelSize, half));
-}
-
-/// Whether a level set in voxels of `voxelSize` can be the field, where `wanted` is the size of
-/// those that would be made.
+/// Whether a level set in voxels of `voxelSize` can be the field where `wanted` is the size of the
+/// voxels of a new field.
 bool isAbout(double voxelSize, double wanted) {
     return voxelSize > 0.4 * wanted && voxelSize < 1.5 * wanted;
 }
 
-/// @param levelSet  that the mesh is the contour of; null: none.
-Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& options,
-                const std::string& kind, const Callbacks& callbacks) {
-    const std::string& name = options.name;
-    for (const double value : {options.voxelSize, options.depth, options.detail})
-        if (!(value >= 0) || !std::isfinite(value))
-            throw ParameterError(fmt::format(
-                "{}: voxel size {}, depth {} and detail {} must be lengths in mm, 0 or more", name,
-                options.voxelSize, options.depth, options.detail));
-    checkMeshIsUsable(mesh, name);
-
-    Parts parts;
-    const MeshHealth health = checkMesh(mesh);
+/// Which shells of a mesh bound cavities, and which way its triangles face.
+/// @param depthOfTriangle  as `VdbField`. @param facing  as `meshSlice`.
+void analyzeNesting(const TriangleMesh& mesh, std::vector<std::uint8_t>& depthOfTriangle,
+                    std::vector<std::int8_t>& facing) {
     const ShellAnalysis shells = analyzeShells(mesh);
-    if (!(health.area > 0))
-        throw InputError(fmt::format("{}: no triangle has an area; repair the mesh", name));
-    std::vector<std::uint8_t> depthOfTriangle(mesh.triangles.size());
-    parts.facing.resize(mesh.triangles.size());
+    depthOfTriangle.resize(mesh.triangles.size());
+    facing.resize(mesh.triangles.size());
     bool nested = false;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
         depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(shell.depth, 255));
         nested = nested || shell.depth > 0;
-        parts.facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
+        facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
     }
     if (!nested) depthOfTriangle.clear();
+}
 
-    double voxelSize =
-        options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(mesh, options.detail);
-    requireVoxels(name, mesh, health.area, voxelSize, options.depth);
+/// Builds the field of a mesh, or takes a level set for it, such that inside and outside are as the
+/// mesh has them.
+class FieldBuilder {
+public:
+    double voxelSize;  // mm
+    std::unique_ptr<const VdbField> field;
+    double volume = 0;     // that the field encloses, mm³
+    bool contour = false;  // the field is a level set, the mesh its contour
 
-    const bool fits = levelSet != nullptr && health.isWatertight() && liesAlongAxes(*levelSet);
-    if (!fits && isClean(health)) requireThickness(name, health, voxelSize);
-    callbacks.report("domain", 0, 0);
-    callbacks.stopIfCancelled();
-    const auto takeLevelSet = [&] {
-        parts.contour = true;
-        voxelSize = voxelSizeOf(*levelSet);
-        parts.field = std::make_unique<VdbField>(*levelSet, options.depth);
-        // Its signs are those of its contour, however thin its walls are.
-        return Verdict{true, health.enclosedVolume};
-    };
-    Verdict verdict;
-    if (fits && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
-        verdict = takeLevelSet();
-    } else {
-        parts.field =
-            std::make_unique<VdbField>(mesh, depthOfTriangle, voxelSize, options.depth, callbacks);
-        verdict = judge(*parts.field, health);
-        if (!verdict.sound && fits) verdict = takeLevelSet();
+    FieldBuilder(const TriangleMesh& mesh, const MeshHealth& health,
+                 const std::vector<std::uint8_t>& depthOfTriangle, const FieldOptions& options,
+                 const Callbacks& callbacks)
+        : voxelSize(options.voxelSize > 0 ? options.voxelSize
+                                          : defaultVoxelSize(mesh, options.detail)),
+          mesh_(mesh),
+          health_(health),
+          depthOfTriangle_(depthOfTriangle),
+          options_(options),
+          callbacks_(callbacks) {
+        requireVoxels(options.name, mesh, health.area, voxelSize, options.depth);
     }
-    callbacks.report("domain", 0.8, static_cast<double>(parts.field->activeVoxels()));
-    if (!verdict.sound) {
-        // Thin walls in coarse voxels are no fault of the mesh; a hole shows at any size.
-        const double coarseVolume = verdict.fieldVolume;
-        const double half = 0.5 * voxelSize;
-        if (voxelsOf(health.area, half, options.depth) < kMostDefaultVoxels) {
-            auto finer =
-                std::make_unique<VdbField>(mesh, depthOfTriangle, half, options.depth, callbacks);
-            verdict = judge(*finer, health);
-            if (verdict.sound) {
-                callbacks.warn(fmt::format(
-                    "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
-                    name, voxelSize, half));
-                parts.field = std::move(finer);
-                voxelSize = half;
-            }
+
+    /// @param levelSet  whose contour the mesh is; null: none.
+    void build(const VdbGrid* levelSet) {
+        const bool fits = levelSet != nullptr && health_.isWatertight() && liesAlongAxes(*levelSet);
+        if (!fits && isClean(health_)) requireThickness(options_.name, health_, voxelSize);
+        callbacks_.report("domain", 0, 0);
+        callbacks_.stopIfCancelled();
+        if (fits && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
+            takeLevelSet(*levelSet);
+        } else if (!voxelize(voxelSize)) {
+            if (fits)
+                takeLevelSet(*levelSet);
+            else
+                refine();
         }
-        if (!verdict.sound) refuse(name, health, coarseVolume, voxelSize);
+        callbacks_.report("domain", 0.8, static_cast<double>(field->activeVoxels()));
     }
-    if (!isClean(health))
+
+private:
+    /// Its signs are those of its contour, however thin its walls are.
+    void takeLevelSet(const VdbGrid& levelSet) {
+        contour = true;
+        voxelSize = voxelSizeOf(levelSet);
+        field = std::make_unique<VdbField>(levelSet, options_.depth);
+        volume = health_.enclosedVolume;
+    }
+
+    /// @return whether the volume of the field agrees with that of the mesh.
+    bool voxelize(double size) {
+        field =
+            std::make_unique<VdbField>(mesh_, depthOfTriangle_, size, options_.depth, callbacks_);
+        volume = field->volumeDeeperThan(0);
+        if (!(volume > 0)) return false;
+        const double difference =
+            std::abs(volume - health_.enclosedVolume) / std::abs(health_.enclosedVolume);
+        return difference <= kVolumeTolerance;
+    }
+
+    /// Tries voxels of half the size: walls too thin for the voxels are no flaw of the mesh, while
+    /// a hole shows at any size.
+    void refine() {
+        const double coarseVolume = volume;
+        const double half = 0.5 * voxelSize;
+        if (!(estimatedVoxels(health_.area, half, options_.depth) < kMostDefaultVoxels) ||
+            !voxelize(half))
+            refuseMesh(options_.name, health_, coarseVolume, voxelSize);
+        callbacks_.warn(fmt::format(
+            "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
+            options_.name, voxelSize, half));
+        voxelSize = half;
+    }
+
+    const TriangleMesh& mesh_;
+    const MeshHealth& health_;
+    const std::vector<std::uint8_t>& depthOfTriangle_;
+    const FieldOptions& options_;
+    const Callbacks& callbacks_;
+};
+
+DomainFacts factsOf(const TriangleMesh& mesh, const MeshHealth& health, const FieldOptions& options,
+                    const std::string& kind) {
+    DomainFacts facts;
+    facts.kind = kind;
+    facts.repair = options.repair;
+    facts.triangles = mesh.triangles.size();
+    facts.meshVolume = health.enclosedVolume;
+    facts.boundaryEdges = health.boundaryEdges;
+    facts.nonManifoldEdges = health.nonManifoldEdges;
+    return facts;
+}
+
+/// @param levelSet  whose contour the mesh is; null: none.
+Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& options,
+                const std::string& kind, const Callbacks& callbacks) {
+    requireLengths(options);
+    requireUsableMesh(mesh, options.name);
+    const MeshHealth health = checkMesh(mesh);
+    if (!(health.area > 0))
+        throw InputError(fmt::format("{}: no triangle has an area; repair the mesh", options.name));
+    Parts parts;
+    analyzeNesting(mesh, parts.depthOfTriangle, parts.facing);
+    FieldBuilder builder(mesh, health, parts.depthOfTriangle, options, callbacks);
+    builder.build(levelSet);
+    if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
             "itself {:.6g} mm³)",
-            name, flawsOf(health), verdict.fieldVolume, health.enclosedVolume));
-
-    if (!isClean(health)) parts.facing.clear();
-    parts.volume = isClean(health) ? health.enclosedVolume : verdict.fieldVolume;
+            options.name, flawsOf(health), builder.volume, health.enclosedVolume));
+        parts.facing.clear();
+    }
+    parts.volume = isClean(health) ? health.enclosedVolume : builder.volume;
     parts.area = health.area;
-    parts.facts.kind = kind;
-    parts.facts.repair = options.repair;
-    parts.facts.triangles = mesh.triangles.size();
-    parts.facts.meshVolume = health.enclosedVolume;
-    parts.facts.voxelSize = voxelSize;
-    parts.facts.activeVoxels = parts.field->activeVoxels();
-    parts.facts.boundaryEdges = health.boundaryEdges;
-    parts.facts.nonManifoldEdges = health.nonManifoldEdges;
+    parts.facts = factsOf(mesh, health, options, kind);
+    parts.facts.voxelSize = builder.voxelSize;
+    parts.facts.activeVoxels = builder.field->activeVoxels();
+    parts.field = std::move(builder.field);
+    parts.contour = builder.contour;
     parts.mesh = std::move(mesh);
-    parts.depthOfTriangle = std::move(depthOfTriangle);
-    parts.name = name;
+    parts.name = options.name;
     return parts;
 }
 

@@ -1,4 +1,4 @@
-// A closed triangle mesh as a domain: narrow-band level set for lookups, triangles for the truth.
+// A closed triangle mesh as a domain: narrow-band level set for lookups, triangles for exactness.
 #pragma once
 
 #include "vdbpack/core/progress.h"
@@ -15,8 +15,8 @@ class VdbGrid;
 struct FieldOptions {
     /// Edge of a voxel, mm; 0: chosen by `defaultVoxelSize`.
     double voxelSize = 0;
-    /// Depth inside the wall up to which the field must know the distance, mm (three largest
-    /// radii suffice for a packer and for the interior fraction).
+    /// Depth inside the wall up to which the field must have the distance, mm (three largest radii
+    /// suffice for a packer and for the interior fraction).
     double depth = 0;
     /// Smallest feature to resolve, mm (the smallest radius); guides the default voxel size.
     double detail = 0;
@@ -26,12 +26,13 @@ struct FieldOptions {
     std::shared_ptr<const RepairReport> repair;
 };
 
-/// A mesh domain keeps both; `grid` is what is written as `surface`.
+/// A domain that has both a level set and the triangles of its wall.
 class MeshDomain : public Domain<3> {
 public:
+    /// The level set that is written as `surface`.
     virtual std::shared_ptr<const VdbGrid> grid() const = 0;
-    /// The same in voxels of another size (mm), made anew unless they are those of `grid`.
-    /// @throws as `meshDomain` for sizes that cannot be.
+    /// The same in voxels of another size (mm), rebuilt unless the size is that of `grid`.
+    /// @throws as `meshDomain` for impossible sizes.
     virtual std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const = 0;
     /// The wall itself: the triangles that distances are exact for, mm.
     virtual const TriangleMesh& wall() const = 0;
@@ -39,13 +40,12 @@ public:
 
 /// The inside of a closed mesh. Nested shells bound cavities, whichever way they face.
 ///
-/// The field's volume must agree with the mesh's within 1 %; where it does not, voxels of half the
-/// size are tried before the mesh is refused. A mesh with holes so small that the field does not
-/// notice them, or with other flaws that leave the volumes alike, is used with a warning that names
-/// them.
+/// The volume of the field must agree with that of the mesh within 1 %; where it does not, voxels
+/// of half the size are tried before the mesh is refused. A mesh with flaws that leave the volumes
+/// alike, such as holes smaller than the voxels, is used with a warning that names them.
 ///
-/// @throws InputError where the mesh is empty or not closed and the field cannot be trusted, or
-/// where the volumes differ (with both figures).
+/// @throws InputError for a mesh that is empty or far thinner than the voxels, or where the volumes
+/// differ (with both figures).
 /// @throws ParameterError for negative options, ResourceError if memory does not suffice.
 std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptions& options,
                                              const Callbacks& callbacks = {});
@@ -53,14 +53,14 @@ std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptio
 /// The zero contour of a level set read from a .vdb file, outward triangles, mm.
 /// @param gridName  may be empty: the first level set of the file.
 /// @param scale     mm in one unit of the file.
-/// @throws IoError if the file cannot be read, InputError if it holds no such level set, or one
-/// whose voxels are not cubes, ParameterError if `scale` is not positive.
+/// @throws IoError if the file cannot be read, InputError if it has no such level set or one whose
+/// voxels are not cubes, ParameterError if `scale` is not positive.
 TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale);
 
-/// The same of a level set in mm. `name` stands for it in messages.
+/// The same of a level set in mm, called `name` in messages.
 TriangleMesh levelSetMesh(const VdbGrid& grid, const std::string& name);
 
-/// Whether a .vdb file holds a level set at all; false as well where it cannot be read.
+/// Whether a .vdb file has a level set; false if it cannot be read.
 bool holdsLevelSet(const std::string& path);
 
 /// The level set itself, in mm. @throws as `levelSetMesh`.
@@ -75,22 +75,22 @@ double voxelSizeOf(const VdbGrid& grid);
 Box<3> bandBounds(const VdbGrid& grid);
 
 /// The inside of a level set; its zero contour `mesh` (of `levelSetMesh`) is the wall. The level
-/// set itself is the field where its voxels are about of the size wanted and lie along x, y, z;
-/// else one is made as by `meshDomain`. @throws as `meshDomain`
+/// set itself is the field where its voxels have about the requested size and lie along x, y, z;
+/// else a field is built as by `meshDomain`. @throws as `meshDomain`
 std::shared_ptr<const MeshDomain> levelSetDomain(std::shared_ptr<const VdbGrid> grid,
                                                  TriangleMesh mesh, const FieldOptions& options,
                                                  const Callbacks& callbacks = {});
 
-/// The same, read from a .vdb file. @throws as `levelSetMesh` besides.
+/// The same, read from a .vdb file. @throws as `meshDomain` and `levelSetMesh`.
 std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
                                                  const std::string& gridName, double scale,
                                                  const FieldOptions& options,
                                                  const Callbacks& callbacks = {});
 
-/// The voxel size that `meshDomain` takes by default, mm: 1.1 times the detail, at which the
-/// center of a sphere of that radius still reads as inside wherever the sphere fits (the corners
-/// of its voxel are 0.87 voxels away on average); coarser where that would take more than some
-/// 40 million voxels, finer where the bone is thinner than two such voxels.
+/// The default voxel size of `meshDomain`, mm: 1.1 times the detail, at which the center of a
+/// sphere of that radius is inside by the field wherever the sphere fits (the corners of its voxel
+/// are 0.87 voxels away on average); coarser where there would be more than some 40 million voxels,
+/// finer where the bone is thinner than two such voxels.
 double defaultVoxelSize(const TriangleMesh& mesh, double detail);
 
 }  // namespace vdbpack

@@ -10,8 +10,8 @@
 namespace vdbpack {
 
 /// The plane z = `height` of a mesh domain.
-/// @param facing  one a triangle: 1 if its normal points out of the domain, -1 if into it; empty
-///        if that is not known, where the mesh has flaws: the field then tells the sides.
+/// @param facing  per triangle: 1 if its normal points out of the domain, -1 if into it; empty if
+///        that is unknown (a mesh with flaws): the field then decides inside and outside.
 /// @throws InputError if the plane misses the domain.
 std::shared_ptr<const Domain<2>> meshSlice(std::shared_ptr<const MeshDomain> domain,
                                            const std::vector<std::int8_t>& facing, double height);

@@ -1,6 +1,6 @@
+#include "vdbpack/domain/slice_domain.h"
+
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/domain/shape.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +11,7 @@ namespace vdbpack {
 std::shared_ptr<const Domain<2>> sliceDomain(std::shared_ptr<const Domain<3>> domain,
                                              double height) {
     if (!std::isfinite(height))
-        throw ParameterError(
-            fmt::format("slice: z={} is not a height; give a length in mm", height));
+        throw ParameterError(fmt::format("slice: z={} is not finite; give a height in mm", height));
     const auto* sliceable = dynamic_cast<const Sliceable*>(domain.get());
     if (!sliceable)
         throw ParameterError(

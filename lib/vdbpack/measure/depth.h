@@ -1,8 +1,8 @@
 // How deep the spheres of a pack lie.
 #pragma once
 
+#include "vdbpack/core/half_space.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/domain/analytic_domain.h"
 
 #include <array>
 #include <vector>

@@ -1,7 +1,9 @@
 #include "vdbpack/run/domain_source.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"

@@ -1,9 +1,9 @@
 // From the words of a command line to a domain: meshes, level sets, shapes, slices and clips.
 #pragma once
 
+#include "vdbpack/core/half_space.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
-#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/verify/verify.h"

@@ -1,4 +1,4 @@
-// Private: what clipping and slicing need to know of a domain beyond its public face.
+// Private to domain: a convex domain given by a formula.
 #pragma once
 
 #include "vdbpack/domain/domain.h"
@@ -6,30 +6,23 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
-
-/// A 3D domain that knows its own planar slices.
-class Sliceable {
-public:
-    virtual ~Sliceable() = default;
-    /// The plane z = `height` as a domain of (x, y). @throws InputError if the plane misses.
-    virtual std::shared_ptr<const Domain<2>> slice(double height) const = 0;
-};
 
 /// A convex domain given by a formula.
 template <int Dim>
 class ConvexShape : public Domain<Dim> {
 public:
-    /// Where the line parallel to the last axis through `x` (its last component is ignored) runs
-    /// deeper than `depth` inside the shape.
-    /// @return false if it does not; else `lo` < `hi` are values of the last component, mm.
+    /// The part deeper than `depth` inside the shape of the line through `x` parallel to the last
+    /// axis (the last component of `x` is ignored).
+    /// @return false if there is none; else `lo` < `hi` are values of the last component, mm.
     virtual bool chord(const Vec<Dim>& x, double depth, double& lo, double& hi) const = 0;
     virtual double signedDistance(const Vec<Dim>& x) const = 0;
     /// The nearest point of the wall from anywhere.
     virtual Vec<Dim> nearestOnWall(const Vec<Dim>& x) const = 0;
-    /// The faces closer to `x` than `reach`: the nearest point of each. Where one face is all there
-    /// is, and from outside, the nearest of all alone.
+    /// Appends the nearest point of every face closer to `x` than `reach`. By default, and from
+    /// outside, the nearest point of all alone.
     virtual void wallsWithin(const Vec<Dim>& x, double reach,
                              std::vector<WallPoint<Dim>>& points) const;
 
@@ -43,8 +36,5 @@ protected:
 private:
     std::string kind_;
 };
-
-extern template class ConvexShape<2>;
-extern template class ConvexShape<3>;
 
 }  // namespace vdbpack

@@ -1,0 +1,107 @@
+#include "vdbpack/domain/mesh_requirements.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+// Half the thickness of a wall, in voxels, below which its volume cannot come out within tolerance.
+constexpr double kThinnestInVoxels = 0.05;
+// More active voxels than this (some 40 GB) result from a wrong unit.
+constexpr double kMostVoxels = 5e9;
+
+}  // namespace
+
+void requireLengths(const FieldOptions& options) {
+    for (const double value : {options.voxelSize, options.depth, options.detail})
+        if (!(value >= 0) || !std::isfinite(value))
+            throw ParameterError(fmt::format(
+                "{}: voxel size {}, depth {} and detail {} must be lengths in mm, 0 or more",
+                options.name, options.voxelSize, options.depth, options.detail));
+}
+
+void requireUsableMesh(const TriangleMesh& mesh, const std::string& name) {
+    if (mesh.triangles.empty())
+        throw InputError(
+            fmt::format("{}: the mesh has no triangles; give a closed triangle mesh", name));
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+        if (!isFinite(mesh.vertices[i]))
+            throw InputError(fmt::format("{}: vertex {} is not finite; repair the file", name, i));
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (const std::uint32_t corner : mesh.triangles[i])
+            if (corner >= mesh.vertices.size())
+                throw InputError(
+                    fmt::format("{}: triangle {} names vertex {} of {}; repair the file", name, i,
+                                corner, mesh.vertices.size()));
+}
+
+double estimatedVoxels(double area, double voxelSize, double depth) {
+    return area * (depth + 5 * voxelSize) / (voxelSize * voxelSize * voxelSize);
+}
+
+void requireVoxels(const std::string& name, const TriangleMesh& mesh, double area, double voxelSize,
+                   double depth) {
+    const Vec<3> size = mesh.bounds().size();
+    const double longest = *std::max_element(size.c.begin(), size.c.end());
+    if (!(voxelSize <= longest))
+        throw ParameterError(fmt::format(
+            "{}: voxels of {:.4g} mm are larger than all of it, which is {:.4g} mm across; give "
+            "smaller ones, or check the unit of the mesh",
+            name, voxelSize, longest));
+    const double voxels = estimatedVoxels(area, voxelSize, depth);
+    if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
+        throw ResourceError(fmt::format(
+            "{}: voxels of {:.4g} mm would take about {:.2g} of them for a surface of {:.4g} mm² "
+            "and {:.4g} mm across; give larger voxels, or check the unit of the mesh",
+            name, voxelSize, voxels, area, longest));
+}
+
+void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
+    const double half = health.enclosedVolume / health.area;  // of a plate's thickness
+    if (!(half > 0) || half > kThinnestInVoxels * voxelSize) return;
+    throw InputError(fmt::format(
+        "{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), too thin "
+        "for a field of {:.4g} mm voxels; check the mesh and its unit, or set `voxelSize` to "
+        "{:.2g} mm",
+        name, 2 * half, voxelSize, half));
+}
+
+bool isClean(const MeshHealth& health) {
+    return health.isWatertight() && health.inconsistentEdges == 0;
+}
+
+std::string flawsOf(const MeshHealth& health) {
+    std::string text;
+    const auto add = [&](std::size_t count, const char* what) {
+        if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
+    };
+    if (!health.isClosed()) text = health.describeLeak();
+    add(health.nonManifoldEdges, "edges of more than two triangles");
+    add(health.inconsistentEdges, "edges between triangles that face opposite ways");
+    add(health.duplicateTriangles, "duplicate triangles");
+    return text;
+}
+
+void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
+                double voxelSize) {
+    const std::string volumes =
+        fmt::format("the field of {:.4g} mm voxels encloses {:.6g} mm³, the mesh {:.6g} mm³",
+                    voxelSize, fieldVolume, health.enclosedVolume);
+    if (!health.isClosed())
+        throw InputError(
+            fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
+                        name, health.describeLeak(), volumes));
+    throw InputError(fmt::format(
+        "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; separate or "
+        "join the pieces, or set `repair`",
+        name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
+        health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,39 @@
+// Private to domain: what a mesh and its voxels must fulfill to be a domain, and the messages.
+#pragma once
+
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/mesh_check.h"
+
+#include <string>
+
+namespace vdbpack {
+
+/// @throws ParameterError for lengths that are negative or not finite.
+void requireLengths(const FieldOptions& options);
+
+/// @throws InputError for a mesh without triangles, or with unusable vertices or indices.
+void requireUsableMesh(const TriangleMesh& mesh, const std::string& name);
+
+/// Estimate of the active voxels of a field. @param area  of the wall, mm².
+double estimatedVoxels(double area, double voxelSize, double depth);
+
+/// Refuses voxel sizes that can only result from a wrong unit.
+/// @throws ParameterError if voxels are larger than the mesh, ResourceError if there are too many.
+void requireVoxels(const std::string& name, const TriangleMesh& mesh, double area, double voxelSize,
+                   double depth);
+
+/// Refuses a closed mesh that is far thinner than the voxels of its field, before that is built.
+/// @throws InputError
+void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize);
+
+/// Whether every edge has two triangles that face alike, so that the mesh has a volume.
+bool isClean(const MeshHealth& health);
+
+/// The flaws of a mesh that is not clean, for a message.
+std::string flawsOf(const MeshHealth& health);
+
+/// Refuses a mesh whose field encloses another volume than the mesh. @throws InputError always.
+[[noreturn]] void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
+                             double voxelSize);
+
+}  // namespace vdbpack
