@@ -178,7 +178,7 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
     const TemporaryFolder folder;
     writeMeshes(folder);
     check({{"pack @one.obj", 3, "the mesh is not closed: 3 boundary edges"},
-           {"pack @flat.obj", 3, "inside and outside cannot be told apart"},
+           {"pack @flat.obj", 3, "inside and outside are ambiguous"},
            {"measure @one.obj", 3, "not closed"},
            {"pack @needle.obj --target-count 200", 3, "the mesh is about 0.0002 mm thick"},
            {"voids @flat.obj --voids boolean --void-radius constant:1 --void-count 3", 3,

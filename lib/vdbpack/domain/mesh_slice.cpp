@@ -17,7 +17,7 @@ namespace vdbpack {
 namespace {
 
 constexpr double kMostNodes = 1.6e7;
-// Area by the outline against area by the raster; beyond this the outline is not one.
+// Largest relative difference of the areas by outline and by raster of a usable outline.
 constexpr double kAreaTolerance = 0.02;
 
 /// Where the triangles cut the plane, the domain to the left of each segment.
@@ -28,7 +28,7 @@ std::vector<Facet<2>> cut(const TriangleMesh& mesh, const std::vector<std::int8_
                           double height) {
     std::vector<Facet<2>> segments;
     const auto crossing = [&](std::uint32_t i, std::uint32_t j) {
-        // Both triangles at an edge get the same point, to the last bit.
+        // Both triangles at an edge receive the same point, to the last bit.
         const Vec<3>& a = mesh.vertices[std::min(i, j)];
         const Vec<3>& b = mesh.vertices[std::max(i, j)];
         const double t = (height - a[2]) / (b[2] - a[2]);
@@ -54,8 +54,8 @@ std::vector<Facet<2>> cut(const TriangleMesh& mesh, const std::vector<std::int8_
     return segments;
 }
 
-/// Signed distances on a square lattice: magnitude from the segments, side from how the outline
-/// winds about a node, or from the 3D field where the outline is not one.
+/// Signed distances on a square lattice: magnitude from the segments, sign from the winding number
+/// of the outline around a node, or from the 3D field where the outline is not closed.
 class SliceDomain : public Domain<2> {
 public:
     SliceDomain(const MeshDomain& domain, std::vector<Facet<2>> segments, bool oriented,
@@ -99,11 +99,11 @@ public:
         double w[2];
         std::size_t at[2];
         for (int i = 0; i < 2; ++i) {
-            const double place = (x[i] - lo_[i]) / spacing_;
+            const double position = (x[i] - lo_[i]) / spacing_;
             const int last = nodes_[static_cast<std::size_t>(i)] - 2;
-            if (!(place >= 0 && place <= last + 1)) return outside_;
-            const int cell = std::min(static_cast<int>(place), last);
-            w[i] = place - cell;
+            if (!(position >= 0 && position <= last + 1)) return outside_;
+            const int cell = std::min(static_cast<int>(position), last);
+            w[i] = position - cell;
             at[i] = static_cast<std::size_t>(cell);
         }
         const auto across = static_cast<std::size_t>(nodes_[0]);
@@ -192,7 +192,7 @@ private:
                           });
     }
 
-    /// Sum of the shares of cells about the nodes that lie deeper.
+    /// Sum over the cells around the nodes of the share that lies deeper.
     double areaDeeperThan(double depth) const {
         std::vector<double> sums(static_cast<std::size_t>(nodes_[1]));
         const auto across = static_cast<std::size_t>(nodes_[0]);
