@@ -8,7 +8,8 @@
 #include "vdbpack/domain/function_domain.h"
 #include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/verify/verify.h"
+#include "vdbpack/verify/overlap.h"
+#include "vdbpack/verify/protrusion.h"
 
 #include <catch2/catch.hpp>
 
@@ -100,7 +101,7 @@ TEST_CASE("nothing protrudes from a function that is a signed distance", "[domai
     const auto domain = functionDomain<3>(ball<3>(8), bounds);
     const auto shape = clippedDomain<3>(ballDomain<3>(8), {{{{0, 0, -1}}, 4}});
     const auto packed = packOf(*domain, "uniform:0.5,1").pack.spheres;
-    auto wall = Shape<3>::ofBall(8);
+    auto wall = WallShape<3>::ofBall(8);
     wall.clips.push_back({{{0, 0, -1}}, 4});
     CHECK(checkProtrusion(packed, wall).spheres == 0);
     CHECK(checkOverlap(packed).pairs == 0);
@@ -110,7 +111,7 @@ TEST_CASE("nothing protrudes from a function that is a signed distance", "[domai
 
     const auto circles = packOf(*functionDomain<2>(ball<2>(20), cube<2>(50)), "uniform:0.5,1");
     CHECK(circles.pack.spheres.size() > 500);
-    CHECK(checkProtrusion(circles.pack.spheres, Shape<2>::ofBall(20)).spheres == 0);
+    CHECK(checkProtrusion(circles.pack.spheres, WallShape<2>::ofBall(20)).spheres == 0);
     CHECK(checkOverlap(circles.pack.spheres).pairs == 0);
 }
 
@@ -124,7 +125,7 @@ TEST_CASE("a gyroid divided by its largest gradient keeps spheres inside", "[dom
     const auto packed = packOf(*domain, "uniform:0.4,0.8").pack.spheres;
     CHECK(packed.size() > 500);
     CHECK(largestOn(packed, f) < 1e-9);
-    CHECK(checkProtrusion(packed, Shape<3>::ofBox(cube<3>(2 * kPi * c))).spheres == 0);
+    CHECK(checkProtrusion(packed, WallShape<3>::ofBox(cube<3>(2 * kPi * c))).spheres == 0);
     CHECK(checkOverlap(packed).pairs == 0);
 }
 
@@ -142,7 +143,7 @@ TEST_CASE("the contour of a gyroid holds a pack as close as its voxels allow", "
     CHECK(domain->volume() == Approx(std::pow(2 * kPi * c, 3) / 2).epsilon(0.01));
     const auto packed = packOf(*domain, "uniform:0.4,0.8").pack.spheres;
     CHECK(checkOverlap(packed).pairs == 0);
-    CHECK(checkProtrusion(packed, Shape<3>::ofBox(bounds)).spheres == 0);
+    CHECK(checkProtrusion(packed, WallShape<3>::ofBox(bounds)).spheres == 0);
     // A curvature of the surface of at most 1 / c: voxels of 0.25 are off by about 0.01 mm.
     CHECK(largestOn(packed, f) / options.steepest < 0.02);
     // Denser than what lower bounds of the distance allow.

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/half_space.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/domain.h"
 
 #include <array>
 #include <vector>
