@@ -32,6 +32,12 @@ template <int Dim>
 using Function = std::function<double(const Vec<Dim>&)>;
 
 template <int Dim>
+double longestSide(const Box<Dim>& box) {
+    const Vec<Dim> size = box.size();
+    return *std::max_element(size.c.begin(), size.c.end());
+}
+
+template <int Dim>
 class FunctionSampler : public DomainSampler<Dim> {
 public:
     FunctionSampler(const Function<Dim>& f, double scale, double step,
@@ -100,7 +106,7 @@ public:
           scale_(1 / steepest),
           bounds_(bounds),
           box_(boxDomain<Dim>(bounds)),
-          longest_(*std::max_element(bounds.size().c.begin(), bounds.size().c.end())) {}
+          longest_(longestSide(bounds)) {}
 
     /// Integrates the volume, which a domain that is only sampled does not need.
     void integrate() { volume_ = volumeDeeperThan(0); }
@@ -209,8 +215,7 @@ std::shared_ptr<const Domain<3>> implicitDomain(std::function<double(const Vec<3
                                                 const Callbacks& callbacks) {
     boxDomain<3>(bounds);  // refuses unusable bounds
     double voxelSize = field.voxelSize > 0 ? field.voxelSize : 0.5 * field.detail;
-    const Vec<3> size = bounds.size();
-    if (!(voxelSize > 0)) voxelSize = *std::max_element(size.c.begin(), size.c.end()) / 128;
+    if (!(voxelSize > 0)) voxelSize = longestSide(bounds) / 128;
     // The contour rounds the edges of a box that is sampled: those of a larger one are cut off.
     const auto domain =
         checkedDomain<3>(std::move(f), bounds.grown(2 * voxelSize), bounds, options);
