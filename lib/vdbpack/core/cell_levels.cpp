@@ -98,9 +98,11 @@ std::pair<std::int64_t, std::int64_t> CellLevels<Dim>::Axis::cells(double a, dou
             compact[static_cast<std::size_t>(last - occupied.begin()) - 1]};
 }
 
+/// Lays the axes over the members, with gaps closed up if cells would be more than `most`.
+/// @return the number of cells.
 template <int Dim>
-void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                                std::vector<std::uint32_t> members) {
+double CellLevels<Dim>::layAxes(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                                const std::vector<std::uint32_t>& members, double most) const {
     const std::size_t n = members.size();
     Box<Dim> bounds;
     for (const auto i : members) {
@@ -109,7 +111,6 @@ void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& sp
     }
     // The widening keeps rounding from putting a pair in reach two cells apart.
     const double edge = (2 + slack_) * level.largestRadius * (1 + 1e-9);
-    const double most = 4.0 * static_cast<double>(n) + 64;
     double cells = 1;
     for (int i = 0; i < Dim; ++i) {
         Axis& axis = level.axes[static_cast<std::size_t>(i)];
@@ -142,6 +143,15 @@ void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& sp
             cells *= static_cast<double>(axis.count);
         }
     }
+    return cells;
+}
+
+template <int Dim>
+void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                                const std::vector<std::uint32_t>& members) {
+    const std::size_t n = members.size();
+    const double most = 4.0 * static_cast<double>(n) + 64;
+    const double cells = layAxes(level, spheres, members, most);
     std::vector<std::uint64_t> key(n);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
                       [&](const tbb::blocked_range<std::size_t>& block) {
@@ -156,34 +166,49 @@ void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& sp
                       });
     level.spheres.resize(n);
     level.index.resize(n);
-    if (cells <= most) {
-        const auto count = static_cast<std::size_t>(cells);
-        // The order inside a cell depends on the threads; no result does.
-        std::vector<std::atomic<std::uint32_t>> next(count);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              for (std::size_t k = block.begin(); k < block.end(); ++k)
-                                  next[key[k]].fetch_add(1, std::memory_order_relaxed);
-                          });
-        level.start.resize(count + 1);
-        std::uint32_t sum = 0;
-        for (std::size_t c = 0; c < count; ++c) {
-            level.start[c] = sum;
-            sum += next[c].load(std::memory_order_relaxed);
-            next[c].store(level.start[c], std::memory_order_relaxed);
-        }
-        level.start[count] = sum;
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                                  const auto at =
-                                      next[key[k]].fetch_add(1, std::memory_order_relaxed);
-                                  level.spheres[at] = spheres[members[k]];
-                                  level.index[at] = members[k];
-                              }
-                          });
-        return;
+    if (cells <= most)
+        sortByCell(level, spheres, members, key, static_cast<std::size_t>(cells));
+    else
+        sortByKey(level, spheres, members, key);
+}
+
+/// Counting sort into as many slots as there are cells.
+template <int Dim>
+void CellLevels<Dim>::sortByCell(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                                 const std::vector<std::uint32_t>& members,
+                                 const std::vector<std::uint64_t>& key, std::size_t cells) {
+    const std::size_t n = members.size();
+    // The order inside a cell depends on the threads; no result does.
+    std::vector<std::atomic<std::uint32_t>> next(cells);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
+                      [&](const tbb::blocked_range<std::size_t>& block) {
+                          for (std::size_t k = block.begin(); k < block.end(); ++k)
+                              next[key[k]].fetch_add(1, std::memory_order_relaxed);
+                      });
+    level.start.resize(cells + 1);
+    std::uint32_t sum = 0;
+    for (std::size_t c = 0; c < cells; ++c) {
+        level.start[c] = sum;
+        sum += next[c].load(std::memory_order_relaxed);
+        next[c].store(level.start[c], std::memory_order_relaxed);
     }
+    level.start[cells] = sum;
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
+                      [&](const tbb::blocked_range<std::size_t>& block) {
+                          for (std::size_t k = block.begin(); k < block.end(); ++k) {
+                              const auto at = next[key[k]].fetch_add(1, std::memory_order_relaxed);
+                              level.spheres[at] = spheres[members[k]];
+                              level.index[at] = members[k];
+                          }
+                      });
+}
+
+/// Sorts into slots of the occupied cells alone.
+template <int Dim>
+void CellLevels<Dim>::sortByKey(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                                const std::vector<std::uint32_t>& members,
+                                const std::vector<std::uint64_t>& key) {
+    const std::size_t n = members.size();
     std::vector<std::uint32_t> order(n);
     std::iota(order.begin(), order.end(), 0u);
     tbb::parallel_sort(order.begin(), order.end(),
@@ -222,7 +247,7 @@ CellLevels<Dim>::CellLevels(const std::vector<Sphere<Dim>>& spheres, double slac
     }
     levels_.resize(classes.size());
     std::size_t k = 0;
-    for (auto& entry : classes) fillLevel(levels_[k++], spheres, std::move(entry.second));
+    for (auto& entry : classes) fillLevel(levels_[k++], spheres, entry.second);
 }
 
 template class CellLevels<2>;

@@ -17,7 +17,7 @@ namespace vdbpack {
 /// Beyond it products of lengths would overflow; mm.
 inline constexpr double kLargestLength = 1e30;
 
-/// Refuses what no measure can be taken of.
+/// Refuses spheres that cannot be measured.
 /// @throws InputError naming the first sphere whose position or radius is not a usable number;
 /// ResourceError above 4e9 spheres.
 template <int Dim>
@@ -29,6 +29,13 @@ void requireUsable(const std::vector<Sphere<Dim>>& spheres);
 /// A grid whose cells would outnumber its spheres by far (spheres far apart) closes up the empty
 /// gaps of each axis, and keeps a sorted list of occupied cells if that is not enough: memory is
 /// proportional to the number of spheres, and every pair in reach is still found.
+///
+/// Grids of cells that are not built on this one, and why:
+/// CellList (pack/front) grows sphere by sphere and is searched eight floats at a time;
+/// BodyCells (densify) sorts integer positions anew every few steps, in one order for any number of
+/// threads, and hands out the order itself;
+/// PlaneBins (preview) holds boxes in a plane, each in all cells that it meets;
+/// SphereCells (verify) shares no code with what it judges.
 template <int Dim>
 class CellLevels {
 public:
@@ -38,7 +45,7 @@ public:
 
     /// Calls `visit(indexA, sphereA, indexB, sphereB, squaredDistance)` once for each pair closer
     /// than radiusA + radiusB + slack * min(radiusA, radiusB); from many threads at once.
-    /// `stopped()` is asked about once a sphere and ends the search when true.
+    /// `stopped()` is called about once per sphere and ends the search when true.
     template <typename Visit, typename Stopped>
     void forEachPair(const Visit& visit, const Stopped& stopped) const;
 
@@ -87,8 +94,15 @@ private:
         }
     };
 
-    void fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres,
-                   std::vector<std::uint32_t> members);
+    using Members = std::vector<std::uint32_t>;  ///< of a level, in the caller's array
+    using Keys = std::vector<std::uint64_t>;     ///< cell of each member
+    void fillLevel(Level& level, const std::vector<Sphere<Dim>>& spheres, const Members& members);
+    double layAxes(Level& level, const std::vector<Sphere<Dim>>& spheres, const Members& members,
+                   double most) const;
+    static void sortByCell(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                           const Members& members, const Keys& key, std::size_t cells);
+    static void sortByKey(Level& level, const std::vector<Sphere<Dim>>& spheres,
+                          const Members& members, const Keys& key);
     /// Calls `visit(range)` for the rows of cells that meet `box`, until it returns false.
     template <typename Visit>
     static bool forEachRow(const Level& level, const Box<Dim>& box, const Visit& visit);
@@ -231,10 +245,5 @@ void CellLevels<Dim>::forEachPair(const Visit& visit, const Stopped& stopped) co
             pairsAcross(levels_[k], levels_[l], visit, stopped);
     }
 }
-
-extern template class CellLevels<2>;
-extern template class CellLevels<3>;
-extern template void requireUsable<2>(const std::vector<Sphere<2>>&);
-extern template void requireUsable<3>(const std::vector<Sphere<3>>&);
 
 }  // namespace vdbpack

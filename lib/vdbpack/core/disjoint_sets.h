@@ -1,4 +1,4 @@
-// Sets that are joined one after the other.
+// Disjoint sets (union-find).
 #pragma once
 
 #include <cstddef>
@@ -9,17 +9,20 @@
 
 namespace vdbpack {
 
-/// Members 0 to n - 1, each in a set of its own until sets are joined; a set is named by its
-/// smallest member. For one thread.
+/// Members 0 to n - 1, each in a set of its own until sets are joined; the smallest member of a set
+/// represents it. Not thread-safe.
+/// Source: union-find with path halving (Tarjan, van Leeuwen 1984, doi:10.1145/62.2160).
 class DisjointSets {
 public:
     explicit DisjointSets(std::size_t n) : parent_(n) {
         std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     }
+    /// The representative of the set of `i`.
     std::uint32_t find(std::uint32_t i) {
         while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
         return i;
     }
+    /// Joins the sets of `i` and `j`.
     void join(std::uint32_t i, std::uint32_t j) {
         i = find(i);
         j = find(j);

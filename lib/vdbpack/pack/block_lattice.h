@@ -67,7 +67,4 @@ private:
     std::vector<bool> endsPool_;
 };
 
-extern template class BlockLattice<2>;
-extern template class BlockLattice<3>;
-
 }  // namespace vdbpack
