@@ -24,7 +24,7 @@ public:
     /// @param bounds   of the domain, mm.
     /// @param side     wanted edge of a block, mm: the domain is cut evenly into blocks of about
     ///                 that edge.
-    /// @param lag      how far the search for places lags behind the front, mm.
+    /// @param lag      how far the search for vacancies lags behind the front, mm.
     /// @param quantum  faces are multiples of this power of two, mm.
     BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum);
 
@@ -33,7 +33,7 @@ public:
     /// threads.
     std::size_t longestChain() const { return chain_; }
 
-    /// Where block `b` grows, and where it leaves no place; see BlockFront::fill.
+    /// Where block `b` grows, and where it leaves no vacancy; see BlockFront::fill.
     Box<Dim> own(std::uint32_t b) const;
     Box<Dim> search(std::uint32_t b) const;
     /// Blocks that grow or search within `box`, mm.

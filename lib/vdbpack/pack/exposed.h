@@ -1,4 +1,4 @@
-// Private to pack: spheres that stand, without those that no other can ever touch.
+// Private to pack: existing spheres without those that no other can ever touch.
 #pragma once
 
 #include "vdbpack/core/sphere.h"

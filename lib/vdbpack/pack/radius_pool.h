@@ -1,4 +1,4 @@
-// Radii that were drawn but not placed yet.
+// Radii drawn and not yet placed.
 #pragma once
 
 #include "vdbpack/core/rng.h"
@@ -10,9 +10,8 @@
 
 namespace vdbpack {
 
-/// Pending radii, sorted. Taking what fits biases a pack towards small spheres; a pool that is
-/// refilled from the distribution keeps it exact: all that was drawn gets placed, but for what
-/// is pending at the end.
+/// Pending radii, sorted. Drawing until a radius fits would bias a pack towards small spheres; a
+/// pool keeps the distribution exact: all radii drawn are placed but for those pending at the end.
 ///
 /// Draws follow the additive golden-ratio sequence from a random start, so that any run of draws
 /// is spread over the distribution far more evenly than independent ones.
@@ -23,8 +22,8 @@ public:
                std::size_t capacity, double shell = 0);
 
     std::size_t size() const { return radii_.size(); }
-    /// How many radii may be pending; what is pending beyond that stays until it is placed.
-    /// @param common  larger radii do not count, mm: where they fit nowhere the others go on.
+    /// Sets how many radii may be pending; those beyond it stay until they are placed.
+    /// @param common  larger radii do not count, mm: where they fit nowhere, the others continue.
     void setCapacity(std::size_t capacity,
                      double common = std::numeric_limits<double>::infinity()) {
         capacity_ = capacity;
@@ -39,9 +38,9 @@ public:
 
     /// Removes the `k`-th smallest and draws up to the capacity.
     void take(std::size_t k);
-    /// Draws until the pool is full and holds a radius of at most the mean: every place that
-    /// takes a mean sphere can then be filled. Not for every draw: what is drawn on the way and
-    /// is too large would pend for ever.
+    /// Draws until the pool is full and has a radius of at most the mean: then every vacancy for a
+    /// mean sphere can be filled. Not after every `take`: larger radii drawn on the way would pend
+    /// for ever.
     void refill();
     /// Moves the radii pending in `other` into this pool.
     void absorb(RadiusPool& other);

@@ -8,9 +8,9 @@ namespace vdbpack {
 namespace {
 /// As of RadiusPool: draws are spread over the distribution.
 constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
-/// Apart from the streams of pools.
+/// Offset from the random streams of pools.
 constexpr std::uint64_t kStreams = std::uint64_t{1} << 48;
-/// What finds no room must not pile up without end.
+/// Bounds what waits where no sphere of a species finds room.
 constexpr std::size_t kMostDue = 4096;
 }  // namespace
 

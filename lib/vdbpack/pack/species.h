@@ -10,20 +10,20 @@
 
 namespace vdbpack {
 
-/// Spheres of another kind than most: each new sphere is one with some probability.
+/// A kind of spheres beside the first one: each new sphere is of it with some probability.
 struct Species {
     SizeDistribution sizes;  ///< radii, mm
     double probability = 0;  ///< that a sphere is of this species, 0 to below 1
     double depth = 0;        ///< its spheres lie wholly deeper than this below the wall, mm
 };
 
-/// Spheres of further species that are due. After each sphere of the first species it is drawn
-/// which one comes next; what is drawn of the others is due until it finds room.
+/// Spheres of further species that are due. After each sphere of the first species the species of
+/// the next one is drawn; a sphere of another species is due until it finds room.
 class SpeciesQueue {
 public:
     /// A sphere that is due.
     struct Due {
-        std::uint8_t species = 1;  ///< place in PackOptions::species + 1
+        std::uint8_t species = 1;  ///< index in PackOptions::species + 1
         double radius = 0;         ///< mm
         double depth = 0;          ///< see Species::depth
     };
@@ -32,7 +32,7 @@ public:
     SpeciesQueue(const std::vector<Species>& species, std::uint64_t seed, std::uint64_t stream,
                  double shell);
 
-    /// Draws what comes between the sphere of the first species just placed and the next one.
+    /// Draws the spheres that come between the one of the first species just placed and the next.
     void draw();
     bool isDue() const { return !due_.empty(); }
     const Due& next() const { return due_.front(); }
@@ -40,7 +40,7 @@ public:
     void take() { due_.pop_front(); }
     /// Depth beyond which some of these may lie, mm.
     double depth() const { return depth_; }
-    /// Moves what is due in `other` to the end of this queue.
+    /// Moves the due spheres of `other` to the end of this queue.
     void absorb(SpeciesQueue& other);
 
 private:

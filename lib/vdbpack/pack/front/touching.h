@@ -7,7 +7,8 @@
 
 namespace vdbpack {
 
-/// What a center must be at a given distance from: a point (the center of a sphere) or a plane.
+/// An object from which a center must have a given distance: a point (the center of a sphere) or a
+/// plane.
 template <int Dim>
 struct Contact {
     Vec<Dim> at;          ///< the point, or a point of the plane, mm
@@ -20,10 +21,9 @@ struct Contact {
 /// from where it is.
 /// @param precision  steps shorter than a tenth of this end the search, mm.
 /// @param farthest   a step longer than this gives it up, mm.
-/// @return false if no such place is near; `center` is then somewhere else.
+/// @return false if no such position is near; `center` is then undefined.
 template <int Dim>
 bool moveToTouch(const std::array<Contact<Dim>, static_cast<std::size_t>(Dim)>& contacts,
                  double precision, double farthest, Vec<Dim>& center);
-
 
 }  // namespace vdbpack
