@@ -43,7 +43,7 @@ std::vector<std::uint8_t> decoded(const std::string& bytes, int& width, int& hei
 
 }  // namespace
 
-TEST_CASE("a PNG file gives back its pixels and texts", "[preview]") {
+TEST_CASE("a PNG file is read back with its pixels and texts", "[preview]") {
     const Image image = noise(31, 17);
     const TemporaryFolder folder;
     const std::string path = folder.file("noise.png");
@@ -58,7 +58,7 @@ TEST_CASE("a PNG file gives back its pixels and texts", "[preview]") {
     CHECK(bytes.find("0.5 mm³ <&>") != std::string::npos);
 }
 
-TEST_CASE("a picture that is none is refused, and writes nothing", "[preview]") {
+TEST_CASE("a picture without enough pixels is refused, and no file is written", "[preview]") {
     Image image = noise(4, 4);
     image.pixels.pop_back();
     CHECK_THROWS_AS(encodePng(image), ParameterError);
@@ -88,7 +88,7 @@ TEST_CASE("equal steps along the ramp are equal steps of lightness", "[preview]"
     CHECK(lightness(rampColor(7)) == high);
 }
 
-TEST_CASE("colors survive a round through 8 bits", "[preview]") {
+TEST_CASE("colors are unchanged by conversion to linear light and back", "[preview]") {
     for (const std::uint32_t rgb : {0x000000u, 0xffffffu, 0x4a78a8u, 0x010203u, 0x80fe7fu}) {
         std::uint8_t back[3];
         toSrgb(fromSrgb(rgb), back);
@@ -97,7 +97,7 @@ TEST_CASE("colors survive a round through 8 bits", "[preview]") {
     }
 }
 
-TEST_CASE("words for a preview are read or refused with the remedy", "[preview]") {
+TEST_CASE("texts of preview options are parsed, or refused with the expected form", "[preview]") {
     CHECK(parsePreviewCut("y=-12.5").axis == 1);
     CHECK(parsePreviewCut("y=-12.5").at == -12.5);
     for (const char* bad : {"", "x", "x=", "w=1", "x=1mm", "x=nan", "x=inf", "1"}) {

@@ -1,7 +1,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/preview/color.h"
 #include "vdbpack/preview/preview.h"
-#include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
 
 #include <catch2/catch.hpp>
 
@@ -88,7 +89,7 @@ TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
     CHECK((right - middle) * pixel == Approx(10).margin(3 * pixel));
 }
 
-TEST_CASE("y points up, and a circle lies where it is", "[preview]") {
+TEST_CASE("y points up, and circles are drawn at their positions", "[preview]") {
     Pack<2> pack;
     pack.spheres = {{{{705, 905}}, 1}, {{{715, 915}}, 2}};
     PlanePreview scene;
@@ -125,18 +126,19 @@ TEST_CASE("a plane picture is the same for any number of threads", "[preview]") 
     CHECK(with(1) == with(3));
 }
 
-TEST_CASE("what a plane picture cannot show is refused", "[preview]") {
+TEST_CASE("a plane picture refuses empty scenes, missing attributes, cuts and incomplete fields",
+          "[preview]") {
     PlanePreview scene;
     PreviewOptions options;
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("nothing to see"));
+    CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
     Pack<2> pack;
     pack.spheres = {{{{0, 0}}, 1}};
     scene.pack = &pack;
     options.color = PreviewColor::depth;
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("depth"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.color` depth"));
     options.color = PreviewColor::radius;
     options.cut = PreviewCut{0, 0};
-    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("flat"));
+    CHECK_THROWS_WITH(renderPreview(scene, options), Catch::Contains("`preview.cut`"));
     options.cut.reset();
     PlaneField field;
     field.columns = field.rows = 3;
@@ -145,7 +147,7 @@ TEST_CASE("what a plane picture cannot show is refused", "[preview]") {
     CHECK_THROWS_AS(renderPreview(scene, options), ParameterError);
 }
 
-TEST_CASE("lines are near within their reach and nowhere else", "[preview]") {
+TEST_CASE("distances to lines are found within the reach only", "[preview]") {
     const double reach = GENERATE(0.1, 0.30000000000000004, 1.7);
     const PlaneLines lines({{{{0, 0}}, {{10, 0}}}, {{{3, 5}}, {{3, 5}}}}, reach);
     CHECK(lines.distance({{5, 0.5 * reach}}) == Approx(0.5 * reach));

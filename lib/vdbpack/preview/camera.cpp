@@ -1,4 +1,5 @@
 #include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,11 +9,11 @@ namespace vdbpack {
 
 namespace {
 
-/// Width of the longer side of the picture as the camera sees it, and free space around the scene.
+/// Angle of view along the longer side of the picture, and the margin around the scene.
 constexpr double kWidth = 30 * kPi / 180, kMargin = 1.06;
-/// The usual view: turned from -y towards +x, and raised.
+/// The default view: turned from -y towards +x, and raised.
 constexpr double kTurn = 35 * kPi / 180, kRise = 22 * kPi / 180;
-/// Off the normal of a cut face.
+/// The view of a cut face: off its normal.
 constexpr double kCutTurn = 28 * kPi / 180, kCutRise = 20 * kPi / 180;
 
 Vec<3> viewDirection(const std::optional<PreviewCut>& cut) {
@@ -26,8 +27,8 @@ Vec<3> viewDirection(const std::optional<PreviewCut>& cut) {
     return from(-kPi / 2 + kCutTurn, kPi / 2 - kCutTurn);
 }
 
-/// How far the scene reaches along one axis of the picture: the camera at (shift, distance) sees
-/// all of it.
+/// The extent of the scene along one axis of the picture: a camera at (shift, distance) sees all
+/// of it.
 class Extent {
 public:
     explicit Extent(double tangent) : tan_(tangent), slant_(std::sqrt(1 + tangent * tangent)) {}
@@ -76,7 +77,7 @@ PreviewCamera previewCamera(const SpacePreview& scene, const PreviewOptions& opt
         for (const auto& v : mesh->vertices)
             if (!options.cut || keptDepth(*options.cut, v) >= 0) add(v, 0);
         if (!options.cut) continue;
-        // What large triangles leave of themselves ends in the cut.
+        // The remaining part of a large triangle ends at the cut.
         for (const auto& t : mesh->triangles)
             for (std::size_t k = 0; k < 3; ++k) {
                 const Vec<3>&a = mesh->vertices[t[k]], &b = mesh->vertices[t[(k + 1) % 3]];
@@ -84,14 +85,14 @@ PreviewCamera previewCamera(const SpacePreview& scene, const PreviewOptions& opt
                 if ((da >= 0) != (db >= 0)) add(a + (b - a) * (da / (da - db)), 0);
             }
     }
-    // Not into the scene, however small it is.
+    // In front of the scene, however small it is.
     const double distance =
         std::max({across.distance(), along.distance(), nearest + 1e-3 * (nearest - farthest)});
     camera.position = middle + camera.toward * distance + camera.right * across.shift() +
                       camera.up * along.shift();
     camera.target = distance - (nearest + farthest) / 2;
     if (options.cut) {
-        // The cut face is what is looked at.
+        // The camera looks at the cut face.
         const Vec<3> ray = -camera.toward;
         const double t = -keptDepth(*options.cut, camera.position) /
                          (keptSide(*options.cut) * ray[options.cut->axis]);

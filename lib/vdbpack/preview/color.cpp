@@ -10,7 +10,7 @@ namespace vdbpack {
 
 namespace {
 
-// Ends of the ramp in Oklab: lightness, hue in degrees; chroma.
+// Ends of the ramp in Oklab: lightness, hue in degrees; and its chroma.
 constexpr double kDark = 0.40, kLight = 0.93;
 constexpr double kBlue = 278, kYellow = 103;
 constexpr double kChroma = 0.16;

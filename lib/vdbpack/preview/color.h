@@ -21,21 +21,21 @@ struct Color {
     }
 };
 
-/// `a` where t is 0, `b` where it is 1.
+/// Linear interpolation from `a` (t = 0) to `b` (t = 1).
 inline Color between(const Color& a, const Color& b, float t) {
     return a * (1 - t) + b * t;
 }
 
-/// From 0xRRGGBB as sRGB has it.
+/// From 0xRRGGBB in sRGB.
 Color fromSrgb(std::uint32_t rgb);
-/// To 8 bits of sRGB; what is brighter than white is white.
+/// To 8 bits of sRGB; clamped to white.
 void toSrgb(const Color& color, std::uint8_t* rgb);
 
-/// A ramp from dark blue (0) by green to light yellow (1) whose lightness rises evenly, so that
-/// equal steps look equal, in gray print as well; values outside of [0, 1] are taken as its ends.
+/// A ramp from dark blue (0) through green to light yellow (1) with linear lightness, so that equal
+/// steps look equal, also in gray print; values are clamped to [0, 1].
 ///
-/// Straight in lightness and in hue of Oklab (Ottosson 2020, "A perceptual color space for image
-/// processing", public domain); chroma gives way where sRGB ends.
+/// Lightness and hue of Oklab are linear (Ottosson 2020, "A perceptual color space for image
+/// processing", public domain); chroma is reduced where sRGB is exceeded.
 Color rampColor(double t);
 
 }  // namespace vdbpack

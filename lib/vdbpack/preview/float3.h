@@ -1,4 +1,4 @@
-// Private to previews: vectors in single precision, and points to sample with.
+// Private to previews: vectors in single precision, and sample points.
 #pragma once
 
 #include "vdbpack/core/vec.h"
@@ -34,8 +34,8 @@ inline Float3 cross(const Float3& a, const Float3& b) {
 inline Float3 single(const Vec<3>& v) {
     return {static_cast<float>(v[0]), static_cast<float>(v[1]), static_cast<float>(v[2])};
 }
-/// Two directions across `n`, without a branch that would show as a seam: Duff et al. (2017),
-/// "Building an orthonormal basis, revisited", JCGT 6(1).
+/// Two unit vectors orthogonal to `n` and to each other: Duff et al. (2017), "Building an
+/// orthonormal basis, revisited", JCGT 6(1).
 inline void basis(const Float3& n, Float3& s, Float3& t) {
     const float sign = std::copysign(1.0f, n.z);
     const float a = -1 / (sign + n.z), b = n.x * n.y * a;
@@ -43,8 +43,8 @@ inline void basis(const Float3& n, Float3& s, Float3& t) {
     t = {b, sign + n.y * n.y * a, -n.y};
 }
 
-/// The first two dimensions of Sobol's sequence, a net in base 2 for every aligned block of a
-/// power of two of them.
+/// Point `n` of the first two dimensions of Sobol's sequence: every aligned block of 2^k points is
+/// a net in base 2.
 inline std::array<float, 2> sobol(std::uint32_t n, std::uint32_t scramble0,
                                   std::uint32_t scramble1) {
     std::uint32_t a = 0, b = 0, direction = 1u << 31;

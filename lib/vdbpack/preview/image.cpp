@@ -12,7 +12,7 @@ namespace vdbpack {
 
 namespace {
 
-/// More takes longer than drawing and saves little.
+/// A higher level takes longer than drawing and saves little.
 constexpr int kCompression = 4;
 
 void append(png_structp png, png_bytep data, png_size_t bytes) {
@@ -46,7 +46,7 @@ std::string encodePng(const Image& image) {
         3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     if (image.width < 1 || image.height < 1 || image.pixels.size() != wanted)
         throw ParameterError(
-            fmt::format("picture of {} x {} pixels: holds {} values; give three a pixel",
+            fmt::format("picture of {} x {} pixels has {} values; give three per pixel",
                         image.width, image.height, image.pixels.size()));
     std::vector<png_text> texts;
     for (const auto& [keyword, text] : image.texts) {
@@ -62,7 +62,7 @@ std::string encodePng(const Image& image) {
     const bool done =
         info && encode(png, info, image, texts.data(), static_cast<int>(texts.size()), out);
     if (png) png_destroy_write_struct(&png, info ? &info : nullptr);
-    if (!done) throw ResourceError("picture: libpng cannot encode it; is there memory left?");
+    if (!done) throw ResourceError("picture: libpng cannot encode it; check the available memory");
     return out;
 }
 

@@ -13,7 +13,7 @@ namespace vdbpack {
 struct Image {
     int width = 0, height = 0;         ///< pixels
     std::vector<std::uint8_t> pixels;  ///< red, green, blue; row by row from the top left
-    /// Keyword and text, written into the file: latin-1 keywords of 1 to 79 letters, UTF-8 texts.
+    /// Keywords (Latin-1, 1 to 79 characters) and UTF-8 texts that are written into the file.
     std::vector<std::pair<std::string, std::string>> texts;
 
     const std::uint8_t* pixel(int x, int y) const {
@@ -25,8 +25,8 @@ struct Image {
     }
 };
 
-/// The bytes of a PNG file, with its texts. The same for the same picture.
-/// @throws ParameterError if `pixels` does not have three values a pixel.
+/// The bytes of a PNG file with the texts; the same picture gives the same bytes.
+/// @throws ParameterError if `pixels` does not have three values per pixel.
 std::string encodePng(const Image& image);
 
 /// Writes a PNG file, whole or not at all. @throws ParameterError, IoError

@@ -6,8 +6,8 @@
 namespace vdbpack {
 
 namespace {
-/// Cells along a side at the most: for a few boxes far apart.
-constexpr double kMostCells = 8192;
+/// Limit of cells along a side, for a few boxes far apart.
+constexpr double kMaxCells = 8192;
 }  // namespace
 
 PlaneBins::PlaneBins(const std::vector<Box<2>>& boxes) {
@@ -20,9 +20,9 @@ PlaneBins::PlaneBins(const std::vector<Box<2>>& boxes) {
     if (boxes.empty()) return;
     const Vec<2> size = bounds_.size();
     const double side = std::max(size[0], size[1]);
-    // A cell about as large as the mean box: a few boxes in each.
+    // Cells about as large as the mean box, so that each has a few boxes.
     const double cell =
-        std::max({std::sqrt(area / static_cast<double>(boxes.size())), side / kMostCells, 1e-300});
+        std::max({std::sqrt(area / static_cast<double>(boxes.size())), side / kMaxCells, 1e-300});
     perCell_ = 1 / cell;
     columns_ = static_cast<std::int64_t>(size[0] * perCell_) + 1;
     rows_ = static_cast<std::int64_t>(size[1] * perCell_) + 1;

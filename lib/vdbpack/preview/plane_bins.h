@@ -1,4 +1,4 @@
-// Private to previews: what lies at a point of a plane.
+// Private to previews: finds boxes at a point of a plane.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -9,13 +9,16 @@
 
 namespace vdbpack {
 
-/// Boxes of a plane in a lattice of cells, to find those that may hold a point. Immutable.
+/// Boxes in a plane, each in all cells that it meets, to find those at a point. Immutable.
+///
+/// A grid of its own: core's grid is of spheres by their centers, to find pairs within a distance;
+/// here boxes of any size (line segments too) are found at a point by looking at one cell.
 class PlaneBins {
 public:
     PlaneBins() = default;
     explicit PlaneBins(const std::vector<Box<2>>& boxes);
 
-    /// Calls `use(index)` for the boxes near `x`, all that hold it among them, in rising order.
+    /// Calls `use(index)`, in rising order, for boxes near `x`, including all that contain `x`.
     template <class Use>
     void near(const Vec<2>& x, const Use& use) const {
         const double i = (x[0] - bounds_.lo[0]) * perCell_, j = (x[1] - bounds_.lo[1]) * perCell_;
@@ -29,9 +32,9 @@ public:
 
 private:
     Box<2> bounds_;
-    double perCell_ = 0;  ///< cells a mm
+    double perCell_ = 0;  ///< cells per mm
     std::int64_t columns_ = 0, rows_ = 0;
-    std::vector<std::size_t> first_;  ///< of each cell in `items_`, and the end
+    std::vector<std::size_t> first_;  ///< start of each cell in `items_`, and the end
     std::vector<std::uint32_t> items_;
 };
 

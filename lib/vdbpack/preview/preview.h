@@ -15,11 +15,11 @@
 
 namespace vdbpack {
 
-/// What spheres are colored by.
+/// The attribute that colors spheres.
 enum class PreviewColor { radius, region, depth, order };
 
-/// A plane that cuts the scene open, seen from the side that is taken away. What stays is what the
-/// usual view shows best: lower x, higher y, lower z.
+/// A plane that cuts the scene open, seen from the side that is removed. The side of lower x,
+/// higher y or lower z is kept, which the default view shows best.
 struct PreviewCut {
     int axis = 0;   ///< 0, 1, 2: x, y, z
     double at = 0;  ///< mm
@@ -29,15 +29,15 @@ struct PreviewOptions {
     int width = 1600, height = 1200;  ///< pixels, 16 to 16384 each
     PreviewColor color = PreviewColor::radius;
     std::optional<PreviewCut> cut;
-    /// Asked often, one thread at a time; once it returns true, the drawing throws Interrupted.
+    /// Called often, by one thread at a time; once it returns true, drawing throws Interrupted.
     std::function<bool()> cancelled;
 };
 
-/// What there is to see in space, in mm. Nothing is copied: all must outlive the drawing.
+/// A scene in space, in mm. Nothing is copied: all members must outlive the drawing.
 struct SpacePreview {
     const Pack<3>* pack = nullptr;       ///< null: no spheres
     const TriangleMesh* wall = nullptr;  ///< around the spheres, drawn translucent; null: none
-    /// A closed surface that is drawn as a solid body, cut faces and all; null: none.
+    /// A closed surface that is drawn as a solid body with cut faces; null: none.
     const TriangleMesh* solid = nullptr;
 };
 
@@ -46,22 +46,23 @@ struct PlaneField {
     std::int64_t columns = 0, rows = 0;
     double step = 0;              ///< between neighbors, mm
     Vec<2> origin;                ///< of distance (0, 0), mm
-    std::vector<float> distance;  ///< mm, along x first; may be clamped some steps from zero
+    std::vector<float> distance;  ///< mm, x fastest; may be clamped a few steps from zero
 };
 
-/// What there is to see in a plane, in mm.
+/// A scene in a plane, in mm.
 struct PlanePreview {
     const Pack<2>* pack = nullptr;      ///< null: no circles
-    const PlaneField* field = nullptr;  ///< of what is filled, or of the solid; null: unknown
-    Box<2> bounds;                      ///< shown besides the circles, mm; may be empty
+    const PlaneField* field = nullptr;  ///< of the domain or the solid; null: none
+    Box<2> bounds;                      ///< shown in addition to the circles, mm; may be empty
 };
 
-/// A pinhole camera; -toward is where it looks.
+/// A pinhole camera that looks along -toward.
 struct PreviewCamera {
     Vec<3> position;            ///< mm
-    Vec<3> right, up, toward;   ///< unit vectors of the picture; `toward` leads out of it
+    Vec<3> right, up, toward;   ///< unit vectors of the picture; `toward` points out of it
     double tanX = 0, tanY = 0;  ///< half of the picture's width and height, at distance one
-    double target = 0;          ///< distance of the middle of the scene along -toward, mm
+    double target =
+        0;  ///< distance to the middle of the scene, or to the cut face, along -toward, mm
 
     /// Direction, not of unit length, through a point of the picture: -1 to 1 from left to right,
     /// and from the top down.
@@ -70,35 +71,35 @@ struct PreviewCamera {
     }
 };
 
-/// The camera that shows the whole of what the cut leaves: 30 degrees wide along the longer side,
-/// z up, in a three-quarter view; with a cut, from about 30 degrees off the normal of the cut face.
+/// A camera that shows all that the cut keeps: 30 degrees wide along the longer side, z up, in a
+/// three-quarter view; with a cut, about 30 degrees off the normal of the cut face.
 /// @throws as `renderPreview`
 PreviewCamera previewCamera(const SpacePreview& scene, const PreviewOptions& options);
 
-/// The index of the sphere that is seen in the middle of each pixel, row by row from the top; -1:
-/// none, with walls and solids not looked at. Where a cut goes through a sphere, it is that
-/// sphere. @throws as `renderPreview`
+/// The index of the sphere visible in the middle of each pixel, row by row from the top; -1: none.
+/// Walls and solids are ignored; a cut face of a sphere counts as that sphere.
+/// @throws as `renderPreview`
 std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const PreviewOptions& options);
 
-/// Whether this build can draw what lies in space: it needs Embree 3.
+/// Whether this build can draw scenes in space, which needs Embree 3.
 bool canDrawSpace();
 
-/// Draws a scene: key light with soft shadows, ambient occlusion, four samples a pixel, and in the
-/// lower left a scale bar of 1, 2 or 5 times a power of ten mm, parted in 10, 4 or 5. It is true at
-/// the middle of the scene, or at the cut face where the camera looks at it.
+/// Draws a scene: key light with soft shadows, ambient occlusion, four samples per pixel, and in
+/// the lower left a scale bar of 1, 2 or 5 times a power of ten mm, with 10, 4 or 5 parts. Its
+/// scale is that of the middle of the scene, or of the cut face at which the camera looks.
 ///
-/// A cut shows flat faces where it goes through spheres and solids, and walls as lines.
-/// `texts` of the image tell what is shown: "Title", "Description" with colors, cut and scale.
+/// Cut spheres and solids have flat faces, cut walls are lines. `texts` of the image describe it:
+/// "Title", and "Description" with colors, cut and scale.
 /// The same for any number of threads.
-/// Cost: a million spheres at 1600 x 1200 in some seconds on two threads; 60 bytes a sphere for the
-/// hierarchy of boxes.
-/// @throws ParameterError for a size out of bounds, nothing to see, an attribute to color by that
-/// the pack does not have, a cut that leaves nothing or cuts nothing, or a build without Embree;
-/// ResourceError if memory does not suffice; Interrupted.
+/// Cost: a million spheres at 1600 x 1200 in some seconds on two threads; 60 bytes per sphere for
+/// the hierarchy of boxes.
+/// @throws ParameterError for a size out of bounds, an empty scene, an attribute to color by that
+/// the pack does not have, a cut that misses the scene, or a build without Embree; ResourceError if
+/// memory does not suffice; Interrupted.
 Image renderPreview(const SpacePreview& scene, const PreviewOptions& options);
 
-/// Draws circles at true scale, y up, with the outline of the domain: as above without light and
-/// without Embree. @throws as above; ParameterError for a cut.
+/// Draws circles at true scale, y up, with the outline of the domain; needs no Embree.
+/// @throws as above; ParameterError for a cut.
 Image renderPreview(const PlanePreview& scene, const PreviewOptions& options);
 
 /// "x=12.5" as a cut. @throws ParameterError

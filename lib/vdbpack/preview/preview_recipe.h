@@ -1,4 +1,4 @@
-// What picture a run is asked for.
+// The picture of a run.
 #pragma once
 
 #include "vdbpack/preview/preview.h"
@@ -7,7 +7,7 @@
 
 namespace vdbpack {
 
-/// A picture of what a run makes, and how its report page shows it.
+/// The picture of a run's result, also used by its report page.
 struct PreviewRecipe {
     std::string file;  ///< .png; empty: none
     std::optional<PreviewCut> cut;

@@ -1,7 +1,7 @@
 #include "vdbpack/preview/ray_scene.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
 
 #include <fmt/format.h>
 
@@ -13,7 +13,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Facets that meet in a sharper edge (cosine) are not smoothed.
+/// Facets that meet at a larger angle than of this cosine are not smoothed.
 constexpr float kCrease = 0.6f;
 
 RTCRay rayOf(const Float3& from, const Float3& along, float near, float far) {
@@ -28,7 +28,7 @@ RTCRay rayOf(const Float3& from, const Float3& along, float near, float far) {
 }  // namespace
 
 Device::Device() : device_(rtcNewDevice(nullptr)) {
-    if (!device_) throw ResourceError("preview: Embree cannot start; is there memory left?");
+    if (!device_) throw ResourceError("preview: Embree cannot start; check the available memory");
 }
 
 Device::~Device() {
@@ -38,11 +38,11 @@ Device::~Device() {
 void Device::check() const {
     const RTCError error = rtcGetDeviceError(device_);
     if (error == RTC_ERROR_OUT_OF_MEMORY)
-        throw ResourceError("preview: not enough memory to draw this; leave --preview out");
+        throw ResourceError(
+            "preview: not enough memory to draw the scene; leave `preview.file` out");
     if (error != RTC_ERROR_NONE)
         throw ResourceError(
-            fmt::format("preview: Embree fails with error {}; leave --preview "
-                        "out",
+            fmt::format("preview: Embree failed with error {}; leave `preview.file` out",
                         static_cast<int>(error)));
 }
 
@@ -82,7 +82,7 @@ Float3 Surface::normalAt(const Hit& hit) const {
 
 RayScene::RayScene(const Device& device) : device_(device), scene_(rtcNewScene(device.get())) {
     device_.check();
-    // Rays through edges of boxes hit, however the hierarchy was built: the same picture from
+    // Rays through edges of boxes hit, however the hierarchy was built: the picture is the same for
     // any number of threads.
     rtcSetSceneFlags(scene_, RTC_SCENE_FLAG_ROBUST);
 }
@@ -131,7 +131,7 @@ void RayScene::commit(StopRequest& request) {
     rtcCommitScene(scene_);
     rtcSetSceneProgressMonitorFunction(scene_, nullptr, nullptr);
     if (monitor.failure) std::rethrow_exception(monitor.failure);
-    request.stop();  // which Embree takes for an error
+    request.stop();  // before the check: Embree reports it as an error
     device_.check();
 }
 

@@ -1,4 +1,4 @@
-// Private to previews: spheres and triangles that rays meet, by Embree.
+// Private to previews: intersects rays with spheres and triangles, by Embree.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -18,8 +18,8 @@
 
 namespace vdbpack {
 
-/// Coordinates of the drawing: about the middle of the scene and scaled by its size, so that single
-/// precision suffices for a bone far from the origin.
+/// Coordinates of the drawing: relative to the middle of the scene and scaled by its size, so that
+/// single precision suffices for a bone far from the origin.
 struct Local {
     Vec<3> middle;
     double scale = 1;
@@ -40,7 +40,7 @@ struct Hit {
 
 class Device {
 public:
-    /// @throws ResourceError where Embree cannot start.
+    /// @throws ResourceError if Embree cannot start.
     Device();
     ~Device();
     Device(const Device&) = delete;
@@ -56,18 +56,18 @@ private:
 /// Triangles with smooth normals.
 struct Surface {
     std::vector<std::array<float, 3>> vertices;
-    std::vector<Float3> normals;  ///< one a vertex
+    std::vector<Float3> normals;  ///< one per vertex
     std::vector<std::array<std::uint32_t, 3>> triangles;
 
-    /// @param cut  triangles that it takes away are left out.
+    /// @param cut  triangles on the removed side are left out.
     Surface(const TriangleMesh& mesh, const Local& local, const std::optional<PreviewCut>& cut);
     Float3 at(std::uint32_t k) const { return {vertices[k][0], vertices[k][1], vertices[k][2]}; }
 
-    /// The normal at a hit; that of the facet at creases.
+    /// The smooth normal at a hit; at creases the normal of the facet.
     Float3 normalAt(const Hit& hit) const;
 };
 
-/// A scene of Embree. What is added to it must outlive it.
+/// A scene of Embree. The geometry added to it must outlive it.
 class RayScene {
 public:
     explicit RayScene(const Device& device);
@@ -78,13 +78,13 @@ public:
     /// @param spheres  center and radius.
     void addSpheres(const std::vector<std::array<float, 4>>& spheres);
     void addSurface(const Surface& surface);
-    /// @throws Interrupted as soon as `request` is made.
+    /// @throws Interrupted once `request` is made.
     void commit(StopRequest& request);
 
     /// The first hit between `near` and `far`.
     Hit first(const Float3& from, const Float3& along, float near,
               float far = std::numeric_limits<float>::infinity()) const;
-    /// Whether there is any hit nearer than `far`.
+    /// Whether anything is hit nearer than `far`.
     bool blocked(const Float3& from, const Float3& along, float far) const;
 
     static constexpr unsigned kSpheres = 0, kSurface = 1;  ///< `Hit::geometry`

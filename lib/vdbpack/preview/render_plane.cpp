@@ -1,7 +1,10 @@
-// Circles at true scale.
+// Draws circles at true scale.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
+#include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -15,14 +18,14 @@ namespace {
 
 constexpr int kSide = 4;  // samples along a side of a pixel
 constexpr double kMargin = 0.02;
-/// Room below for the scale bar, of the height.
+/// Space below for the scale bar, share of the height.
 constexpr double kFoot = 0.05;
-constexpr double kOutline = 1.2;      // half its width, pixels
-constexpr double kRim = 0.9;          // of circles, pixels
-constexpr double kLargestRim = 0.12;  // of their radius
+constexpr double kOutline = 1.2;      // half width, pixels
+constexpr double kRim = 0.9;          // width of a circle's rim, pixels
+constexpr double kLargestRim = 0.12;  // the same at most, share of the radius
 constexpr float kRimShade = 0.42f;
 
-/// Bilinear; far outside beyond the lattice.
+/// Bilinear interpolation; far outside beyond the lattice.
 double distanceAt(const PlaneField& field, const Vec<2>& x) {
     const double i = (x[0] - field.origin[0]) / field.step,
                  j = (x[1] - field.origin[1]) / field.step;
@@ -40,27 +43,24 @@ double distanceAt(const PlaneField& field, const Vec<2>& x) {
 void checkField(const PlaneField& field) {
     if (field.columns < 2 || field.rows < 2 || !(field.step > 0) ||
         field.distance.size() != static_cast<std::size_t>(field.columns * field.rows))
-        throw ParameterError(
-            fmt::format("preview: a field of {} x {} distances, {} mm apart, with {} values; give "
-                        "as many as there are places",
-                        field.columns, field.rows, field.step, field.distance.size()));
+        throw ParameterError(fmt::format(
+            "preview: a field of {} x {} distances, {} mm apart, has {} values; give one "
+            "per lattice point",
+            field.columns, field.rows, field.step, field.distance.size()));
 }
 
 }  // namespace
 
 Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
     checkPreviewSize(options.width, options.height);
-    if (options.cut) throw ParameterError("--preview-cut: a plane is flat already; leave it out");
+    if (options.cut) throw ParameterError("`preview.cut`: a plane cannot be cut; leave it out");
     Box<2> bounds = scene.bounds;
-    if (scene.pack) checkSpheres(*scene.pack);
-    if (scene.pack)
-        for (const auto& s : scene.pack->spheres) {
-            const auto square = Box<2>{s.center, s.center}.grown(s.radius);
-            bounds.add(square.lo);
-            bounds.add(square.hi);
-        }
-    if (bounds.empty())
-        throw ParameterError("preview: there is nothing to see; give circles or bounds");
+    if (scene.pack && !scene.pack->spheres.empty()) {
+        const Box<2> circles = boundsOf(*scene.pack);
+        bounds.add(circles.lo);
+        bounds.add(circles.hi);
+    }
+    if (bounds.empty()) throw ParameterError("preview: the scene is empty; give circles or bounds");
     if (scene.field) checkField(*scene.field);
     SphereColors colors;
     if (scene.pack) colors = sphereColors(*scene.pack, options.color);
@@ -74,7 +74,7 @@ Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
     const double pixel = std::max({size[0] / (options.width * (1 - 2 * kMargin)),
                                    size[1] / (options.height * (1 - 2 * kMargin - kFoot)), 1e-300});
     const Vec<2> middle = bounds.center();
-    const auto placeOf = [&](double x, double y) {
+    const auto pointAt = [&](double x, double y) {
         return Vec<2>{{middle[0] + (x - 0.5 * options.width) * pixel,
                        middle[1] - (y - 0.5 * (1 - kFoot) * options.height) * pixel}};
     };
@@ -108,7 +108,7 @@ Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
             Color sum;
             for (int j = 0; j < kSide; ++j)
                 for (int i = 0; i < kSide; ++i)
-                    sum += colorAt(placeOf(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide));
+                    sum += colorAt(pointAt(x + (i + 0.5) / kSide, y + (j + 0.5) / kSide));
             toSrgb(sum * (1.0f / (kSide * kSide)), image.pixel(x, y));
         }
     });

@@ -1,7 +1,9 @@
-// What lies in space, drawn tile by tile.
+// Draws scenes in space, tile by tile.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/space_tracer.h"
+#include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>
@@ -14,12 +16,12 @@ namespace vdbpack {
 
 namespace {
 
-/// Side of a tile, and how far its light is smoothed beyond it, pixels.
+/// Side of a tile, and the width of the border whose samples smooth its light, pixels.
 constexpr int kTile = 80, kApron = 2;
 
-/// Averages the light of a sample, which a few rays leave speckled, over the 4 x 4 pixels around it
-/// (those at the border count half), which together have all points of the sequence. Only samples
-/// in about the same plane and direction count.
+/// Averages the light of a sample, which is noisy with so few rays, over the 4 x 4 pixels around it
+/// (border pixels have half weight), which together contain all points of the sequence. Only
+/// samples of about the same plane and normal are used.
 void smooth(const SpaceTracer& tracer, const std::vector<Sample>& samples, int columns, int rows,
             int x, int y, Sample& s) {
     const auto at = [&](int i, int j) {
@@ -72,7 +74,7 @@ void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
                     if (!s.flat) smooth(tracer, samples, columns, rows, i, j, s);
                     behind = tracer.shade(s);
                 }
-                // Each sample within what can be shown, or a bright one would fray an edge.
+                // Clamped per sample: a very bright one would make edges ragged.
                 Color c = s.veil + behind * s.through;
                 c = {std::min(c.r, 1.0f), std::min(c.g, 1.0f), std::min(c.b, 1.0f)};
                 sum += c;
@@ -141,7 +143,8 @@ Image renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
         describe(titleOf(scene), words, image);
         return image;
     } catch (const std::bad_alloc&) {
-        throw ResourceError("preview: not enough memory to draw this; leave --preview out");
+        throw ResourceError(
+            "preview: not enough memory to draw the scene; leave `preview.file` out");
     }
 }
 

@@ -1,6 +1,6 @@
-// What a build without Embree says.
+// The errors of a build without Embree.
 #include "vdbpack/core/error.h"
-#include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/preview.h"
 
 namespace vdbpack {
 
@@ -8,8 +8,8 @@ namespace {
 
 [[noreturn]] void refuse() {
     throw ParameterError(
-        "--preview: this build cannot draw what lies in space, which needs Embree 3; install "
-        "libembree-dev and build again, or leave --preview out");
+        "`preview.file`: this build cannot draw scenes in space, which needs Embree 3; install "
+        "libembree-dev and build again, or leave it out");
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// What lies in a plane: discs, lines, and where a cut meets spheres and meshes.
-#include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +87,7 @@ PlaneLines sectionOf(const TriangleMesh& mesh, const PreviewCut& cut, double rea
             const Vec<3>& a = mesh.vertices[t[k]];
             const Vec<3>& b = mesh.vertices[t[(k + 1) % 3]];
             const double da = a[cut.axis] - cut.at, db = b[cut.axis] - cut.at;
-            // A vertex in the plane belongs to the upper side: no crossing is counted twice.
+            // A vertex in the plane counts as above it, so that no crossing is counted twice.
             if ((da >= 0) == (db >= 0)) continue;
             crossings[n++] = axes.flat(a + (b - a) * (da / (da - db)));
         }

@@ -1,6 +1,7 @@
 #include "vdbpack/preview/space_tracer.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/preview/sphere_colors.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,29 +11,29 @@ namespace vdbpack {
 
 namespace {
 
-/// Light: a broad lamp from the upper left behind the camera, the sky, and a little from the
-/// camera itself.
+/// Light: a wide lamp at the upper left behind the camera, the sky, a little from the camera, and
+/// highlights.
 constexpr float kKey = 0.62f, kSky = 0.56f, kFill = 0.06f, kShine = 0.10f;
-/// Tangent of half the angle that the lamp fills: what makes shadows soft.
+/// Tangent of half the angular size of the lamp, which makes shadows soft.
 constexpr float kLamp = 0.11f;
-/// Reach of ambient occlusion: in mean radii, and of the size of the scene.
+/// Reach of ambient occlusion: in mean radii, and as a share of the size of the scene.
 constexpr float kAmbientRadii = 7, kAmbientShare = 0.05f;
-/// Opacity of the wall seen head-on and edge-on; layers of it that are looked at.
+/// Opacity of the wall seen head-on, added opacity edge-on, and the number of layers drawn.
 constexpr float kVeil = 0.07f, kEdge = 0.6f;
 constexpr int kLayers = 2;
-/// How much darker what lies under the wall is where the wall faces away from the lamp.
+/// Darkening of what is behind the wall where the wall faces away from the lamp.
 constexpr float kForm = 0.25f;
-/// Light on the inner side of the wall of a bone that is cut open.
+/// Light on the inner side of the wall of a cut bone.
 constexpr float kInnerDark = 0.2f, kInnerLight = 0.2f;
-/// Half the width of the line in which a cut meets the wall, and the rim of cut faces, pixels.
+/// Half the width of the line where a cut intersects the wall, and the rim of cut faces, pixels.
 constexpr double kWallLine = 1.25, kRim = 0.9;
-/// Share of a disc's radius that its rim takes at the most.
+/// Largest share of a disc's radius for its rim.
 constexpr double kLargestRim = 0.14;
 constexpr float kRimShade = 0.5f;
-/// Where in its pixel a sample lies: a rotated grid, no two in a row or column.
+/// Positions of samples in a pixel: a rotated grid, no two in a row or column.
 constexpr std::array<std::array<double, 2>, kSamples> kInPixel{
     {{0.125, 0.625}, {0.375, 0.125}, {0.625, 0.875}, {0.875, 0.375}}};
-/// Neighboring pixels of a square of 4 x 4 take points of the sequence that differ much.
+/// Order in which the pixels of a square of 4 x 4 use the sequence: neighbors far apart in it.
 constexpr std::array<std::uint32_t, 16> kSquare{0, 8,  2, 10, 12, 4, 14, 6,
                                                 3, 11, 1, 9,  15, 7, 13, 5};
 
@@ -158,7 +159,7 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
             const Float3 center{ball[0], ball[1], ball[2]};
             s.albedo = colors_[static_cast<std::size_t>(indexOf(hit.primitive))];
             s.normal = normalized(s.at - center);
-            // From behind: the ray began inside, by a rounding at the rim of a cut face.
+            // Hit from behind: by rounding, the ray started inside at the rim of a cut face.
             if (options_.cut && dot(s.normal, along) > 0) {
                 cap(s.albedo * kRimShade);
                 return s;
@@ -168,7 +169,7 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
         } else {
             Float3 facet = normalized(hit.normal);
             if (dot(facet, along) > 0) {
-                // Inside the body, where the cut opens it.
+                // The ray starts inside the body, at its cut face.
                 if (options_.cut) {
                     cap(boneCutColor());
                     return s;
@@ -237,7 +238,7 @@ void SpaceTracer::addVeil(const Float3& along, float near, float far, Sample& s)
         const bool inner = layer == 0 && options_.cut && dot(hit.normal, along) > 0;
         if (dot(n, along) > 0) n = -n;
         if (inner && !s.hit) {
-            // The far side of an opened bone: without it one would look out through the pack.
+            // The far side of a cut bone: drawn opaque, to close the view behind the pack.
             const float light = kInnerDark + kInnerLight * std::max(0.0f, dot(n, lamp_));
             s.veil += boneColor() * (light * s.through);
             s.through = 0;
@@ -247,8 +248,8 @@ void SpaceTracer::addVeil(const Float3& along, float near, float far, Sample& s)
         const float opacity = kVeil + kEdge * across * across * across * across;
         const float key = std::max(0.0f, dot(n, lamp_));
         s.veil += boneColor() * ((0.62f + 0.38f * key) * opacity * s.through);
-        // What lies behind is shaded along with the wall: the form of the bone shows, where
-        // spheres have light and dark sides of their own.
+        // What is behind is shaded like the wall: this shows the form of the bone, which the
+        // shading of single spheres would hide.
         s.through *= (1 - opacity) * (layer == 0 ? 1 - kForm + kForm * key : 1);
         near = hit.t + 2e-5f;
     }

@@ -1,8 +1,10 @@
-// Private to previews: what a ray through a pixel meets, and how much light is there.
+// Private to previews: finds what a ray through a pixel hits, and the light at that point.
 #pragma once
 
+#include "vdbpack/preview/color.h"
 #include "vdbpack/preview/ray_scene.h"
 #include "vdbpack/preview/scene.h"
+#include "vdbpack/preview/section.h"
 
 #include <array>
 #include <cstdint>
@@ -13,19 +15,19 @@
 
 namespace vdbpack {
 
-/// Rays in each pixel.
+/// Rays per pixel.
 inline constexpr int kSamples = 4;
 
-/// One ray of a pixel, and what it met.
+/// The result of one ray of a pixel.
 struct Sample {
     bool hit = false;
-    Float3 at, normal;  ///< normal towards the camera's side
+    Float3 at, normal;  ///< the normal points to the camera's side
     Color albedo;
-    float open = 1;     ///< share of the sky that is seen
-    float lit = 1;      ///< share of the lamp that is seen
+    float open = 1;     ///< visible share of the sky
+    float lit = 1;      ///< visible share of the lamp
     bool flat = false;  ///< on a cut face: drawn without light
-    Color veil;         ///< light of the wall before it
-    float through = 1;  ///< what the wall lets pass
+    Color veil;         ///< light of the wall in front
+    float through = 1;  ///< transmittance of the wall
 };
 
 class SpaceTracer {
@@ -37,11 +39,11 @@ public:
 
     void colorBy(std::vector<Color> colors) { colors_ = std::move(colors); }
 
-    /// Where the cut is met, or the eye.
+    /// The start of a ray: at the cut face, or at the eye.
     struct Start {
-        bool sees = true;  ///< false: never gets to what stays
+        bool sees = true;  ///< false: the ray never reaches the part that is kept
         float t = 0;
-        Vec<3> at;  ///< in the cut, mm
+        Vec<3> at;  ///< on the cut face, mm
     };
     /// The ray through a point of the picture, in pixels.
     Float3 rayAt(double x, double y) const;
@@ -66,9 +68,9 @@ private:
     }
     /// Width of the dark rim of a cut face, mm.
     double rimOf(std::int32_t index) const;
-    /// How far a ray may go in what stays of a cut.
+    /// The length of a ray within the part that a cut keeps.
     float freeWay(const Float3& from, const Float3& along) const;
-    /// The wall before what was hit, or behind it all where the ray begins inside.
+    /// Adds the wall in front of the hit, or behind everything if the ray starts inside.
     void addVeil(const Float3& along, float near, float far, Sample& s) const;
     void addLight(int px, int py, int k, const Float3& origin, Sample& s) const;
 
@@ -79,7 +81,7 @@ private:
     Device device_;
     RayScene bodies_, walls_;
     std::vector<std::array<float, 4>> spheres_;
-    std::vector<std::int32_t> index_;  ///< in the pack; empty: the same
+    std::vector<std::int32_t> index_;  ///< of `spheres_` in the pack; empty: the same
     std::vector<Color> colors_;
     std::unique_ptr<Surface> solid_, wall_;
     std::optional<PlaneDiscs> discs_;

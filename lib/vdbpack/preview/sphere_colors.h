@@ -1,0 +1,28 @@
+// Private to previews: the colors of spheres, bones and outlines.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/preview/color.h"
+#include "vdbpack/preview/preview.h"
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// The colors of the spheres of a pack.
+struct SphereColors {
+    std::vector<Color> color;  ///< one per sphere
+    std::string words;         ///< "colored by radius, 1 to 2 mm from dark to light"
+};
+/// @throws ParameterError if the pack lacks the attribute.
+template <int Dim>
+SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by);
+
+/// The color of bone, and of bone on a cut face.
+Color boneColor();
+Color boneCutColor();
+/// The color of outlines.
+Color inkColor();
+
+}  // namespace vdbpack
