@@ -7,6 +7,7 @@
 // welded by `vdbpack::welded`, and the time for it counts.
 
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/welding.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>

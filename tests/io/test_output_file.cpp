@@ -54,7 +54,7 @@ TEST_CASE("a file has its new content once it is committed, and nothing else is 
 TEST_CASE("a library writes the file by its temporary name", "[output]") {
     const TemporaryFolder folder;
     OutputFile out(folder.file("a.vdb"));
-    putContent(out.temporaryPath(), "grids");
+    std::ofstream(out.temporaryPath(), std::ios::binary) << "grids";
     out.commit();
     CHECK(contentOf(folder.file("a.vdb")) == "grids");
     CHECK(filesIn(folder.path()) == 1);

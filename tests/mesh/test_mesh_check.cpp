@@ -1,8 +1,8 @@
 #include "support/generators.h"
 
 #include "vdbpack/core/rng.h"
-#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/welding.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -198,7 +198,7 @@ TEST_CASE("a needle keeps a mesh closed and is counted as degenerate", "[mesh]")
     CHECK(withoutDuplicates(mesh).triangles.size() == mesh.triangles.size());
 }
 
-TEST_CASE("pieces hang together by vertices, shells by edges", "[mesh]") {
+TEST_CASE("pieces are connected by vertices, shells by edges", "[mesh]") {
     auto mesh =
         welded(merged(boxMesh({{0, 0, 0}}, {{1, 1, 1}}), boxMesh({{1, 1, 1}}, {{2, 2, 2}})));
     auto health = checkMesh(mesh);

@@ -24,6 +24,18 @@ inline double millimetersPer(Unit unit) {
     return 1.0;
 }
 
+/// The best double for `mm` in `unit`: divided by a whole number rather than multiplied by its
+/// inexact inverse.
+inline double fromMillimeters(double mm, Unit unit) {
+    return unit == Unit::micrometer ? mm * 1000.0 : mm / millimetersPer(unit);
+}
+inline double toMillimeters(double value, Unit unit) {
+    return unit == Unit::micrometer ? value / 1000.0 : value * millimetersPer(unit);
+}
+
+/// Beginning of the comment that names the unit in .stl, .ply and YADE files.
+inline constexpr const char* kUnitComment = "unit of length: ";
+
 /// "m", "cm", "mm" or "um".
 inline const char* unitName(Unit unit) {
     switch (unit) {

@@ -3,11 +3,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/box_planes.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 
-#include <charconv>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
@@ -19,18 +20,9 @@ namespace {
 
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
 std::vector<double> numbersIn(const std::string& what, const std::string& list, const char* form) {
-    std::vector<double> values;
-    const char* at = list.data();
-    const char* const end = at + list.size();
-    for (;;) {
-        double value = 0;
-        const auto [next, failed] = std::from_chars(at, end, value);
-        if (failed != std::errc() || !std::isfinite(value) || (next != end && *next != ','))
-            malformed(what, form);
-        values.push_back(value);
-        if (next == end) return values;
-        at = next + 1;
-    }
+    auto values = parseNumberList(list);
+    if (!values) malformed(what, form);
+    return std::move(*values);
 }
 
 template <int Dim>

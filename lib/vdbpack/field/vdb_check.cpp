@@ -51,8 +51,8 @@ public:
 
     const std::string& path() const { return file_.path(); }
     std::uint64_t size() const { return file_.size(); }
-    std::uint64_t at() const { return begin_ + next_; }
-    std::uint64_t left() const { return size() - at(); }
+    std::uint64_t at() const { return file_.offset(); }
+    std::uint64_t left() const { return file_.remaining(); }
 
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(
@@ -63,31 +63,14 @@ public:
     /// The next `count` bytes (a few KB at most), valid until the next call.
     const char* take(std::size_t count, const char* what) {
         if (count > left()) fail(fmt::format("{} should follow, but the file ends", what));
-        if (count > buffer_.size() - next_) {
-            begin_ += next_;
-            next_ = 0;
-            buffer_.resize(static_cast<std::size_t>(
-                std::min<std::uint64_t>(std::max(count, kBuffer), size() - begin_)));
-            file_.readAt(begin_, buffer_.data(), buffer_.size());
-        }
-        const char* const bytes = buffer_.data() + next_;
-        next_ += count;
-        return bytes;
+        return file_.take(count);
     }
     void skip(std::uint64_t count, const char* what) {
         if (count > left())
             fail(fmt::format("{} of {} bytes should follow, more than the file has", what, count));
         seek(at() + count);
     }
-    void seek(std::uint64_t offset) {
-        if (offset >= begin_ && offset <= begin_ + buffer_.size()) {
-            next_ = static_cast<std::size_t>(offset - begin_);
-            return;
-        }
-        begin_ = offset;
-        next_ = 0;
-        buffer_.clear();
-    }
+    void seek(std::uint64_t offset) { file_.seek(offset); }
     template <typename T>
     T get(const char* what) {
         T value;
@@ -106,13 +89,9 @@ public:
     }
 
 private:
-    static constexpr std::size_t kBuffer = 1 << 18;
     static constexpr std::uint32_t kLongestName = 1 << 12;
 
     InputFile file_;
-    std::uint64_t begin_ = 0;  ///< of the buffer in the file
-    std::vector<char> buffer_;
-    std::size_t next_ = 0;  ///< in the buffer
 };
 
 /// What a tree keeps in each voxel.

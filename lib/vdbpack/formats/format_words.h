@@ -1,13 +1,14 @@
 // Private: words that the writers note in files and the readers take back.
 #pragma once
 
+#include "vdbpack/core/units.h"
+
 #include <string_view>
 
 namespace vdbpack {
 
-/// Name of the unit in the metadata of .vdb and .vtp, and how comments of .ply and YADE begin.
+/// Name of the unit in the metadata of .vdb and .vtp; comments have `kUnitComment`.
 inline constexpr const char* kUnitKey = "unit_of_length";
-inline constexpr const char* kUnitComment = "unit of length: ";
 inline constexpr const char* kGeneratorKey = "generator";
 
 /// What the title of our LAMMPS data files records about the numbers below.

@@ -13,18 +13,7 @@
 #include <type_traits>
 #include <vector>
 
-namespace vdbpack {
-
-/// `mm` in `unit`, correctly rounded: divided by a whole number rather than multiplied by its inexact
-/// inverse.
-inline double fromMillimeters(double mm, Unit unit) {
-    return unit == Unit::micrometer ? mm * 1000.0 : mm / millimetersPer(unit);
-}
-inline double toMillimeters(double value, Unit unit) {
-    return unit == Unit::micrometer ? value / 1000.0 : value * millimetersPer(unit);
-}
-
-/// The type of the values of a vector, by the type of a reference to it.
+namespace vdbpack {  /// The type of the values of a vector, by the type of a reference to it.
 template <class Vector>
 using ValueOf = typename std::decay_t<Vector>::value_type;
 

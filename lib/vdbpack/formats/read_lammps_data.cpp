@@ -6,6 +6,7 @@
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
@@ -221,7 +222,7 @@ private:
         const std::uint64_t count = counts_["atoms"];
         table.expectedRows = count;
 
-        const std::uint64_t begin = file_.nextOffset();
+        const std::uint64_t begin = file_.offset();
         const std::uint64_t lineBefore = file_.lineNumber();
         std::string_view line;
         if (count > 0 && nextContent(line)) {

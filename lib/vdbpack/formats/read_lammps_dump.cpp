@@ -202,7 +202,7 @@ private:
         Cells words;
         splitAtBlanks(names, words);
         frame_.names.assign(words.begin(), words.end());
-        frame_.offset = file_.nextOffset();
+        frame_.offset = file_.offset();
         frame_.line = file_.lineNumber();
         std::string_view line;
         for (std::uint64_t i = 0; i < frame_.atoms; ++i) {

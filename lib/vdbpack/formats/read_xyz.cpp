@@ -94,7 +94,7 @@ private:
                 "Properties=species:S:1:pos:R:3:radius:R:1");
         std::vector<std::string> names;
         // A row takes two bytes for each of its columns.
-        const std::uint64_t most = (file_.size() - file_.nextOffset()) / 2 + 100;
+        const std::uint64_t most = (file_.size() - file_.offset()) / 2 + 100;
         for (std::size_t w = 0; w < words.size(); w += 3) {
             const std::string name(words[w]);
             std::int64_t count = 0;

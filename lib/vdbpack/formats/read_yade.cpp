@@ -78,7 +78,7 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     // The header: comments up to the first sphere.
     std::uint64_t begin = 0;
     std::uint64_t lineBefore = 0;
-    for (;; begin = file.nextOffset(), lineBefore = file.lineNumber()) {
+    for (;; begin = file.offset(), lineBefore = file.lineNumber()) {
         if (!file.nextLine(line)) return {};
         line = trimmed(line);
         if (line.empty()) continue;

@@ -5,7 +5,7 @@
 namespace vdbpack {
 
 Pack<3> readTable(InputFile& file, const TextTable& table) {
-    const std::uint64_t begin = file.nextOffset();
+    const std::uint64_t begin = file.offset();
     const std::uint64_t lineBefore = file.lineNumber();
     const std::size_t columns = table.names.size();
     // Each cell takes a character and a separator.

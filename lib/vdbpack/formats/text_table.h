@@ -4,17 +4,14 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/formats/pack_builder.h"
-#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/delimited_text.h"
 
 #include <cstdint>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace vdbpack {
-
-using Cells = std::vector<std::string_view>;
 
 struct TextTable {
     std::vector<std::string> names;  ///< of the columns, as `PackBuilder` takes them

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <cstring>
 #include <string>
-#include <string_view>
 
 namespace vdbpack {
 
@@ -52,7 +51,12 @@ T loadAs(const char* bytes, bool swap) {
     return value;
 }
 
-/// Appends the bytes of `value`, the lowest first.
+template <typename T>
+T loadLittleEndian(const char* bytes) {
+    return loadAs<T>(bytes, hostIsBigEndian());
+}
+
+/// Appends the bytes of a number, the least significant first.
 template <typename T>
 void appendLittleEndian(std::string& bytes, T value) {
     char raw[sizeof value];

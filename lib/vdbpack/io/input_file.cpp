@@ -1,7 +1,6 @@
 #include "vdbpack/io/input_file.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/io/line_end.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -16,11 +15,19 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::size_t kChunkBytes = 1 << 20;
+constexpr std::size_t kBufferBytes = std::size_t{1} << 22;
+/// How a text ends its lines is decided by this many bytes from its beginning.
+constexpr std::size_t kLineEndSample = std::size_t{1} << 16;
 
 [[noreturn]] void failReading(const std::string& path, int cause) {
     throw IoError(path + ": cannot be read: " + std::strerror(cause) +
                   "; check the name and the permissions");
+}
+
+/// '\n' (alone or after '\r'), or '\r' where there is no '\n', as old Mac software writes it.
+char lineEndOf(std::string_view beginning) {
+    const bool newline = beginning.find('\n') != std::string_view::npos;
+    return !newline && beginning.find('\r') != std::string_view::npos ? '\r' : '\n';
 }
 
 }  // namespace
@@ -32,23 +39,13 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
         struct stat info {};
         if (::fstat(descriptor_, &info) != 0) failReading(path_, errno);
         if (S_ISDIR(info.st_mode)) failReading(path_, EISDIR);
-        if (S_ISREG(info.st_mode)) {
-            size_ = static_cast<std::uint64_t>(info.st_size);
-            return;
-        }
-        // Pipes end; devices need not.
+        // A pipe ends, a device need not.
         if (S_ISCHR(info.st_mode) || S_ISBLK(info.st_mode))
             throw IoError(path_ + ": is a device; give a file or a pipe");
-        inMemory_ = true;
-        for (;;) {
-            const std::size_t before = memory_.size();
-            memory_.resize(before + kChunkBytes);
-            const ssize_t n = ::read(descriptor_, memory_.data() + before, kChunkBytes);
-            memory_.resize(before + static_cast<std::size_t>(std::max<ssize_t>(n, 0)));
-            if (n == 0) break;
-            if (n < 0 && errno != EINTR) failReading(path_, errno);
-        }
-        size_ = memory_.size();
+        if (S_ISREG(info.st_mode))
+            size_ = static_cast<std::uint64_t>(info.st_size);
+        else
+            readPipe();
     } catch (...) {
         ::close(descriptor_);
         throw;
@@ -59,15 +56,28 @@ InputFile::~InputFile() {
     ::close(descriptor_);
 }
 
+void InputFile::readPipe() {
+    inMemory_ = true;
+    for (;;) {
+        buffer_.resize(end_ + kBufferBytes);
+        const ssize_t n = ::read(descriptor_, buffer_.data() + end_, kBufferBytes);
+        if (n == 0) break;
+        if (n < 0 && errno != EINTR) failReading(path_, errno);
+        end_ += static_cast<std::size_t>(std::max<ssize_t>(n, 0));
+    }
+    buffer_.resize(end_);
+    size_ = end_;
+}
+
 void InputFile::readAt(std::uint64_t offset, void* target, std::size_t bytes) const {
-    const auto ends = [&] {
+    const auto failEnd = [&] {
         throw InputError(path_ + ": ends at byte " + std::to_string(size_) + " where " +
                          std::to_string(bytes) + " bytes from byte " + std::to_string(offset) +
                          " on were expected; the file is cut short or damaged");
     };
-    if (offset > size_ || bytes > size_ - offset) ends();
+    if (offset > size_ || bytes > size_ - offset) failEnd();
     if (inMemory_) {
-        if (bytes > 0) std::memcpy(target, memory_.data() + offset, bytes);
+        if (bytes > 0) std::memcpy(target, buffer_.data() + offset, bytes);
         return;
     }
     auto* to = static_cast<char*>(target);
@@ -75,52 +85,95 @@ void InputFile::readAt(std::uint64_t offset, void* target, std::size_t bytes) co
         const ssize_t n = ::pread(descriptor_, to, bytes, static_cast<off_t>(offset));
         if (n < 0 && errno == EINTR) continue;
         if (n < 0) failReading(path_, errno);
-        if (n == 0) ends();  // somebody shortened the file meanwhile
+        if (n == 0) failEnd();  // another program shortened the file meanwhile
         to += n;
         offset += static_cast<std::uint64_t>(n);
         bytes -= static_cast<std::size_t>(n);
     }
 }
 
+void InputFile::fill(std::size_t bytes) {
+    if (end_ - at_ >= bytes || bufferOffset_ + end_ >= size_) return;
+    if (at_ > 0) {
+        std::memmove(buffer_.data(), buffer_.data() + at_, end_ - at_);
+        bufferOffset_ += at_;
+        end_ -= at_;
+        at_ = 0;
+    }
+    // No more than the rest of the file, however many bytes were requested.
+    const auto target = static_cast<std::size_t>(
+        std::min<std::uint64_t>(std::max(bytes, kBufferBytes), size_ - bufferOffset_));
+    if (buffer_.size() < target) buffer_.resize(target);
+    readAt(bufferOffset_ + end_, buffer_.data() + end_, target - end_);
+    end_ = target;
+}
+
+std::string_view InputFile::peek(std::size_t bytes) {
+    fill(bytes);
+    return {buffer_.data() + at_, std::min(bytes, end_ - at_)};
+}
+
+const char* InputFile::take(std::size_t bytes) {
+    if (bytes > remaining()) return nullptr;
+    fill(bytes);
+    const char* const data = buffer_.data() + at_;
+    at_ += bytes;
+    return data;
+}
+
+void InputFile::skipByteOrderMark() {
+    if (peek(3) == "\xEF\xBB\xBF") take(3);
+}
+
 bool InputFile::nextLine(std::string_view& line) {
-    std::size_t searched = position_;
+    if (lineEnd_ == 0) lineEnd_ = lineEndOf(peek(kLineEndSample));
+    std::size_t searched = 0;
     for (;;) {
-        // The first chunk is longer than what tells how lines end.
-        if (lineEnd_ == 0 && !chunk_.empty()) lineEnd_ = lineEndOf(chunk_);
-        const void* found =
-            searched < chunk_.size()
-                ? std::memchr(chunk_.data() + searched, lineEnd_, chunk_.size() - searched)
-                : nullptr;
-        const std::uint64_t chunkEnd = chunkOffset_ + chunk_.size();
-        if (found != nullptr || chunkEnd >= size_) {
-            if (found == nullptr && position_ >= chunk_.size()) return false;
-            const std::size_t end =
-                found != nullptr
-                    ? static_cast<std::size_t>(static_cast<const char*>(found) - chunk_.data())
-                    : chunk_.size();
-            line = std::string_view(chunk_).substr(position_, end - position_);
-            if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
-            position_ = std::min(end + 1, chunk_.size());
+        const char* const begin = buffer_.data() + at_;
+        const std::size_t have = end_ - at_;
+        const void* const found =
+            have > searched ? std::memchr(begin + searched, lineEnd_, have - searched) : nullptr;
+        if (found != nullptr) {
+            auto length = static_cast<std::size_t>(static_cast<const char*>(found) - begin);
+            at_ += length + 1;
+            if (length > 0 && begin[length - 1] == '\r') --length;
+            line = {begin, length};
             ++lineNumber_;
             return true;
         }
-        // Drop what was handed out, keep the unfinished line, and double what is read for it.
-        chunk_.erase(0, position_);
-        chunkOffset_ += position_;
-        position_ = 0;
-        searched = chunk_.size();
-        const auto more = static_cast<std::size_t>(std::min<std::uint64_t>(
-            std::max(kChunkBytes, chunk_.size()), size_ - chunkOffset_ - chunk_.size()));
-        chunk_.resize(searched + more);
-        readAt(chunkOffset_ + searched, chunk_.data() + searched, more);
+        if (bufferOffset_ + end_ >= size_) {
+            if (have == 0) return false;
+            at_ = end_;
+            line = {begin, begin[have - 1] == '\r' ? have - 1 : have};
+            ++lineNumber_;
+            return true;
+        }
+        searched = have;
+        // A line longer than the buffer doubles it.
+        fill(have < buffer_.size() ? have + 1 : 2 * have);
     }
 }
 
 void InputFile::seek(std::uint64_t offset, std::uint64_t number) {
-    chunk_.clear();
-    chunkOffset_ = std::min(offset, size_);
-    position_ = 0;
     lineNumber_ = number;
+    if (inMemory_ || (offset >= bufferOffset_ && offset - bufferOffset_ <= end_)) {
+        at_ = static_cast<std::size_t>(std::min<std::uint64_t>(offset - bufferOffset_, end_));
+        return;
+    }
+    bufferOffset_ = std::min(offset, size_);
+    at_ = end_ = 0;
+}
+
+void InputFile::failAtLine(const std::string& what) const {
+    throw InputError(path_ + ": line " + std::to_string(lineNumber_) + ": " + what);
+}
+
+void InputFile::failAtByte(std::uint64_t byte, const std::string& what) const {
+    throw InputError(path_ + ": byte " + std::to_string(byte) + ": " + what);
+}
+
+void InputFile::fail(const std::string& what) const {
+    throw InputError(path_ + ": " + what);
 }
 
 }  // namespace vdbpack

@@ -1,10 +1,9 @@
 // Private: tables of numbers in text files, columns by name.
 #pragma once
 
-#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/delimited_text.h"
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -12,11 +11,8 @@
 
 namespace vdbpack {
 
-/// A text file whose first line names the columns and whose further lines are rows of numbers,
-/// separated by commas, semicolons, tabs or blanks.
-///
-/// Blank lines and comments (#) are passed over; the names may stand behind a # themselves.
-/// Names count without case, signs and what follows a bracket: "Theta_Z [rad]" is "thetaz".
+/// A delimited text file whose header names the columns and whose rows have numbers. Names count
+/// as `canonicalName` returns them.
 class NumberTable {
 public:
     /// @param expected  the columns to write, for messages.
@@ -26,32 +22,27 @@ public:
     /// The column that goes by one of `names`, if there is one.
     /// @throws InputError if there are two.
     std::optional<std::size_t> find(const std::vector<std::string>& names) const;
-    /// The same where it has to be there. @throws InputError naming the first of `names`.
+    /// The same where it is required. @throws InputError naming the first of `names`.
     std::size_t require(const std::vector<std::string>& names) const;
 
     /// Moves on to the next row. @return false after the last.
     /// @throws InputError if it has more or fewer cells than there are columns.
-    bool nextRow();
+    bool nextRow() { return text_.nextRow(cells_); }
     /// Whether the row has something in this column.
     bool filled(std::size_t column) const { return !cells_[column].empty(); }
     /// The number there. @throws InputError naming line and column if it is none or not finite.
     double number(std::size_t column) const;
 
     /// @throws InputError about the row.
-    [[noreturn]] void failRow(const std::string& what) const;
+    [[noreturn]] void failRow(const std::string& what) const { text_.file().failAtLine(what); }
     /// @throws InputError about the columns; the message lists them.
     [[noreturn]] void failColumns(const std::string& what) const;
 
 private:
-    bool takeHeader(std::string_view line);
-
-    InputFile file_;
+    DelimitedText text_;
     std::string expected_;
-    char separator_ = ',';
-    std::uint64_t headerLine_ = 0;
-    std::vector<std::string> names_;      ///< as written
-    std::vector<std::string> canonical_;  ///< as they count
-    std::vector<std::string_view> cells_;
+    std::vector<std::string> canonical_;  ///< names of the columns
+    Cells cells_;
 };
 
 }  // namespace vdbpack

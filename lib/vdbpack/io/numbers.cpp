@@ -1,18 +1,35 @@
 #include "vdbpack/io/numbers.h"
 
+#include "vdbpack/io/text.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <system_error>
 
 namespace vdbpack {
 
 namespace {
-std::string_view withoutSign(std::string_view text) {
-    // from_chars knows no plus sign; "+-1" must stay wrong.
-    if (text.size() > 1 && text[0] == '+' && text[1] != '-') text.remove_prefix(1);
-    return text;
+
+/// What all of `word` stands for. @return errc{} for a number, result_out_of_range for one that
+/// does not fit, invalid_argument for any other text.
+template <typename T>
+std::errc parseWord(std::string_view word, T& value) {
+    // from_chars accepts no plus sign; "+-1" must stay wrong.
+    if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
+    const char* const end = word.data() + word.size();
+    const auto result = std::from_chars(word.data(), end, value);
+    return result.ptr == end ? result.ec : std::errc::invalid_argument;
 }
+
+/// Whether a number that is out of range is too small rather than too large.
+bool isTiny(std::string_view word) {
+    const std::size_t exponent = word.find_first_of("eE");
+    return exponent != std::string_view::npos ? word.substr(exponent + 1, 1) == "-"
+                                              : word.find_first_not_of("+-0.") > word.find('.');
+}
+
 }  // namespace
 
 void appendNumber(std::string& text, double value) {
@@ -32,20 +49,27 @@ void appendNumber(std::string& text, std::int64_t value) {
     text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
 }
 
+bool parseReal(std::string_view word, double& value) {
+    const std::errc error = parseWord(word, value);
+    if (error == std::errc::result_out_of_range)
+        value = isTiny(word) ? 0.0 : std::numeric_limits<double>::infinity();
+    return error != std::errc::invalid_argument;
+}
+
+bool parseInteger(std::string_view word, std::int64_t& value) {
+    return parseWord(word, value) == std::errc{};
+}
+
 bool parseNumber(std::string_view text, double& value) {
-    text = withoutSign(trimmed(text));
     double parsed = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
-    if (error != std::errc() || end != text.data() + text.size()) return false;
+    if (parseWord(trimmed(text), parsed) != std::errc{}) return false;
     value = parsed;
     return true;
 }
 
 bool parseNumber(std::string_view text, std::int64_t& value) {
-    text = withoutSign(trimmed(text));
     std::int64_t parsed = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), parsed);
-    if (error == std::errc() && end == text.data() + text.size()) {
+    if (parseWord(trimmed(text), parsed) == std::errc{}) {
         value = parsed;
         return true;
     }
@@ -53,30 +77,24 @@ bool parseNumber(std::string_view text, std::int64_t& value) {
     return parseNumber(text, real) && wholeNumber(real, value);
 }
 
+std::optional<std::vector<double>> parseNumberList(std::string_view text) {
+    std::vector<double> values;
+    for (std::size_t at = 0;;) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        double value = 0;
+        if (!parseNumber(text.substr(at, end - at), value) || !std::isfinite(value))
+            return std::nullopt;
+        values.push_back(value);
+        if (end == text.size()) return values;
+        at = end + 1;
+    }
+}
+
 bool wholeNumber(double value, std::int64_t& whole) {
     // Above 2^63 the conversion is undefined; written this way NaN fails too.
     if (!(std::abs(value) < 0x1p63) || std::trunc(value) != value) return false;
     whole = static_cast<std::int64_t>(value);
     return true;
-}
-
-std::string_view trimmed(std::string_view text) {
-    const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
-    while (!text.empty() && blank(text.front())) text.remove_prefix(1);
-    while (!text.empty() && blank(text.back())) text.remove_suffix(1);
-    return text;
-}
-
-void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words) {
-    words.clear();
-    const auto blank = [](char c) { return c == ' ' || c == '\t'; };
-    for (std::size_t at = 0;;) {
-        while (at < line.size() && blank(line[at])) ++at;
-        if (at >= line.size()) return;
-        const std::size_t begin = at;
-        while (at < line.size() && !blank(line[at])) ++at;
-        words.push_back(line.substr(begin, at - begin));
-    }
 }
 
 }  // namespace vdbpack

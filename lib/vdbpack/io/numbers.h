@@ -1,7 +1,10 @@
 // Private: numbers as text, exact both ways and without a locale.
 #pragma once
 
+#include "vdbpack/io/text.h"
+
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,13 +22,16 @@ bool parseNumber(std::string_view text, double& value);
 /// The same for whole numbers, also where they are written as `3.0` or `1e3`.
 bool parseNumber(std::string_view text, std::int64_t& value);
 
+/// The number that all of `word` stands for; a number too large for double is infinite, one too
+/// small is 0. @return false for any other text, also if there are blanks around the number.
+bool parseReal(std::string_view word, double& value);
+/// The same for whole numbers without point and exponent, within range.
+bool parseInteger(std::string_view word, std::int64_t& value);
+
+/// The finite numbers of a list such as "1,2.5,3"; nothing if it is none.
+std::optional<std::vector<double>> parseNumberList(std::string_view text);
+
 /// `value` as a whole number; false if it is none or does not fit.
 bool wholeNumber(double value, std::int64_t& whole);
-
-/// `text` without blanks at either end.
-std::string_view trimmed(std::string_view text);
-
-/// Replaces `words` by those of `line`, which blanks and tabs separate.
-void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words);
 
 }  // namespace vdbpack

@@ -1,14 +1,58 @@
 // Private: words, blanks and letters of texts, without a locale.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
+/// Whether `c` separates words of one line.
+inline bool isBlank(char c) {
+    return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+/// `text` without blanks at either end.
+std::string_view trimmed(std::string_view text);
+
+/// Takes words, which blanks separate, off the front of a text.
+class Words {
+public:
+    explicit Words(std::string_view text) : text_(text) {}
+    /// The next word; empty at the end.
+    std::string_view next() {
+        std::size_t begin = 0;
+        while (begin < text_.size() && isBlank(text_[begin])) ++begin;
+        std::size_t end = begin;
+        while (end < text_.size() && !isBlank(text_[end])) ++end;
+        const std::string_view word = text_.substr(begin, end - begin);
+        text_.remove_prefix(end);
+        return word;
+    }
+    /// The text after the words taken so far.
+    std::string_view rest() const { return text_; }
+
+private:
+    std::string_view text_;
+};
+
+/// Replaces `words` by those of `line`.
+void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words);
+
 /// `text` with small letters for A to Z.
 std::string lowered(std::string_view text);
+/// Whether `text` is `lowerText`, which has no capital letters, in any case.
+bool equalsNoCase(std::string_view text, std::string_view lowerText);
+bool startsWith(std::string_view text, std::string_view beginning);
+bool endsWith(std::string_view text, std::string_view end);
+
+/// The extension of a file name with its dot, in small letters; empty if there is none.
+std::string extensionOf(std::string_view path);
+
+/// `text` in quotes for a message: its first 40 characters, '?' for unprintable ones.
+std::string quoted(std::string_view text);
 
 /// `text` as one line of a comment: control characters become blanks.
 std::string oneLine(std::string text);

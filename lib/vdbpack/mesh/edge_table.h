@@ -19,7 +19,8 @@ inline bool isCollapsed(const std::array<std::uint32_t, 3>& t) {
 
 /// All edges of a mesh, those of collapsed triangles left out.
 ///
-/// Uses of edges lie in rows by the lower vertex, sorted inside a row: linear time, 8 bytes a use.
+/// Uses of edges are in rows by the lower vertex, sorted within a row: linear time, 8 bytes per
+/// use.
 class EdgeTable {
 public:
     /// One use of an edge by a triangle.
@@ -88,7 +89,7 @@ private:
     std::vector<Use> uses_;
 };
 
-/// Groups edges that hang together by their vertices: a number for each edge, from 0 on.
+/// Groups edges that are connected by their vertices: a number for each edge, from 0 on.
 inline std::vector<std::uint32_t> groupEdges(
     const std::vector<std::array<std::uint32_t, 2>>& edges) {
     // The vertices in question get small numbers for the union-find.

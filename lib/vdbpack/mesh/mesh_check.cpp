@@ -1,5 +1,6 @@
 #include "vdbpack/mesh/mesh_check.h"
 
+#include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
 
@@ -9,14 +10,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Height over longest side under which a triangle has no area but for rounding.
 constexpr double kFlat = 1e-9;
 
@@ -96,28 +95,17 @@ nlohmann::json json(const Vec<3>& p) {
     return {p[0], p[1], p[2]};
 }
 
-/// Groups of triangles that hang together by vertices.
+/// Groups of triangles that are connected by vertices.
 std::size_t countPieces(const TriangleMesh& mesh) {
-    std::vector<std::uint32_t> parent(mesh.vertices.size(), kNone);
-    const auto root = [&](std::uint32_t v) {
-        while (parent[v] != v) v = parent[v] = parent[parent[v]];
-        return v;
-    };
-    std::size_t pieces = 0;
-    for (const auto& t : mesh.triangles) {
-        for (const auto v : t)
-            if (parent[v] == kNone) {
-                parent[v] = v;
-                ++pieces;
-            }
-        for (std::size_t k = 1; k < 3; ++k) {
-            const std::uint32_t a = root(t[0]);
-            const std::uint32_t b = root(t[k]);
-            if (a == b) continue;
-            parent[std::max(a, b)] = std::min(a, b);
-            --pieces;
+    DisjointSets sets(mesh.vertices.size());
+    std::vector<char> isUsed(mesh.vertices.size(), 0);
+    for (const auto& t : mesh.triangles)
+        for (const auto v : t) {
+            isUsed[v] = 1;
+            sets.join(t[0], v);
         }
-    }
+    std::size_t pieces = 0;
+    for (std::uint32_t v = 0; v < isUsed.size(); ++v) pieces += isUsed[v] != 0 && sets.find(v) == v;
     return pieces;
 }
 
@@ -131,10 +119,11 @@ std::string MeshHealth::describeLeak() const {
                        text(leak->largest.center));
 }
 
-MeshHealth checkMesh(const TriangleMesh& mesh) {
-    MeshHealth health;
-    health.triangles = mesh.triangles.size();
+namespace {
 
+/// Sets vertices, bounds, area and degenerate triangles. @return collapsed triangles.
+std::size_t measureTriangles(const TriangleMesh& mesh, MeshHealth& health) {
+    health.triangles = mesh.triangles.size();
     std::vector<char> isUsed(mesh.vertices.size(), 0);
     std::size_t collapsed = 0;
     for (const auto& t : mesh.triangles) {
@@ -150,7 +139,7 @@ MeshHealth checkMesh(const TriangleMesh& mesh) {
         const double longest =
             std::max({squaredLength(ab), squaredLength(ac), squaredLength(ac - ab)});
         health.area += 0.5 * twice;
-        // Height = twice the area over the longest side.
+        // Height = twice the area divided by the longest side.
         if (!(twice > kFlat * longest)) ++health.degenerateTriangles;
     }
     for (std::size_t v = 0; v < isUsed.size(); ++v)
@@ -158,31 +147,26 @@ MeshHealth checkMesh(const TriangleMesh& mesh) {
             ++health.vertices;
             health.bounds.add(mesh.vertices[v]);
         }
+    return collapsed;
+}
 
+/// Counts the edges of each kind and measures the leak.
+void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& health) {
     std::vector<std::array<std::uint32_t, 2>> boundary;
-    {
-        const EdgeTable edges(mesh);
-        edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
-                          const EdgeTable::Use* last) {
-            ++health.edges;
-            const auto uses = last - first;
-            if (uses == 1) boundary.push_back({lower, upper});
-            if (uses == 2 && edges.isForward(first[0]) == edges.isForward(first[1]))
-                ++health.inconsistentEdges;
-            if (uses > 2) ++health.nonManifoldEdges;
-        });
-    }
+    edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
+                      const EdgeTable::Use* last) {
+        ++health.edges;
+        const auto uses = last - first;
+        if (uses == 1) boundary.push_back({lower, upper});
+        if (uses == 2 && edges.isForward(first[0]) == edges.isForward(first[1]))
+            ++health.inconsistentEdges;
+        if (uses > 2) ++health.nonManifoldEdges;
+    });
     health.boundaryEdges = boundary.size();
     if (!boundary.empty()) health.leak = measureLeak(mesh, boundary);
-    health.eulerNumber = static_cast<std::int64_t>(health.vertices) -
-                         static_cast<std::int64_t>(health.edges) +
-                         static_cast<std::int64_t>(health.triangles - collapsed);
+}
 
-    const auto isCopy = findCopies(mesh);
-    health.duplicateTriangles =
-        static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
-    const ShellAnalysis analysis = analyzeShells(mesh);
-    health.pieces = countPieces(mesh);
+void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
     health.shells = analysis.shells.size();
     health.enclosedVolume = analysis.enclosedVolume();
     for (const auto& shell : analysis.shells) {
@@ -194,6 +178,25 @@ MeshHealth checkMesh(const TriangleMesh& mesh) {
             (shell.signedVolume > 0) != (shell.depth % 2 == 0))
             ++health.invertedShells;
     }
+}
+
+}  // namespace
+
+MeshHealth checkMesh(const TriangleMesh& mesh) {
+    MeshHealth health;
+    const std::size_t collapsed = measureTriangles(mesh, health);
+    {
+        const EdgeTable edges(mesh);
+        countEdges(mesh, edges, health);
+        countShells(analyzeShells(mesh, edges), health);
+    }
+    health.eulerNumber = static_cast<std::int64_t>(health.vertices) -
+                         static_cast<std::int64_t>(health.edges) +
+                         static_cast<std::int64_t>(health.triangles - collapsed);
+    const auto isCopy = findCopies(mesh);
+    health.duplicateTriangles =
+        static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
+    health.pieces = countPieces(mesh);
     return health;
 }
 

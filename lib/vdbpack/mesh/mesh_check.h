@@ -13,7 +13,7 @@
 
 namespace vdbpack {
 
-/// The largest hole: boundary edges that hang together, by total length.
+/// The largest hole: connected boundary edges, by total length.
 struct BoundaryLoop {
     std::size_t edges = 0;
     double length = 0;  ///< mm
@@ -24,7 +24,7 @@ struct BoundaryLoop {
 struct MeshLeak {
     std::uint32_t vertex = 0;  ///< the lowest vertex on a boundary edge, counted from 0
     Vec<3> position;           ///< of that vertex, mm
-    std::size_t loops = 0;     ///< groups of boundary edges that hang together
+    std::size_t loops = 0;     ///< groups of connected boundary edges
     BoundaryLoop largest;
 };
 
@@ -45,7 +45,7 @@ struct MeshHealth {
     Box<3> bounds;                        ///< mm
     double area = 0;                      ///< mm²
     double signedVolume = 0;    ///< divergence theorem over all shells, mm³; < 0: inside out
-    double enclosedVolume = 0;  ///< cavities taken off, facing either way, mm³ (mesh_shells.h)
+    double enclosedVolume = 0;  ///< without cavities, facing either way, mm³ (mesh_shells.h)
     std::vector<std::size_t> shellsAtDepth;  ///< [d]: shells inside d closed ones
     /// Closed shells that face the wrong way: outer ones inward, cavities outward.
     std::size_t invertedShells = 0;
@@ -65,7 +65,7 @@ struct MeshHealth {
     std::string describeLeak() const;
 };
 
-/// Examines a welded mesh (mesh_io.h). Cost: linear in the triangles.
+/// Examines a welded mesh (welding.h). Cost: linear in the triangles.
 MeshHealth checkMesh(const TriangleMesh& mesh);
 
 /// The mesh without triangles that name a vertex twice and without copies: of triangles with the
@@ -75,7 +75,7 @@ MeshHealth checkMesh(const TriangleMesh& mesh);
 /// Triangles without area but with three vertices stay: their neighbors meet at their edges, and
 /// without them a closed mesh would have a slit. An edge where only copies met is a boundary edge
 /// afterwards, and rays and volumes that counted right with both copies may not with one: for
-/// these questions ask `checkMesh` and `analyzeShells` before.
+/// these questions call `checkMesh` and `analyzeShells` before.
 TriangleMesh withoutDuplicates(const TriangleMesh& mesh);
 
 /// All members by name, lengths in mm; `leak` is null for a closed mesh.

@@ -16,11 +16,10 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-/// Triangles of a piece that vote on what encloses it: the answer must survive one or two that
-/// touch another piece.
+/// Triangles of a piece that vote on what encloses it: one or two of them may touch another piece.
 constexpr std::size_t kVotes = 5;
 
-/// A point that asks which pieces enclose it.
+/// A point for which the enclosing pieces are determined.
 struct Probe {
     Vec<3> p;
     std::uint32_t shell;
@@ -83,39 +82,40 @@ struct Hit {
     bool unclear;
 };
 
-/// Sets `depth` of every shell.
-void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
-    auto& shells = analysis.shells;
-    if (shells.size() < 2) return;
-
+/// The probes of all pieces: the centers of up to `kVotes` of their triangles, evenly spread over
+/// the order of the file. Centers, as corners may be shared with the piece that is tested.
+std::vector<Probe> probesOf(const TriangleMesh& mesh, const ShellAnalysis& analysis,
+                            std::vector<std::uint32_t>& probeCount) {
+    const auto& shells = analysis.shells;
     std::vector<Probe> probes;
-    std::vector<std::uint32_t> probeCount(shells.size(), 0);
-    {
-        std::vector<std::size_t> seen(shells.size(), 0);
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-            const std::uint32_t s = analysis.shellOfTriangle[i];
-            const std::size_t rank = seen[s]++;
-            // The triangles with rank = floor(k n / kVotes) vote, k = 0, 1, ...
-            const std::size_t votes = std::min(kVotes, shells[s].triangles);
-            if (probeCount[s] == votes || rank != probeCount[s] * shells[s].triangles / votes)
-                continue;
-            ++probeCount[s];
-            const auto& t = mesh.triangles[i];
-            // Centers, as corners may be shared with the piece that is asked about.
-            const Vec<3>& a = mesh.vertices[t[0]];
-            const Vec<3> toCenter =
-                ((mesh.vertices[t[1]] - a) + (mesh.vertices[t[2]] - a)) * (1.0 / 3.0);
-            probes.push_back({a + toCenter, s});
-        }
+    probeCount.assign(shells.size(), 0);
+    std::vector<std::size_t> seen(shells.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const std::uint32_t s = analysis.shellOfTriangle[i];
+        const std::size_t rank = seen[s]++;
+        // The triangles with rank = floor(k n / kVotes) vote, k = 0, 1, ...
+        const std::size_t votes = std::min(kVotes, shells[s].triangles);
+        if (probeCount[s] == votes || rank != probeCount[s] * shells[s].triangles / votes) continue;
+        ++probeCount[s];
+        const auto& t = mesh.triangles[i];
+        const Vec<3>& a = mesh.vertices[t[0]];
+        const Vec<3> toCenter =
+            ((mesh.vertices[t[1]] - a) + (mesh.vertices[t[2]] - a)) * (1.0 / 3.0);
+        probes.push_back({a + toCenter, s});
     }
-    const std::vector<Probe> probeList = probes;
-    const ProbeGrid grid(std::move(probes));
+    return probes;
+}
 
+/// The triangles of closed pieces that the upward ray of a probe of another piece meets, in the
+/// order of the probe's piece, the triangle's piece, the probe.
+std::vector<Hit> findHits(const TriangleMesh& mesh, const ShellAnalysis& analysis,
+                          const std::vector<Probe>& probes) {
+    const ProbeGrid grid(probes);
     std::vector<Hit> hits;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const std::uint32_t s = analysis.shellOfTriangle[i];
         const auto& t = mesh.triangles[i];
-        if (shells[s].boundaryEdges != 0 || isCollapsed(t)) continue;
+        if (analysis.shells[s].boundaryEdges != 0 || isCollapsed(t)) continue;
         const Vec<3>& a = mesh.vertices[t[0]];
         const Vec<3>& b = mesh.vertices[t[1]];
         const Vec<3>& c = mesh.vertices[t[2]];
@@ -131,19 +131,29 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
                    });
     }
     std::sort(hits.begin(), hits.end(), [&](const Hit& a, const Hit& b) {
-        const std::uint32_t sa = probeList[a.probe].shell;
-        const std::uint32_t sb = probeList[b.probe].shell;
+        const std::uint32_t sa = probes[a.probe].shell;
+        const std::uint32_t sb = probes[b.probe].shell;
         if (sa != sb) return sa < sb;
         return a.shell != b.shell ? a.shell < b.shell : a.probe < b.probe;
     });
+    return hits;
+}
+
+/// Sets `depth` of every shell.
+void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
+    auto& shells = analysis.shells;
+    if (shells.size() < 2) return;
+    std::vector<std::uint32_t> probeCount;
+    const std::vector<Probe> probes = probesOf(mesh, analysis, probeCount);
+    const std::vector<Hit> hits = findHits(mesh, analysis, probes);
     for (std::size_t i = 0; i < hits.size();) {
-        const std::uint32_t inner = probeList[hits[i].probe].shell;
+        const std::uint32_t inner = probes[hits[i].probe].shell;
         const std::uint32_t outer = hits[i].shell;
         std::size_t inside = 0;
         std::size_t voting = probeCount[inner];
         const auto samePair = [&](std::size_t k) {
             return k < hits.size() && hits[k].shell == outer &&
-                   probeList[hits[k].probe].shell == inner;
+                   probes[hits[k].probe].shell == inner;
         };
         while (samePair(i)) {
             const std::uint32_t probe = hits[i].probe;
@@ -158,31 +168,22 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
             else if (odd)
                 ++inside;
         }
-        // The smaller never encloses the larger, as pieces that cut each other could both claim.
+        // A smaller piece never encloses a larger one: of two that cut each other both might.
         if (2 * inside > voting && outer < inner) ++shells[inner].depth;
     }
 }
 
-}  // namespace
-
-double ShellAnalysis::enclosedVolume() const {
-    double sum = 0;
-    for (const auto& shell : shells)
-        sum += (shell.depth % 2 == 0 ? 1.0 : -1.0) * std::fabs(shell.signedVolume);
-    return sum;
-}
-
-ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
+/// Joins triangles at shared edges; a piece is named by its first triangle.
+DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
     const std::size_t n = mesh.triangles.size();
-    const EdgeTable edges(mesh);
-    DisjointSets pieces(n);  // a piece is named by its first triangle
+    DisjointSets pieces(n);
     edges.forEach(
         [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
             for (const auto* use = first + 1; use < last; ++use)
                 pieces.join(first->triangle(), use->triangle());
         });
 
-    // Collapsed triangles have no edges of their own: they go where one of their corners is.
+    // A collapsed triangle has no edges of its own and joins a piece at one of its corners.
     std::vector<std::uint32_t> atVertex;
     for (std::size_t i = 0; i < n; ++i) {
         if (!isCollapsed(mesh.triangles[i])) continue;
@@ -199,71 +200,97 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
             break;
         }
     }
+    return pieces;
+}
 
-    ShellAnalysis result;
-    auto& of = result.shellOfTriangle;
-    of.resize(n);
-    std::vector<Vec<3>> origins;  // a point of each piece
-    {
-        std::vector<std::uint32_t> shellOfRoot(n, kNone);
-        for (std::size_t i = 0; i < n; ++i) {
-            const std::uint32_t root = pieces.find(static_cast<std::uint32_t>(i));
-            if (shellOfRoot[root] == kNone) {
-                shellOfRoot[root] = static_cast<std::uint32_t>(result.shells.size());
-                result.shells.emplace_back();
-                origins.push_back(mesh.vertices[mesh.triangles[i][0]]);
-            }
-            of[i] = shellOfRoot[root];
-        }
-    }
+/// Fills `shellOfTriangle` and the shells' numbers of triangles, in the order of first triangles.
+/// @return a point of each shell.
+std::vector<Vec<3>> nameShells(const TriangleMesh& mesh, DisjointSets pieces,
+                               ShellAnalysis& result) {
+    const std::size_t n = mesh.triangles.size();
+    std::vector<Vec<3>> origins;
+    std::vector<std::uint32_t> shellOfRoot(n, kNone);
+    result.shellOfTriangle.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-        auto& shell = result.shells[of[i]];
-        ++shell.triangles;
-        const auto& t = mesh.triangles[i];
-        const Vec<3>& origin = origins[of[i]];
-        shell.signedVolume +=
-            dot(mesh.vertices[t[0]] - origin,
-                cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
+        const std::uint32_t root = pieces.find(static_cast<std::uint32_t>(i));
+        if (shellOfRoot[root] == kNone) {
+            shellOfRoot[root] = static_cast<std::uint32_t>(result.shells.size());
+            result.shells.emplace_back();
+            origins.push_back(mesh.vertices[mesh.triangles[i][0]]);
+        }
+        result.shellOfTriangle[i] = shellOfRoot[root];
+        ++result.shells[shellOfRoot[root]].triangles;
     }
-    // Where the triangles at an edge do not cancel, the sum depends on the origin until cones
-    // close the surface.
-    std::vector<std::array<std::uint32_t, 2>> open;
-    std::vector<std::pair<std::uint32_t, double>> openUses;  // shell; forward less backward uses
+    return origins;
+}
+
+/// Edges at which the triangles of a shell do not cancel.
+struct OpenEdges {
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    std::vector<std::pair<std::uint32_t, double>> uses;  ///< shell; forward less backward uses
+};
+
+/// Counts the shells' boundary edges. @return their open edges.
+OpenEdges findOpenEdges(const EdgeTable& edges, ShellAnalysis& result) {
+    OpenEdges open;
     edges.forEach([&](std::uint32_t lower, std::uint32_t upper, const EdgeTable::Use* first,
                       const EdgeTable::Use* last) {
-        const std::uint32_t s = of[first->triangle()];
+        const std::uint32_t s = result.shellOfTriangle[first->triangle()];
         if (last - first == 1) ++result.shells[s].boundaryEdges;
         const int forward = edges.surplus(first, last);
         if (forward == 0) return;
-        open.push_back({lower, upper});
-        openUses.emplace_back(s, forward);
+        open.edges.push_back({lower, upper});
+        open.uses.emplace_back(s, forward);
     });
-    const auto group = groupEdges(open);
+    return open;
+}
+
+/// Adds six times the volume of the cones between open edges and the middles of their groups:
+/// without them the sum over the triangles of an open surface depends on the origin.
+void closeByCones(const TriangleMesh& mesh, const OpenEdges& open,
+                  const std::vector<Vec<3>>& origins, ShellAnalysis& result) {
     struct Middle {
         Vec<3> offset;  // of the mean of the edges from the first vertex of the group
         double edges = 0;
         std::uint32_t first = 0;
     };
+    const auto& edges = open.edges;
+    const auto group = groupEdges(edges);
     std::vector<Middle> middles(
-        open.empty() ? 0 : *std::max_element(group.begin(), group.end()) + std::size_t{1});
-    for (std::size_t i = 0; i < open.size(); ++i) {
+        edges.empty() ? 0 : *std::max_element(group.begin(), group.end()) + std::size_t{1});
+    for (std::size_t i = 0; i < edges.size(); ++i) {
         auto& middle = middles[group[i]];
-        if (middle.edges == 0) middle.first = open[i][0];
+        if (middle.edges == 0) middle.first = edges[i][0];
         ++middle.edges;
-        for (const auto v : open[i])
+        for (const auto v : edges[i])
             middle.offset += (mesh.vertices[v] - mesh.vertices[middle.first]) * 0.5;
     }
-    for (std::size_t i = 0; i < open.size(); ++i) {
+    for (std::size_t i = 0; i < edges.size(); ++i) {
         const auto& middle = middles[group[i]];
-        const auto [s, forward] = openUses[i];
+        const auto [s, forward] = open.uses[i];
         const Vec<3> apex = mesh.vertices[middle.first] + middle.offset * (1.0 / middle.edges);
         result.shells[s].signedVolume -=
-            forward * dot(mesh.vertices[open[i][0]] - origins[s],
-                          cross(mesh.vertices[open[i][1]] - origins[s], apex - origins[s]));
+            forward * dot(mesh.vertices[edges[i][0]] - origins[s],
+                          cross(mesh.vertices[edges[i][1]] - origins[s], apex - origins[s]));
     }
-    for (auto& shell : result.shells) shell.signedVolume /= 6.0;
+}
 
-    // Largest first; the order of the triangles breaks ties.
+void measureVolumes(const TriangleMesh& mesh, const EdgeTable& edges,
+                    const std::vector<Vec<3>>& origins, ShellAnalysis& result) {
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const std::uint32_t s = result.shellOfTriangle[i];
+        const auto& t = mesh.triangles[i];
+        const Vec<3>& origin = origins[s];
+        result.shells[s].signedVolume +=
+            dot(mesh.vertices[t[0]] - origin,
+                cross(mesh.vertices[t[1]] - origin, mesh.vertices[t[2]] - origin));
+    }
+    closeByCones(mesh, findOpenEdges(edges, result), origins, result);
+    for (auto& shell : result.shells) shell.signedVolume /= 6.0;
+}
+
+/// Orders shells by falling volume; the order of the triangles breaks ties.
+void sortByVolume(ShellAnalysis& result) {
     std::vector<std::uint32_t> order(result.shells.size());
     std::iota(order.begin(), order.end(), std::uint32_t{0});
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -276,10 +303,29 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
         sorted[k] = result.shells[order[k]];
     }
     result.shells = std::move(sorted);
-    for (auto& s : of) s = rank[s];
+    for (auto& s : result.shellOfTriangle) s = rank[s];
+}
 
+}  // namespace
+
+double ShellAnalysis::enclosedVolume() const {
+    double sum = 0;
+    for (const auto& shell : shells)
+        sum += (shell.depth % 2 == 0 ? 1.0 : -1.0) * std::fabs(shell.signedVolume);
+    return sum;
+}
+
+ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
+    ShellAnalysis result;
+    const auto origins = nameShells(mesh, joinPieces(mesh, edges), result);
+    measureVolumes(mesh, edges, origins, result);
+    sortByVolume(result);
     findNesting(mesh, result);
     return result;
+}
+
+ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
+    return analyzeShells(mesh, EdgeTable(mesh));
 }
 
 }  // namespace vdbpack

@@ -9,6 +9,8 @@
 
 namespace vdbpack {
 
+class EdgeTable;
+
 /// One connected piece of a mesh (triangles joined by shared edges).
 struct Shell {
     std::size_t triangles = 0;
@@ -18,15 +20,15 @@ struct Shell {
 };
 
 struct ShellAnalysis {
-    std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one a triangle
+    std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
     std::vector<Shell> shells;                   ///< by falling |signedVolume|
 
-    /// Volume enclosed, cavities taken off, whichever way the triangles face, mm³:
+    /// Volume enclosed without cavities, whichever way the triangles face, mm³:
     /// the sum of (-1)^depth |signedVolume|.
     double enclosedVolume() const;
 };
 
-/// Splits a mesh into its pieces and finds their nesting. `mesh` is welded (mesh_io.h). Duplicate
+/// Splits a mesh into its pieces and finds their nesting. `mesh` is welded (welding.h). Duplicate
 /// triangles may stay: where every edge has an even number of triangles, rays count right.
 ///
 /// Triangles at an edge shared by three or more are one piece; a piece that touches another in a
@@ -35,10 +37,12 @@ struct ShellAnalysis {
 /// that cut through each other, the smaller counts as enclosed if most of up to five of its
 /// triangles lie inside the larger.
 ///
-/// Cost: linear in the triangles, but for rays (along z) from five triangles of each piece.
-/// Volumes are taken about a point of their own piece and so keep their digits far from zero. The
-/// volume of an open piece is that of the piece with every hole closed by a cone to the middle of
-/// its edge (exact for plane holes), wherever the mesh lies.
+/// Cost: linear in the triangles, except for rays (along z) from five triangles of each piece.
+/// Volumes are computed about a point of their own piece and so keep their digits far from zero.
+/// The volume of an open piece is that of the piece with every hole closed by a cone to the middle
+/// of its edge (exact for plane holes), wherever the mesh lies.
 ShellAnalysis analyzeShells(const TriangleMesh& mesh);
+/// The same where the table of the mesh's edges exists already.
+ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges);
 
 }  // namespace vdbpack

@@ -18,7 +18,7 @@ namespace vdbpack {
 /// Cost: a few times the mesh's memory; a question passes the triangles over one small cell.
 class MeshSides {
 public:
-    /// @param clean  every edge joins two triangles. `mesh` is welded (mesh_io.h) and copied.
+    /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h) and copied.
     MeshSides(const TriangleMesh& mesh, bool clean);
 
     bool inside(const Vec<3>& x) const;

@@ -2,15 +2,14 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/io/delimited_text.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/pack/size_shape.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -21,22 +20,11 @@ namespace {
 
 std::vector<double> parseNumbers(const std::string& spec, std::string_view text,
                                  std::size_t expected, const char* form) {
-    std::vector<double> values;
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    while (at <= end) {
-        double value = 0;
-        const auto [next, failed] = std::from_chars(at, end, value);
-        if (failed != std::errc() || !std::isfinite(value) || (next != end && *next != ',')) break;
-        values.push_back(value);
-        if (next == end) {
-            if (values.size() == expected) return values;
-            break;
-        }
-        at = next + 1;
-    }
-    throw ParameterError(fmt::format(
-        "radius distribution '{}' is malformed; write it as {} (lengths in mm)", spec, form));
+    auto values = parseNumberList(text);
+    if (!values || values->size() != expected)
+        throw ParameterError(fmt::format(
+            "radius distribution '{}' is malformed; write it as {} (lengths in mm)", spec, form));
+    return std::move(*values);
 }
 
 void requireRange(const std::string& spec, double lo, double hi) {
@@ -50,54 +38,25 @@ void requireRange(const std::string& spec, double lo, double hi) {
             lo, hi));
 }
 
-/// Two numbers a line, separated by comma, semicolon, tab or blanks; a line of words at the top
-/// and lines that start with # are passed over.
+/// The rows of a table of two columns, which a line of words may precede.
 std::vector<std::pair<double, double>> readTable(const std::string& path, const char* columns) {
-    std::error_code ignored;
-    if (std::filesystem::is_directory(path, ignored))
-        throw IoError(path + ": is a folder; name a file");
-    if (std::filesystem::is_character_file(path, ignored) ||
-        std::filesystem::is_block_file(path, ignored))
-        throw IoError(path + ": is a device; give a file or a pipe");
-    std::ifstream file(path);
-    // A folder opens, but there is nothing to read in it.
-    if (!file || std::filesystem::is_directory(path))
-        throw IoError(path + ": cannot be read; check the name and its permissions");
+    constexpr std::size_t kMostRows = 1000000;
+    DelimitedText text(path);
     std::vector<std::pair<double, double>> rows;
-    const auto addRow = [&](std::string line, std::size_t number) {
-        for (char& ch : line)
-            if (ch == ',' || ch == ';' || ch == '\t') ch = ' ';
-        const auto first = line.find_first_not_of(' ');
-        if (first == std::string::npos || line[first] == '#') return;
-        double value[2];
-        const char* at = line.data() + first;
-        const char* const end = line.data() + line.size();
-        bool good = true;
-        for (double& v : value) {
-            while (at != end && *at == ' ') ++at;
-            const auto [next, failed] = std::from_chars(at, end, v);
-            good = good && failed == std::errc() && std::isfinite(v);
-            at = next;
-        }
-        if (good) {
+    Cells cells;
+    for (bool first = true; text.nextRow(cells); first = false) {
+        double value[2] = {0, 0};
+        bool good = cells.size() >= 2;
+        for (std::size_t i = 0; i < 2 && good; ++i)
+            good = parseNumber(cells[i], value[i]) && std::isfinite(value[i]);
+        if (good)
             rows.emplace_back(value[0], value[1]);
-        } else if (!rows.empty() || number > 1) {
-            throw InputError(
-                fmt::format("{}: line {}: '{}' is not two numbers; expected columns {}", path,
-                            number, line.substr(0, 60), columns));
-        }
-        if (rows.size() > 1000000)
+        else if (!first)
+            text.file().failAtLine(
+                fmt::format("'{}' is not two numbers; expected columns {}",
+                            fmt::format("{}", fmt::join(cells, " ")).substr(0, 60), columns));
+        if (rows.size() > kMostRows)
             throw InputError(path + ": more than a million rows; give a coarser table");
-    };
-    // Lines end in LF, CR LF or CR.
-    std::size_t number = 0;
-    for (std::string text; std::getline(file, text);) {
-        if (!text.empty() && text.back() == '\r') text.pop_back();
-        for (std::size_t begin = 0; begin <= text.size();) {
-            const std::size_t end = std::min(text.find('\r', begin), text.size());
-            addRow(text.substr(begin, end - begin), ++number);
-            begin = end + 1;
-        }
     }
     if (rows.empty())
         throw InputError(fmt::format("{}: no rows; expected columns {}", path, columns));

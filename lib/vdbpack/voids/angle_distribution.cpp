@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 

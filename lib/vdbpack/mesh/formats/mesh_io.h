@@ -46,8 +46,4 @@ struct MeshFileFacts {
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
                       MeshFileFacts* facts = nullptr);
 
-/// The mesh with vertices of identical coordinates merged and unused ones dropped, as `readMesh`
-/// leaves it. Coordinates must be finite and indices in range.
-TriangleMesh welded(TriangleMesh mesh, MeshFileFacts* facts = nullptr);
-
 }  // namespace vdbpack

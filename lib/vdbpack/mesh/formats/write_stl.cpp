@@ -1,8 +1,6 @@
 #include "vdbpack/mesh/formats/write_stl.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/formats/format_words.h"
-#include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/row_writer.h"
@@ -40,25 +38,18 @@ void writeStl(const TriangleMesh& mesh, const std::string& file, Unit unit,
         fmt::format("binary; {}{}; {}", kUnitComment, unitName(unit), oneLine(generator));
     header.resize(kHeader, ' ');
 
-    const bool swap = hostIsBigEndian();
-    const auto append = [swap](std::string& bytes, auto value) {
-        char raw[sizeof value];
-        std::memcpy(raw, &value, sizeof value);
-        if (swap) std::reverse(raw, raw + sizeof value);
-        bytes.append(raw, sizeof value);
-    };
-    append(header, static_cast<std::uint32_t>(mesh.triangles.size()));
+    appendLittleEndian(header, static_cast<std::uint32_t>(mesh.triangles.size()));
     OutputFile out(file);
     out.write(header);
     writeRows(out, mesh.triangles.size(), [&](std::string& bytes, std::size_t i) {
         const auto& t = mesh.triangles[i];
         const Vec<3>&a = mesh.vertices[t[0]], &b = mesh.vertices[t[1]], &c = mesh.vertices[t[2]];
         const Vec<3> normal = normalized(cross(b - a, c - a));
-        for (int d = 0; d < 3; ++d) append(bytes, static_cast<float>(normal[d]));
+        for (int d = 0; d < 3; ++d) appendLittleEndian(bytes, static_cast<float>(normal[d]));
         for (const Vec<3>* v : {&a, &b, &c})
             for (int d = 0; d < 3; ++d)
-                append(bytes, static_cast<float>(fromMillimeters((*v)[d], unit)));
-        append(bytes, std::uint16_t{0});
+                appendLittleEndian(bytes, static_cast<float>(fromMillimeters((*v)[d], unit)));
+        appendLittleEndian(bytes, std::uint16_t{0});
     });
     out.commit();
 }

@@ -64,7 +64,7 @@ struct RepairedMesh {
 /// The same mesh for any number of threads. Deterministic, so that a pack can be verified later
 /// against the file repaired again.
 ///
-/// @param mesh  welded (mesh_io.h), mm.
+/// @param mesh  welded (welding.h), mm.
 /// @throws InputError if nothing is inside. ParameterError for a negative voxel size. ResourceError
 /// if memory does not suffice, Interrupted once cancelled.
 RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options = {},

@@ -1,0 +1,64 @@
+// Vertices with identical coordinates made one.
+#pragma once
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// Gives each distinct point one index, in the order of the first occurrence. -0 equals 0.
+///
+/// Open addressing with linear probing, half full at most. A small table of recent points in front
+/// of it answers most queries without a cache miss, since the triangles of a file are mostly next
+/// to those before them (STL, 10M triangles: 2.6 s instead of 3.3 s).
+class Welder {
+public:
+    /// Index of the point, whose coordinates must be finite.
+    std::uint32_t add(const Vec<3>& point) {
+        const std::uint64_t h = hash(point);
+        std::uint32_t& recent = recent_[h % kRecent];
+        if (recent < vertices_.size() && vertices_[recent] == point) return recent;
+        return recent = find(point, h);
+    }
+    std::size_t size() const { return vertices_.size(); }
+    std::vector<Vec<3>> takeVertices() { return std::move(vertices_); }
+
+private:
+    static constexpr std::size_t kRecent = 8192;
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+    static std::uint64_t hash(const Vec<3>& point) {
+        std::uint64_t h = 0;
+        for (const double x : point.c) {
+            const double noSign = x + 0.0;  // -0 becomes 0
+            std::uint64_t bits = 0;
+            std::memcpy(&bits, &noSign, sizeof bits);
+            h = mix64(h ^ bits) + 0x9e3779b97f4a7c15ull;
+        }
+        return h;
+    }
+    std::uint32_t find(const Vec<3>& point, std::uint64_t h);
+    void grow();
+
+    std::vector<Vec<3>> vertices_;
+    std::vector<std::uint32_t> slots_;
+    std::vector<std::uint32_t> recent_ = std::vector<std::uint32_t>(kRecent, kNone);
+};
+
+struct WeldingCounts {
+    std::size_t merged = 0;  ///< vertices that had the coordinates of an earlier one
+    std::size_t unused = 0;  ///< vertices that no triangle names
+};
+
+/// The mesh with vertices of identical coordinates merged and unused ones dropped; the remaining
+/// ones keep their order. Coordinates must be finite and indices in range.
+TriangleMesh welded(TriangleMesh mesh, WeldingCounts* counts = nullptr);
+
+}  // namespace vdbpack
