@@ -5,7 +5,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/stamp.h"

@@ -6,7 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/run/outputs.h"
 

@@ -3,14 +3,13 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <memory>
 #include <string>
 
 namespace vdbpack {
-
-class VdbGrid;
 
 struct FieldOptions {
     /// Edge of a voxel, mm; 0: chosen by `defaultVoxelSize`.
@@ -49,30 +48,6 @@ public:
 /// @throws ParameterError for negative options, ResourceError if memory does not suffice.
 std::shared_ptr<const MeshDomain> meshDomain(TriangleMesh mesh, const FieldOptions& options,
                                              const Callbacks& callbacks = {});
-
-/// The zero contour of a level set read from a .vdb file, outward triangles, mm.
-/// @param gridName  may be empty: the first level set of the file.
-/// @param scale     mm in one unit of the file.
-/// @throws IoError if the file cannot be read, InputError if it has no such level set or one whose
-/// voxels are not cubes, ParameterError if `scale` is not positive.
-TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale);
-
-/// The same of a level set in mm, called `name` in messages.
-TriangleMesh levelSetMesh(const VdbGrid& grid, const std::string& name);
-
-/// Whether a .vdb file has a level set; false if it cannot be read.
-bool holdsLevelSet(const std::string& path);
-
-/// The level set itself, in mm. @throws as `levelSetMesh`.
-std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
-                                            double scale);
-
-/// The name of a level set's grid.
-std::string levelSetName(const VdbGrid& grid);
-/// Edge of a voxel of a level set, mm.
-double voxelSizeOf(const VdbGrid& grid);
-/// The box around the band of a level set, mm.
-Box<3> bandBounds(const VdbGrid& grid);
 
 /// The inside of a level set; its zero contour `mesh` (of `levelSetMesh`) is the wall. The level
 /// set itself is the field where its voxels have about the requested size and lie along x, y, z;

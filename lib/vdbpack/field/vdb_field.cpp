@@ -1,16 +1,14 @@
 #include "vdbpack/field/vdb_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/band_width.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/field/narrow_band.h"
-#include "vdbpack/field/surface_level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
-#include "vdbpack/field/widened.h"
 
 #include <fmt/format.h>
-#include <openvdb/tools/ChangeBackground.h>
 #include <openvdb/tools/Composite.h>
-#include <openvdb/tools/Prune.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -128,15 +126,6 @@ VdbField::VdbField(const VdbGrid& levelSet, double depth) : impl_(std::make_uniq
     impl_->depth = (std::max(band, insideVoxels) - 1) * h;
 }
 
-bool liesAlongAxes(const VdbGrid& levelSet) {
-    const openvdb::Mat4d m = levelSet.grid->transform().baseMap()->getAffineMap()->getMat4();
-    const double h = levelSet.grid->voxelSize()[0];
-    for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-            if (std::abs(m[i][j] - (i == j ? h : 0)) > 1e-9 * h) return false;
-    return true;
-}
-
 VdbField::~VdbField() = default;
 
 double VdbField::voxelSize() const {
@@ -164,19 +153,7 @@ std::shared_ptr<const VdbGrid> VdbField::surface() const {
     std::call_once(impl_->surfaceOnce, [&] {
         const double h = impl_->voxelSize;
         const auto background = static_cast<float>(kOutsideVoxels * h);
-        const FloatGrid::Ptr grid = impl_->grid->deepCopy();
-        openvdb::tree::LeafManager<FloatGrid::TreeType> leafs(grid->tree());
-        leafs.foreach ([&](Leaf& leaf, std::size_t) {
-            for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
-                const float value = leaf.getValue(i);
-                if (std::abs(value) < background)
-                    leaf.setValueOn(i, value);
-                else
-                    leaf.setValueOff(i, std::copysign(background, value));
-            }
-        });
-        openvdb::tools::changeLevelSetBackground(grid->tree(), background);
-        openvdb::tools::pruneLevelSet(grid->tree());
+        const FloatGrid::Ptr grid = narrowed(*impl_->grid, background);
         const auto transform = openvdb::math::Transform::createLinearTransform(h);
         const Vec<3>& o = impl_->origin;
         transform->postTranslate(openvdb::Vec3d(o[0], o[1], o[2]));

@@ -13,9 +13,6 @@ namespace vdbpack {
 
 class VdbGrid;
 
-/// Whether the indices of a level set count along x, y and z.
-bool liesAlongAxes(const VdbGrid& levelSet);
-
 /// Signed distances to a mesh near its wall: at least `depth` inside, three voxels outside.
 ///
 /// Distances are to the nearest triangle, without OpenVDB's smoothing of values (which makes them

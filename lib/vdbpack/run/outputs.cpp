@@ -2,7 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"

@@ -1,7 +1,7 @@
 #include "vdbpack/run/preview_stage.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/run/report_file.h"
 

@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/surface_level_set.h"
+#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/measure/attached.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
 #include "vdbpack/pack/largest_ball.h"

@@ -3,14 +3,11 @@
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/field/vdb_grid.h"
-#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/field/level_set.h"
+#include "vdbpack/field/level_set_builder.h"
 #include "vdbpack/voids/tile.h"
 
 #include <fmt/format.h>
-#include <openvdb/tools/ChangeBackground.h>
-#include <openvdb/tools/Prune.h>
-#include <openvdb/tree/LeafManager.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_for_each.h>
@@ -28,11 +25,7 @@ namespace vdbpack {
 
 namespace {
 
-using openvdb::Coord;
-using openvdb::FloatGrid;
-using Leaf = FloatGrid::TreeType::LeafNodeType;
-
-static_assert(Leaf::DIM == kTileSide);
+static_assert(LevelSetTile::kSide == kTileSide);
 
 constexpr double kBandVoxels = 3;
 /// Bytes of a leaf in a tree, of a void listed at a tile, and level sets made from one.
@@ -128,12 +121,11 @@ public:
         for (int d = 0; d < Dim; ++d) x[d] -= 0.5 * (kTileSide - 1) * h_;
         return x;
     }
-    /// The leaf's first voxel.
-    Coord coordOf(std::uint64_t tile) const {
+    VoxelIndex firstVoxelOf(std::uint64_t tile) const {
         const auto t = placeOf(tile);
-        Coord at(0);
+        VoxelIndex at{};
         for (std::size_t d = 0; d < Dim; ++d)
-            at[static_cast<int>(d)] = static_cast<int>((first_[d] + t[d]) * kTileSide);
+            at[d] = static_cast<int>((first_[d] + t[d]) * kTileSide);
         return at;
     }
 
@@ -266,22 +258,21 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
 
 /// What stamping made of one tile.
 struct Stamped {
-    std::unique_ptr<Leaf> leaf;  ///< null: uniform
-    bool inside = false;         ///< uniform and inside
-    std::uint32_t voxels = 0;    ///< with centers in the domain's core and in voids
+    LevelSetTile leaf;         ///< none: uniform
+    bool inside = false;       ///< uniform and inside
+    std::uint32_t voxels = 0;  ///< with centers in the domain's core and in voids
 };
 
 template <int Dim>
-std::unique_ptr<Leaf> makeLeaf(const Coord& at, const Tile<Dim>& tile, float outside) {
-    auto leaf = std::make_unique<Leaf>(at, outside, false);
+LevelSetTile makeLeaf(const VoxelIndex& at, const Tile<Dim>& tile, float outside) {
+    LevelSetTile leaf(at, outside);
     // 2D: the plane of the leaf's first voxels.
     constexpr std::size_t kStride = Dim == 3 ? 1 : kTileSide;
     std::bitset<kTileVoxels<Dim>> band;
-    tile.copyTo(leaf->buffer().data(), kStride, band);
-    Leaf::NodeMaskType active;
-    for (std::size_t i = 0; i < band.size(); ++i)
-        if (band[i]) active.setOn(static_cast<openvdb::Index>(i * kStride));
-    leaf->setValueMask(active);
+    tile.copyTo(leaf.values(), kStride, band);
+    std::bitset<LevelSetTile::kVoxels> active;
+    for (std::size_t i = 0; i < band.size(); ++i) active[i * kStride] = band[i];
+    leaf.setActive(active);
     return leaf;
 }
 
@@ -355,7 +346,7 @@ void requireMemory(double voids, double needed, double voxelSize) {
 
 template <int Dim>
 struct StampedVoids<Dim>::Impl {
-    FloatGrid::Ptr grid = FloatGrid::create();
+    std::shared_ptr<const VdbGrid> grid;
     Vec<Dim> origin;
     double voxelSize = 0;
     double volume = 0;
@@ -380,7 +371,7 @@ double StampedVoids<Dim>::volume() const {
 }
 template <int Dim>
 std::uint64_t StampedVoids<Dim>::activeVoxels() const {
-    return impl_->grid->activeVoxelCount();
+    return vdbpack::activeVoxels(*impl_->grid);
 }
 
 template <int Dim>
@@ -389,7 +380,6 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                                                     const StampOptions<Dim>& options,
                                                     const Callbacks& callbacks) {
     checkStamp(voids, options);
-    initializeOpenVdb();
     requireMemory(static_cast<double>(voids.size()), stampBytes(voids, domain, options),
                   options.voxelSize);
     auto stamped = std::make_shared<StampedVoids<Dim>>();
@@ -447,7 +437,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                 result.voxels = static_cast<std::uint32_t>(tile.countInside());
             if (tile.isOutside()) continue;
             result.inside = tile.isInside();
-            if (!result.inside) result.leaf = makeLeaf(lattice.coordOf(at), tile, outside);
+            if (!result.inside) result.leaf = makeLeaf(lattice.firstVoxelOf(at), tile, outside);
         }
     });
 
@@ -463,25 +453,19 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
         impl.starts.push_back(impl.ellipsoids.size());
     }
 
-    auto& tree = impl.grid->tree();
-    openvdb::tools::changeBackground(tree, outside);
+    LevelSetBuilder builder(inside, outside);
     std::uint64_t voxels = 0;
     for (std::size_t n = 0; n < tiles; ++n) {
         voxels += made[n].voxels;
         if (made[n].leaf)
-            tree.addLeaf(made[n].leaf.release());
+            builder.add(std::move(made[n].leaf));
         else if (made[n].inside)
-            tree.addTile(1, lattice.coordOf(entries[starts[n]].tile), -inside, false);
+            builder.addInside(lattice.firstVoxelOf(entries[starts[n]].tile), kTileSide);
     }
-    openvdb::tools::prune(tree);
+    Vec<3> origin;
+    if constexpr (Dim == 3) origin = options.origin;
+    impl.grid = builder.finish("voids", origin, h);
     impl.volume = static_cast<double>(voxels) * std::pow(h, Dim);
-    impl.grid->setName("voids");
-    impl.grid->setGridClass(openvdb::GRID_LEVEL_SET);
-    const auto transform = openvdb::math::Transform::createLinearTransform(h);
-    if constexpr (Dim == 3)
-        transform->postTranslate(
-            openvdb::Vec3d(options.origin[0], options.origin[1], options.origin[2]));
-    impl.grid->setTransform(transform);
     callbacks.report("voids", 1, static_cast<double>(voids.size()));
     return stamped;
 }
@@ -502,62 +486,14 @@ template <int Dim>
 std::shared_ptr<const VdbGrid> StampedVoids<Dim>::grid() const {
     static_assert(Dim == 2 || Dim == 3);
     if (Dim == 2) throw ParameterError("voids of a plane are no level set of space; write .svg");
-    if (impl_->outside <= impl_->inside) return std::make_shared<VdbGrid>(impl_->grid);
     // As wide outside as inside.
-    const auto band = static_cast<float>(impl_->inside);
-    const FloatGrid::Ptr grid = impl_->grid->deepCopy();
-    openvdb::tree::LeafManager<FloatGrid::TreeType> leafs(grid->tree());
-    leafs.foreach ([&](Leaf& leaf, std::size_t) {
-        for (openvdb::Index i = 0; i < Leaf::SIZE; ++i)
-            if (leaf.getValue(i) >= band) leaf.setValueOff(i, band);
-    });
-    openvdb::tools::changeLevelSetBackground(grid->tree(), band);
-    openvdb::tools::pruneLevelSet(grid->tree());
-    return std::make_shared<VdbGrid>(grid);
+    return impl_->outside <= impl_->inside ? impl_->grid : narrowed(*impl_->grid, impl_->inside);
 }
-
-template <int Dim>
-struct StampedVoids<Dim>::Sampler::Impl {
-    explicit Impl(const StampedVoids<Dim>::Impl& voids)
-        : accessor(voids.grid->getConstAccessor()),
-          origin(voids.origin),
-          inverse(1 / voids.voxelSize),
-          outside(voids.outside) {}
-    FloatGrid::ConstAccessor accessor;
-    Vec<Dim> origin;
-    double inverse, outside;
-};
 
 template <int Dim>
 StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
-    : impl_(std::make_unique<Impl>(*voids.impl_)) {}
-template <int Dim>
-StampedVoids<Dim>::Sampler::~Sampler() = default;
-
-template <int Dim>
-double StampedVoids<Dim>::Sampler::operator()(const Vec<Dim>& x) {
-    std::array<double, Dim> w;
-    Coord corner(0);
-    for (std::size_t d = 0; d < Dim; ++d) {
-        const double place = (x.c[d] - impl_->origin.c[d]) * impl_->inverse;
-        const double floor = std::floor(place);
-        if (!(std::fabs(floor) < 1e9)) return impl_->outside;
-        w[d] = place - floor;
-        corner[static_cast<int>(d)] = static_cast<int>(floor);
-    }
-    double sum = 0;
-    for (unsigned n = 0; n < (1u << Dim); ++n) {
-        Coord at = corner;
-        double share = 1;
-        for (unsigned d = 0; d < Dim; ++d) {
-            const bool upper = (n >> d & 1u) != 0;
-            if (upper) ++at[static_cast<int>(d)];
-            share *= upper ? w[d] : 1 - w[d];
-        }
-        sum += share * static_cast<double>(impl_->accessor.getValue(at));
-    }
-    return sum;
-}
+    : sample_(*voids.impl_->grid, voids.impl_->origin, voids.impl_->voxelSize,
+              voids.impl_->outside) {}
 
 template <int Dim>
 double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,

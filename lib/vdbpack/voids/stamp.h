@@ -4,6 +4,7 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/field/linear_sampler.h"
 
 #include <cstdint>
 #include <memory>
@@ -50,13 +51,11 @@ public:
     class Sampler {
     public:
         explicit Sampler(const StampedVoids& voids);
-        ~Sampler();
         /// Linear in each direction between the voxels, mm; clamped to the band.
-        double operator()(const Vec<Dim>& x);
+        double operator()(const Vec<Dim>& x) { return sample_(x); }
 
     private:
-        struct Impl;
-        std::unique_ptr<Impl> impl_;
+        LinearSampler<Dim> sample_;
     };
 
     struct Impl;
