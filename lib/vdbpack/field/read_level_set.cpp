@@ -1,16 +1,13 @@
 // Level sets read from .vdb files.
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/level_set.h"
-#include "vdbpack/field/vdb_check.h"
+#include "vdbpack/field/read_vdb.h"
 #include "vdbpack/field/vdb_grid.h"
 
 #include <fmt/format.h>
 #include <openvdb/tools/ChangeBackground.h>
 
 #include <cmath>
-#include <exception>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
@@ -81,54 +78,34 @@ bool isCheapToContour(const FloatGrid& grid) {
     return true;
 }
 
-/// Calls `use(grid)` with a level set that was read and looked over, `scale` checked.
-template <class Use>
-auto withLevelSet(const std::string& path, const std::string& gridName, double scale,
-                  const Use& use) {
-    if (!(scale > 0) || !std::isfinite(scale))
-        throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
-    checkVdbFile(path);
-    try {
-        const FloatGrid::Ptr grid = readLevelSet(path, gridName);
-        const openvdb::math::Transform& transform = grid->transform();
-        if (!transform.isLinear() || !transform.hasUniformScale())
+/// @throws InputError unless the level set can be contoured and sampled.
+void checkLevelSet(const std::string& path, const FloatGrid& grid) {
+    const openvdb::math::Transform& transform = grid.transform();
+    if (!transform.isLinear() || !transform.hasUniformScale())
+        throw InputError(fmt::format(
+            "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform", path,
+            grid.getName()));
+    if (grid.activeVoxelCount() == 0)
+        throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid", path,
+                                     grid.getName()));
+    if (!(grid.background() > 0))
+        throw InputError(
+            fmt::format("{}: level set '{}' has a background of {}, where it is the half-width of "
+                        "the band and so positive; write it again",
+                        path, grid.getName(), grid.background()));
+    if (!isCheapToContour(grid))
+        throw InputError(fmt::format(
+            "{}: the surface of level set '{}' runs between large active tiles, where it lies in "
+            "a narrow band of voxels; rebuild it as a level set",
+            path, grid.getName()));
+    // Contouring looks at inactive neighbors too.
+    for (auto value = grid.cbeginValueAll(); value; ++value)
+        if (!std::isfinite(*value))
             throw InputError(fmt::format(
-                "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform",
-                path, grid->getName()));
-        if (grid->activeVoxelCount() == 0)
-            throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid",
-                                         path, grid->getName()));
-        if (!(grid->background() > 0))
-            throw InputError(fmt::format(
-                "{}: level set '{}' has a background of {}, where it is the half-width of the "
-                "band and so positive; write it again",
-                path, grid->getName(), grid->background()));
-        if (!isCheapToContour(*grid))
-            throw InputError(fmt::format(
-                "{}: the surface of level set '{}' runs between large active tiles, where it lies "
-                "in a narrow band of voxels; rebuild it as a level set",
-                path, grid->getName()));
-        // Contouring looks at inactive neighbors too.
-        for (auto value = grid->cbeginValueAll(); value; ++value)
-            if (!std::isfinite(*value))
-                throw InputError(
-                    fmt::format("{}: level set '{}' has a value that is not finite at voxel ({}, "
-                                "{}, {}); write it again",
-                                path, grid->getName(), value.getCoord().x(), value.getCoord().y(),
-                                value.getCoord().z()));
-        return use(grid);
-    } catch (const openvdb::IoError& e) {
-        throw IoError(fmt::format("{}: {}; give a complete .vdb file", path, e.what()));
-    } catch (const openvdb::Exception& e) {
-        throw InputError(fmt::format("{}: {}; write the file again", path, e.what()));
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {
-        if (isShortage(e))
-            throw ResourceError(fmt::format("{}: not enough memory to read it", path));
-        throw IoError(
-            fmt::format("{}: cannot be read: {}; give a complete .vdb file", path, e.what()));
-    }
+                "{}: the value of level set '{}' at voxel ({}, {}, {}) is not finite; write it "
+                "again",
+                path, grid.getName(), value.getCoord().x(), value.getCoord().y(),
+                value.getCoord().z()));
 }
 
 }  // namespace
@@ -139,7 +116,7 @@ TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, 
 
 bool holdsLevelSet(const std::string& path) {
     try {
-        withLevelSet(path, "", 1, [](const FloatGrid::Ptr&) { return true; });
+        levelSetGrid(path, "", 1);
         return true;
     } catch (const Error&) {
         return false;
@@ -148,17 +125,20 @@ bool holdsLevelSet(const std::string& path) {
 
 std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
                                             double scale) {
-    return withLevelSet(path, gridName, scale, [&](const FloatGrid::Ptr& grid) {
+    if (!(scale > 0) || !std::isfinite(scale))
+        throw ParameterError(fmt::format("{}: scale {} must be positive", path, scale));
+    FloatGrid::Ptr grid;
+    readVdb(path, [&] {
+        grid = readLevelSet(path, gridName);
+        checkLevelSet(path, *grid);
         grid->transform().postScale(scale);
-        if (scale != 1) {
-            // Every value, in the band or not, is a distance.
-            for (auto value = grid->beginValueAll(); value; ++value)
-                value.setValue(*value * static_cast<float>(scale));
-            openvdb::tools::changeBackground(grid->tree(),
-                                             grid->background() * static_cast<float>(scale));
-        }
-        return std::shared_ptr<const VdbGrid>(std::make_shared<VdbGrid>(grid));
+        if (scale == 1) return;
+        // Every value, in the band or not, is a distance.
+        const auto mm = static_cast<float>(scale);
+        for (auto value = grid->beginValueAll(); value; ++value) value.setValue(*value * mm);
+        openvdb::tools::changeBackground(grid->tree(), grid->background() * mm);
     });
+    return std::make_shared<VdbGrid>(grid);
 }
 
 }  // namespace vdbpack

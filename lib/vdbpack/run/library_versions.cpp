@@ -1,9 +1,10 @@
 #include "vdbpack/run/library_versions.h"
 
+#include "vdbpack/field/vdb_init.h"
+
 #include <blosc.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <openvdb/version.h>
 #include <png.h>
 #include <tbb/version.h>
 #include <zlib.h>
@@ -16,7 +17,7 @@ namespace vdbpack {
 
 std::vector<std::pair<std::string, std::string>> libraryVersions() {
     return {
-        {"OpenVDB", OPENVDB_LIBRARY_VERSION_STRING},
+        {"OpenVDB", openVdbVersion()},
         {"TBB", TBB_runtime_version()},
         {"Blosc", BLOSC_VERSION_STRING},
         {"zlib", zlibVersion()},

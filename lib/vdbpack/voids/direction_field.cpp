@@ -1,6 +1,7 @@
 #include "vdbpack/voids/direction_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/tensor_grid.h"
 #include "vdbpack/io/number_table.h"
 #include "vdbpack/voids/tensor_field.h"
 
@@ -147,6 +148,24 @@ std::shared_ptr<const DirectionField> readTable(const std::string& file, double 
     return std::make_shared<TableField>(std::move(samples), covered(points, planar), planar);
 }
 
+/// A field on the voxels of a grid; beyond them, that of the nearest.
+class GridField : public DirectionField {
+public:
+    GridField(const std::string& file, double scale)
+        : grid_(file, scale), beyond_(grid_.samples()) {}
+
+    Box<3> bounds() const override { return grid_.bounds(); }
+
+    Vec<3> at(const Vec<3>& x) const override {
+        const auto tensor = grid_.at(x);
+        return tensor ? mainAxis(*tensor) : beyond_.mainAxisAt(x);
+    }
+
+private:
+    TensorGrid grid_;
+    PointTensors beyond_;
+};
+
 }  // namespace
 
 std::shared_ptr<const DirectionField> readDirectionField(const std::string& file, double scale) {
@@ -156,7 +175,7 @@ std::shared_ptr<const DirectionField> readDirectionField(const std::string& file
     std::string extension = dot == std::string::npos ? "" : file.substr(dot);
     for (char& c : extension)
         if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-    if (extension == ".vdb") return readVdbDirections(file, scale);
+    if (extension == ".vdb") return std::make_shared<GridField>(file, scale);
     if (extension == ".csv" || extension == ".tsv" || extension == ".txt")
         return readTable(file, scale);
     throw ParameterError(fmt::format(

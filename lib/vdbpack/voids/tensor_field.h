@@ -1,38 +1,22 @@
 // Private: interpolation of symmetric tensors at scattered points.
 #pragma once
 
+#include "vdbpack/core/tensor.h"
 #include "vdbpack/core/vec.h"
-#include "vdbpack/voids/direction_field.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
-#include <string>
 #include <vector>
 
 namespace vdbpack {
-
-/// Components xx, yy, zz, xy, yz, xz.
-using Tensor = std::array<double, 6>;
-
-/// u⊗u of the direction `u` scaled to length one; zero for zero.
-Tensor dyad(const Vec<3>& u);
-/// The eigenvector to the eigenvalue of largest magnitude, of length one.
-Vec<3> mainAxis(const Tensor& t);
-void addScaled(Tensor& sum, double weight, const Tensor& t);
-/// The largest magnitude of a component.
-double magnitude(const Tensor& t);
 
 /// Tensors at scattered points, in a k-d tree.
 class PointTensors {
 public:
     static constexpr std::size_t kNeighbors = 12;
 
-    struct Sample {
-        Vec<3> x;
-        Tensor tensor{};
-    };
+    using Sample = TensorSample;
     struct Near {
         double square = 0;  ///< of the distance, mm²
         std::uint32_t node = 0;
@@ -64,8 +48,5 @@ private:
     std::vector<Node> nodes_;
     std::vector<Tensor> tensors_;  ///< one a node
 };
-
-/// The field in a .vdb file, see `readDirectionField`.
-std::shared_ptr<const DirectionField> readVdbDirections(const std::string& file, double scale);
 
 }  // namespace vdbpack

@@ -1,18 +1,15 @@
-// Fields of directions in .vdb files.
+#include "vdbpack/field/tensor_grid.h"
+
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
-#include "vdbpack/field/vdb_check.h"
+#include "vdbpack/field/read_vdb.h"
 #include "vdbpack/field/vdb_grid.h"
-#include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <exception>
 #include <map>
-#include <new>
 #include <string_view>
 #include <utility>
 
@@ -21,8 +18,6 @@ namespace vdbpack {
 namespace {
 
 using openvdb::Coord;
-using openvdb::FloatGrid;
-using openvdb::Vec3SGrid;
 
 constexpr double kFarthest = 1e9;  ///< from the origin, mm
 
@@ -37,24 +32,69 @@ Vec<3> toVec(const openvdb::Vec3d& v) {
     return {{v[0], v[1], v[2]}};
 }
 
+/// A grid of single or double precision; all values are rounded to single precision. No grid of
+/// these types is constructed here, which spares compiling their virtual functions.
+template <class Single, class Double>
+class EitherGrid {
+public:
+    using Value = typename Single::ValueType;
+
+    static bool isOne(const openvdb::GridBase& grid) {
+        return grid.isType<Single>() || grid.isType<Double>();
+    }
+    explicit EitherGrid(const openvdb::GridBase::Ptr& grid)
+        : base_(grid),
+          single_(openvdb::gridPtrCast<Single>(grid)),
+          double_(openvdb::gridPtrCast<Double>(grid)) {}
+
+    const openvdb::GridBase& base() const { return *base_; }
+    /// @return whether the voxel is active.
+    bool probe(const Coord& voxel, Value& value) const {
+        if (single_) return single_->tree().probeValue(voxel, value);
+        typename Double::ValueType unrounded;
+        const bool isActive = double_->tree().probeValue(voxel, unrounded);
+        value = Value(unrounded);
+        return isActive;
+    }
+    /// Calls `visit(value, its box, whether it is a tile)` for all active values.
+    template <class Visit>
+    void forEachOn(const Visit& visit) const {
+        const auto visitAll = [&](const auto& grid) {
+            for (auto value = grid.cbeginValueOn(); value; ++value)
+                visit(Value(*value), value.getBoundingBox(), value.isTileValue());
+        };
+        if (single_)
+            visitAll(*single_);
+        else
+            visitAll(*double_);
+    }
+
+private:
+    openvdb::GridBase::Ptr base_;
+    typename Single::Ptr single_;  ///< one of the two
+    typename Double::Ptr double_;
+};
+using VectorGrid = EitherGrid<openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
+using ScalarGrid = EitherGrid<openvdb::FloatGrid, openvdb::DoubleGrid>;
+
 /// The grids of one field; all with the transform of the first.
 struct FieldGrids {
-    std::vector<Vec3SGrid::Ptr> vectors;  ///< directions; or diagonal, off-diagonal
-    std::vector<FloatGrid::Ptr> scalars;  ///< in the order of `Tensor`
+    std::vector<VectorGrid> vectors;  ///< directions; or diagonal, off-diagonal
+    std::vector<ScalarGrid> scalars;  ///< in the order of `Tensor`
 
     const openvdb::math::Transform& transform() const {
-        return scalars.empty() ? vectors[0]->transform() : scalars[0]->transform();
+        return scalars.empty() ? vectors[0].base().transform() : scalars[0].base().transform();
     }
-    /// Zero where the voxel tells nothing.
+    /// Zero where the voxel is inactive.
     Tensor at(const Coord& voxel) const {
         Tensor t{};
         for (std::size_t i = 0; i < scalars.size(); ++i) {
             float value = 0;
-            if (scalars[i]->tree().probeValue(voxel, value)) t[i] = static_cast<double>(value);
+            if (scalars[i].probe(voxel, value)) t[i] = static_cast<double>(value);
         }
         for (std::size_t i = 0; i < vectors.size(); ++i) {
             openvdb::Vec3s value;
-            if (!vectors[i]->tree().probeValue(voxel, value)) continue;
+            if (!vectors[i].probe(voxel, value)) continue;
             for (int d = 0; d < 3; ++d)
                 t[3 * i + static_cast<std::size_t>(d)] = static_cast<double>(value[d]);
         }
@@ -62,97 +102,35 @@ struct FieldGrids {
     }
 };
 
-class VdbField : public DirectionField {
-public:
-    VdbField(FieldGrids grids, const openvdb::CoordBBox& voxels, PointTensors beyond, double scale)
-        : grids_(std::move(grids)), beyond_(std::move(beyond)), scale_(scale) {
-        openvdb::BBoxd box(voxels.min().asVec3d(), voxels.max().asVec3d());
-        box.expand(1.0);
-        const auto world = grids_.transform().indexToWorld(box);
-        bounds_ = {toVec(world.min()) * scale_, toVec(world.max()) * scale_};
-    }
-
-    Box<3> bounds() const override { return bounds_; }
-
-    Vec<3> at(const Vec<3>& x) const override {
-        const openvdb::Vec3d p =
-            grids_.transform().worldToIndex(openvdb::Vec3d(x[0], x[1], x[2]) / scale_);
-        // Far away voxels have no number.
-        if (!(p.length() < 1e9)) return beyond_.mainAxisAt(x);
-        const Coord low = Coord::floor(p);
-        Tensor sum{};
-        double size = 0;
-        for (int corner = 0; corner < 8; ++corner) {
-            double weight = 1;
-            Coord voxel = low;
-            for (int d = 0; d < 3; ++d) {
-                const int up = corner >> d & 1;
-                const double t = p[d] - low[d];
-                weight *= up ? t : 1 - t;
-                voxel[d] += up;
-            }
-            if (!(weight > 0)) continue;
-            const Tensor t = grids_.at(voxel);
-            addScaled(sum, weight, t);
-            size += weight * magnitude(t);
-        }
-        return magnitude(sum) > 1e-12 * size ? mainAxis(sum) : beyond_.mainAxisAt(x);
-    }
-
-private:
-    FieldGrids grids_;
-    PointTensors beyond_;
-    double scale_;
-    Box<3> bounds_;
-};
-
 /// Adds to `voxels` all that are not zero, and to `chosen` the first and the last of them in each
-/// leaf, which stand for the others from afar.
+/// leaf, which represent the others from afar.
 /// @throws InputError if a value is not finite.
-template <class GridType>
-void survey(const std::string& file, const GridType& grid, openvdb::CoordBBox& voxels,
+template <class Grid>
+void survey(const std::string& file, const Grid& grid, openvdb::CoordBBox& voxels,
             std::vector<Coord>& chosen) {
-    const auto zero = openvdb::zeroVal<typename GridType::ValueType>();
+    const auto zero = openvdb::zeroVal<typename Grid::Value>();
+    constexpr int kLeafSide = 8;
     Coord leaf = Coord::max();
-    for (auto value = grid.cbeginValueOn(); value; ++value) {
-        const Coord at = value.getCoord();
-        if (!isFiniteValue(*value))
+    grid.forEachOn([&](const auto& value, const openvdb::CoordBBox& box, bool isTile) {
+        const Coord at = box.min();
+        if (!isFiniteValue(value))
             throw InputError(fmt::format(
-                "{}: grid '{}' holds a value that is not finite at voxel ({}, {}, {}); write it "
-                "again",
-                file, grid.getName(), at.x(), at.y(), at.z()));
-        if (*value == zero) continue;
-        const auto box = value.getBoundingBox();
+                "{}: the value of grid '{}' at voxel ({}, {}, {}) is not finite; write it again",
+                file, grid.base().getName(), at.x(), at.y(), at.z()));
+        if (value == zero) return;
         voxels.expand(box);
-        if (value.isTileValue()) {
+        if (isTile) {
             for (int corner = 0; corner < 8; ++corner)
                 chosen.emplace_back(corner & 1 ? box.max().x() : box.min().x(),
                                     corner & 2 ? box.max().y() : box.min().y(),
                                     corner & 4 ? box.max().z() : box.min().z());
-            continue;
+            return;
         }
-        const Coord origin = at & ~(GridType::TreeType::LeafNodeType::DIM - 1);
+        const Coord origin = at & ~(kLeafSide - 1);
         if (origin != leaf) chosen.insert(chosen.end(), 2, at);
         leaf = origin;
         chosen.back() = at;
-    }
-}
-
-/// A grid of floats, from doubles where there are such.
-template <class Single, class Double>
-typename Single::Ptr readAs(openvdb::io::File& file, const std::string& name) {
-    const auto grid = file.readGrid(name);
-    if (!grid->isType<Double>()) return openvdb::gridPtrCast<Single>(grid);
-    // OpenVDB converts numbers by itself, but not vectors. The same topology is walked alike.
-    const auto from = openvdb::gridPtrCast<Double>(grid);
-    const auto to = Single::create(std::make_shared<typename Single::TreeType>(
-        from->tree(), openvdb::zeroVal<typename Single::ValueType>(), openvdb::TopologyCopy()));
-    to->setName(name);
-    to->setTransform(from->transformPtr());
-    auto target = to->beginValueOn();
-    for (auto source = from->cbeginValueOn(); source; ++source, ++target)
-        target.setValue(typename Single::ValueType(*source));
-    return to;
+    });
 }
 
 /// The component that the end of a grid's name stands for, of six; the rest is cut off it.
@@ -203,10 +181,10 @@ FieldNames fieldNames(openvdb::io::File& file) {
         fields.all +=
             fmt::format("{}'{}' ({})", fields.all.empty() ? "" : ", ", name, header->valueType());
         std::string stem = name;
-        if (header->isType<FloatGrid>() || header->isType<openvdb::DoubleGrid>()) {
+        if (ScalarGrid::isOne(*header)) {
             const int component = cutComponent(stem);
             if (component >= 0) fields.sixes[stem][static_cast<std::size_t>(component)] = name;
-        } else if (header->isType<Vec3SGrid>() || header->isType<openvdb::Vec3DGrid>()) {
+        } else if (VectorGrid::isOne(*header)) {
             if (cutEnd(stem, "offdiagonal"))
                 fields.pairs[stem][1] = name;
             else if (cutEnd(stem, "diagonal"))
@@ -223,10 +201,10 @@ FieldNames fieldNames(openvdb::io::File& file) {
 template <class Grids>
 void requireOneTransform(const std::string& file, const Grids& grids) {
     for (const auto& grid : grids)
-        if (grid->transform() != grids[0]->transform())
+        if (grid.base().transform() != grids[0].base().transform())
             throw InputError(fmt::format(
                 "{}: grids '{}' and '{}' have different transforms; resample them to one", file,
-                grids[0]->getName(), grid->getName()));
+                grids[0].base().getName(), grid.base().getName()));
 }
 
 FieldGrids readGrids(const std::string& path) {
@@ -244,28 +222,38 @@ FieldGrids readGrids(const std::string& path) {
             names.all.empty() ? "none" : names.all));
     FieldGrids grids;
     const auto readVectors = [&](const std::string& name) {
-        grids.vectors.push_back(readAs<Vec3SGrid, openvdb::Vec3DGrid>(file, name));
+        grids.vectors.push_back(VectorGrid(file.readGrid(name)));
     };
     for (const auto& name : names.directions) readVectors(name);
     for (const auto& pair : names.pairs)
         for (const auto& name : pair.second) readVectors(name);
     for (const auto& six : names.sixes)
         for (const auto& name : six.second)
-            grids.scalars.push_back(readAs<FloatGrid, openvdb::DoubleGrid>(file, name));
+            grids.scalars.push_back(ScalarGrid(file.readGrid(name)));
     requireOneTransform(path, grids.vectors);
     requireOneTransform(path, grids.scalars);
     return grids;
 }
 
-std::shared_ptr<const DirectionField> makeField(const std::string& file, double scale) {
-    FieldGrids grids = readGrids(file);
+}  // namespace
+
+struct TensorGrid::Impl {
+    FieldGrids grids;
+    double scale = 1;
+    Box<3> bounds;
+    std::vector<TensorSample> samples;
+
+    void read(const std::string& file);
+};
+
+void TensorGrid::Impl::read(const std::string& file) {
+    grids = readGrids(file);
     openvdb::CoordBBox voxels;
     std::vector<Coord> chosen;
-    for (const auto& grid : grids.vectors) survey(file, *grid, voxels, chosen);
-    for (const auto& grid : grids.scalars) survey(file, *grid, voxels, chosen);
+    for (const auto& grid : grids.vectors) survey(file, grid, voxels, chosen);
+    for (const auto& grid : grids.scalars) survey(file, grid, voxels, chosen);
     if (chosen.empty())
-        throw InputError(file + ": no active voxel tells a direction; write the field again");
-    std::vector<PointTensors::Sample> samples;
+        throw InputError(file + ": no active voxel has a direction; write the field again");
     samples.reserve(chosen.size());
     for (const Coord& voxel : chosen) {
         samples.push_back({toVec(grids.transform().indexToWorld(voxel)) * scale, grids.at(voxel)});
@@ -277,28 +265,51 @@ std::shared_ptr<const DirectionField> makeField(const std::string& file, double 
                             "the transform",
                             file, voxel.x(), voxel.y(), voxel.z()));
     }
-    return std::make_shared<VdbField>(std::move(grids), voxels, PointTensors(std::move(samples)),
-                                      scale);
+    openvdb::BBoxd box(voxels.min().asVec3d(), voxels.max().asVec3d());
+    box.expand(1.0);
+    const auto world = grids.transform().indexToWorld(box);
+    bounds = {toVec(world.min()) * scale, toVec(world.max()) * scale};
 }
 
-}  // namespace
+TensorGrid::TensorGrid(const std::string& file, double scale) : impl_(std::make_unique<Impl>()) {
+    impl_->scale = scale;
+    readVdb(file, [&] { impl_->read(file); });
+}
 
-std::shared_ptr<const DirectionField> readVdbDirections(const std::string& file, double scale) {
-    checkVdbFile(file);
-    try {
-        return makeField(file, scale);
-    } catch (const openvdb::IoError& e) {
-        throw IoError(fmt::format("{}: {}; give a complete .vdb file", file, e.what()));
-    } catch (const openvdb::Exception& e) {
-        throw InputError(fmt::format("{}: {}; write the file again", file, e.what()));
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {
-        if (isShortage(e))
-            throw ResourceError(fmt::format("{}: not enough memory to read it", file));
-        throw IoError(
-            fmt::format("{}: cannot be read: {}; give a complete .vdb file", file, e.what()));
+TensorGrid::~TensorGrid() = default;
+
+const Box<3>& TensorGrid::bounds() const {
+    return impl_->bounds;
+}
+
+const std::vector<TensorSample>& TensorGrid::samples() const {
+    return impl_->samples;
+}
+
+std::optional<Tensor> TensorGrid::at(const Vec<3>& x) const {
+    const openvdb::Vec3d p =
+        impl_->grids.transform().worldToIndex(openvdb::Vec3d(x[0], x[1], x[2]) / impl_->scale);
+    // Far away voxels have no number.
+    if (!(p.length() < 1e9)) return {};
+    const Coord low = Coord::floor(p);
+    Tensor sum{};
+    double size = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        double weight = 1;
+        Coord voxel = low;
+        for (int d = 0; d < 3; ++d) {
+            const int up = corner >> d & 1;
+            const double t = p[d] - low[d];
+            weight *= up ? t : 1 - t;
+            voxel[d] += up;
+        }
+        if (!(weight > 0)) continue;
+        const Tensor t = impl_->grids.at(voxel);
+        addScaled(sum, weight, t);
+        size += weight * magnitude(t);
     }
+    if (!(magnitude(sum) > 1e-12 * size)) return {};
+    return sum;
 }
 
 }  // namespace vdbpack

@@ -4,8 +4,8 @@
 #include "voids/turning.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/tensor.h"
 #include "vdbpack/voids/direction_field.h"
-#include "vdbpack/voids/tensor_field.h"
 
 #include <catch2/catch.hpp>
 #include <openvdb/openvdb.h>
@@ -167,7 +167,7 @@ TEST_CASE("a tensor is read from a pair of vector grids and from six scalar ones
         grids.push_back(zeros->deepCopyGrid());
         grids.back()->setName(name);
     }
-    CHECK_THAT(VdbFile(grids).failure(), Contains("no active voxel tells a direction"));
+    CHECK_THAT(VdbFile(grids).failure(), Contains("no active voxel has a direction"));
     grids.back()->setTransform(turnedTransform(1));
     CHECK_THAT(VdbFile(grids).failure(), Contains("'xx' and 'xz' have different transforms"));
     grids.pop_back();
@@ -231,9 +231,9 @@ TEST_CASE("a .vdb file without one field of directions is refused", "[voids]") {
         return openvdb::Vec3s(1, 0, std::numeric_limits<float>::quiet_NaN());
     });
     CHECK_THAT(VdbFile({broken}).failure(),
-               Contains("grid 'direction' holds a value that is not finite at voxel (0, 0, 0)"));
+               Contains("grid 'direction' at voxel (0, 0, 0) is not finite"));
     CHECK_THAT(VdbFile({openvdb::Vec3SGrid::create()}).failure(),
-               Contains("no active voxel tells a direction"));
+               Contains("no active voxel has a direction"));
     const TextFile text("x,y,z\n", "field.vdb");
     CHECK_THROWS_AS(readDirectionField(text.path()), InputError);
     CHECK_THROWS_AS(readDirectionField("/nowhere/field.vdb"), IoError);
