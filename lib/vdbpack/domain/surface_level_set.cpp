@@ -22,10 +22,6 @@ constexpr double kBandVoxels = 3;
 constexpr int kBlock = LevelSetBuilder::kLargeSide;  ///< voxels along a cube looked at first
 constexpr int kTile = LevelSetTile::kSide;
 
-VoxelIndex offsetBy(const VoxelIndex& v, int i, int j, int k) {
-    return {v[0] + i, v[1] + j, v[2] + k};
-}
-
 /// Distances to the wall of a domain on the lattice of its level set; one per thread.
 class LatticeSampler {
 public:

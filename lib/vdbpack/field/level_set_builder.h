@@ -2,8 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/vec.h"
+#include "vdbpack/field/lattice_edge.h"
 
-#include <array>
 #include <bitset>
 #include <cstddef>
 #include <memory>
@@ -12,9 +12,6 @@
 namespace vdbpack {
 
 class VdbGrid;
-
-/// Indices of a voxel.
-using VoxelIndex = std::array<int, 3>;
 
 /// The values of one tile: a leaf of OpenVDB's tree, filled in place.
 class LevelSetTile {
