@@ -218,10 +218,10 @@ TEMPLATE_TEST_CASE_SIG("voids that touch no voxel, or lie outside, measure nothi
     CHECK_THAT(refuse(lost, options), Contains("center finite"));
     auto bad = options;
     bad.voxelSize = 0;
-    CHECK_THAT(refuse(far, bad), Contains("--void-voxel 0 mm must be positive"));
+    CHECK_THAT(refuse(far, bad), Contains("`voids.voxelSize` 0 mm"));
     bad = options;
     bad.shell = -1;
-    CHECK_THAT(refuse(far, bad), Contains("--shell -1 mm"));
+    CHECK_THAT(refuse(far, bad), Contains("`voids.shell` -1 mm"));
     bad = options;
     bad.voxelSize = 1e-9;
     CHECK_THROWS_AS(stampVoids<Dim>({far}, *domain, bad), ResourceError);

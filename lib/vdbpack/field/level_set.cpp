@@ -49,7 +49,7 @@ TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
     }
     if (mesh.triangles.empty())
         throw InputError(
-            fmt::format("{}: level set '{}' has no zero contour; name another grid with --grid",
+            fmt::format("{}: level set '{}' has no zero contour; name another grid with `gridName`",
                         name, grid->getName()));
     return mesh;
 }

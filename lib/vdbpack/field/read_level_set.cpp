@@ -34,16 +34,17 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
         if (isFloat && isLevelSet) {
             chosen = name;
         } else if (!gridName.empty()) {
-            throw InputError(fmt::format(
-                "{}: grid '{}' is no level set of floats (type {}, class {}); name one with --grid",
-                path, name, header->type(),
-                openvdb::GridBase::gridClassToString(header->getGridClass())));
+            throw InputError(
+                fmt::format("{}: grid '{}' is no level set of floats (type {}, class {}); name one "
+                            "with `gridName`",
+                            path, name, header->type(),
+                            openvdb::GridBase::gridClassToString(header->getGridClass())));
         }
     }
     if (!chosen)
         throw InputError(fmt::format(
             "{}: no level set {}; the grids in it are: {}; name one "
-            "with --grid",
+            "with `gridName`",
             path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
             names.empty() ? "none" : names));
     const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
@@ -86,8 +87,8 @@ void checkLevelSet(const std::string& path, const FloatGrid& grid) {
             "{}: the voxels of '{}' are not cubes; resample it to a uniform linear transform", path,
             grid.getName()));
     if (grid.activeVoxelCount() == 0)
-        throw InputError(fmt::format("{}: level set '{}' is empty; name another with --grid", path,
-                                     grid.getName()));
+        throw InputError(fmt::format("{}: level set '{}' is empty; name another with `gridName`",
+                                     path, grid.getName()));
     if (!(grid.background() > 0))
         throw InputError(
             fmt::format("{}: level set '{}' has a background of {}, where it is the half-width of "

@@ -254,7 +254,7 @@ Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool 
         solid.grid = std::make_shared<VdbGrid>(grid);
         return solid;
     } catch (const std::bad_alloc&) {
-        throw ResourceError("not enough memory to cut the voids; give a larger --void-voxel");
+        throw ResourceError("not enough memory to cut the voids; give a larger `voids.voxelSize`");
     }
 }
 

@@ -97,7 +97,7 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
     } catch (const std::bad_alloc&) {
         throw ResourceError(
             fmt::format("not enough memory for a field of voxels of {:.4g} mm; give a larger "
-                        "--voxel",
+                        "`voxelSize`",
                         voxelSize));
     }
 }
@@ -121,7 +121,8 @@ VdbField::VdbField(const VdbGrid& levelSet, double depth) : impl_(std::make_uniq
                           : widened(*grid, static_cast<int>(std::ceil(insideVoxels - band)));
     } catch (const std::bad_alloc&) {
         throw ResourceError(fmt::format(
-            "not enough memory for a level set of voxels of {:.4g} mm; give a larger --voxel", h));
+            "not enough memory for a level set of voxels of {:.4g} mm; give a larger `voxelSize`",
+            h));
     }
     impl_->depth = (std::max(band, insideVoxels) - 1) * h;
 }

@@ -9,6 +9,7 @@
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
+#include "vdbpack/voids/stamp_memory.h"
 #include "vdbpack/voids/thinning.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"

@@ -2,10 +2,11 @@
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
+#include "vdbpack/voids/stamp_memory.h"
 #include "vdbpack/voids/tile.h"
+#include "vdbpack/voids/tile_lattice.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -16,8 +17,6 @@
 #include <atomic>
 #include <bitset>
 #include <cmath>
-#include <fstream>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -27,13 +26,8 @@ namespace {
 
 static_assert(LevelSetTile::kSide == kTileSide);
 
-constexpr double kBandVoxels = 3;
-/// Bytes of a leaf in a tree, of a void listed at a tile, and level sets made from one.
-constexpr double kBytesPerLeaf = 2300, kBytesPerEntry = 24, kLevelSets = 4;
 /// Voids at tiles that are sorted together, on average.
 constexpr std::size_t kEntriesPerPart = 64;
-/// Tiles along each axis that fit a key.
-constexpr std::int64_t kMostTiles = std::int64_t{1} << 21;
 
 /// A void at a tile it reaches: sorted by tile, then the nearest first, since it spares the others.
 struct Entry {
@@ -45,122 +39,6 @@ struct Entry {
         if (a.tile != b.tile) return a.tile < b.tile;
         return a.lower != b.lower ? a.lower < b.lower : a.ellipsoid < b.ellipsoid;
     }
-};
-
-/// The tiles that cover a domain.
-template <int Dim>
-class TileLattice {
-public:
-    TileLattice(const Box<Dim>& bounds, const StampOptions<Dim>& options)
-        : h_(options.voxelSize), origin_(options.origin) {
-        const double margin = 2 * kBandVoxels * h_;
-        for (int d = 0; d < Dim; ++d) {
-            const auto at = static_cast<std::size_t>(d);
-            const double lo = tileOf(bounds.lo[d] - margin, d);
-            const double hi = tileOf(bounds.hi[d] + margin, d);
-            if (!(hi - lo < static_cast<double>(kMostTiles) &&
-                  std::max(std::fabs(lo), std::fabs(hi)) < 1e8))
-                throw ResourceError(fmt::format(
-                    "voxels of {:.4g} mm would take {:.3g} tiles of eight along a domain of {:.4g} "
-                    "mm; give a larger --void-voxel",
-                    h_, hi - lo, bounds.hi[d] - bounds.lo[d]));
-            first_[at] = static_cast<std::int64_t>(lo);
-            count_[at] = static_cast<std::int64_t>(hi - lo) + 1;
-        }
-    }
-
-    /// From the middle of a tile to its farthest voxel center, mm.
-    double radius() const { return 0.5 * (kTileSide - 1) * h_ * std::sqrt(double{Dim}); }
-    double tiles() const {
-        double n = 1;
-        for (std::size_t d = 0; d < Dim; ++d) n *= static_cast<double>(count_[d]);
-        return n;
-    }
-    /// Which of `parts` parts of the lattice a tile lies in; rises with the tile.
-    std::size_t partOf(std::uint64_t tile, std::size_t parts) const {
-        const auto t = placeOf(tile);
-        double n = 0;
-        for (std::size_t d = 0; d < Dim; ++d)
-            n = n * static_cast<double>(count_[d]) + static_cast<double>(t[d]);
-        return static_cast<std::size_t>(n / tiles() * static_cast<double>(parts));
-    }
-    /// Calls `visit(tile, its middle)` for the tiles that meet a box.
-    template <class Visit>
-    void forEach(const Box<Dim>& box, const Visit& visit) const {
-        std::array<std::int64_t, 3> lo{}, hi{};
-        for (int d = 0; d < Dim; ++d) {
-            const auto at = static_cast<std::size_t>(d);
-            const double last = static_cast<double>(count_[at] - 1);
-            const auto place = [&](double x) {
-                return static_cast<std::int64_t>(
-                    std::clamp(tileOf(x, d) - static_cast<double>(first_[at]), -1.0, last + 1));
-            };
-            lo[at] = std::max<std::int64_t>(place(box.lo[d]), 0);
-            hi[at] = std::min(place(box.hi[d]), count_[at] - 1);
-        }
-        std::array<std::int64_t, 3> t{};
-        for (t[0] = lo[0]; t[0] <= hi[0]; ++t[0])
-            for (t[1] = lo[1]; t[1] <= hi[1]; ++t[1])
-                for (t[2] = lo[2]; t[2] <= hi[2]; ++t[2]) visit(key(t), middle(t));
-    }
-    /// The tile that holds a point; false if none does.
-    bool find(const Vec<Dim>& x, std::uint64_t& tile) const {
-        std::array<std::int64_t, 3> t{};
-        for (int d = 0; d < Dim; ++d) {
-            const auto at = static_cast<std::size_t>(d);
-            const double place = tileOf(x[d], d) - static_cast<double>(first_[at]);
-            if (!(place >= 0 && place < static_cast<double>(count_[at]))) return false;
-            t[at] = static_cast<std::int64_t>(place);
-        }
-        tile = key(t);
-        return true;
-    }
-    Vec<Dim> middleOf(std::uint64_t tile) const { return middle(placeOf(tile)); }
-    Vec<Dim> firstCenterOf(std::uint64_t tile) const {
-        Vec<Dim> x = middleOf(tile);
-        for (int d = 0; d < Dim; ++d) x[d] -= 0.5 * (kTileSide - 1) * h_;
-        return x;
-    }
-    VoxelIndex firstVoxelOf(std::uint64_t tile) const {
-        const auto t = placeOf(tile);
-        VoxelIndex at{};
-        for (std::size_t d = 0; d < Dim; ++d)
-            at[d] = static_cast<int>((first_[d] + t[d]) * kTileSide);
-        return at;
-    }
-
-private:
-    double tileOf(double x, int d) const {
-        return std::floor(((x - origin_[d]) / h_ + 0.5) / kTileSide);
-    }
-    std::uint64_t key(const std::array<std::int64_t, 3>& t) const {
-        std::uint64_t k = 0;
-        for (std::size_t d = 0; d < Dim; ++d)
-            k = k * static_cast<std::uint64_t>(kMostTiles) + static_cast<std::uint64_t>(t[d]);
-        return k;
-    }
-    std::array<std::int64_t, 3> placeOf(std::uint64_t tile) const {
-        std::array<std::int64_t, 3> t{};
-        for (std::size_t d = Dim; d-- > 0;) {
-            t[d] = static_cast<std::int64_t>(tile % static_cast<std::uint64_t>(kMostTiles));
-            tile /= static_cast<std::uint64_t>(kMostTiles);
-        }
-        return t;
-    }
-    Vec<Dim> middle(const std::array<std::int64_t, 3>& t) const {
-        Vec<Dim> x;
-        for (int d = 0; d < Dim; ++d) {
-            const auto at = static_cast<std::size_t>(d);
-            x[d] = origin_[d] +
-                   (static_cast<double>((first_[at] + t[at]) * kTileSide) + 0.5 * (kTileSide - 1)) *
-                       h_;
-        }
-        return x;
-    }
-
-    double h_;
-    Vec<Dim> origin_;
-    std::array<std::int64_t, 3> first_{}, count_{};
 };
 
 /// How far below the domain's wall points lie, as far as it matters to voids.
@@ -195,7 +73,7 @@ public:
         if (!(shell_ > 0 && error_ > 0 && toVoid < h_)) return outside;
         WallPoint<Dim> wall;
         if (field <= deepest_) {
-            const double reach = shell_ + kBandVoxels * h_;
+            const double reach = shell_ + kStampBand * h_;
             return shell_ - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
         }
         if (std::fabs(outside) < error_ && field < 0 &&
@@ -294,9 +172,10 @@ std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
 template <int Dim>
 void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim>& options) {
     if (!(options.voxelSize > 0 && std::isfinite(options.voxelSize)))
-        throw ParameterError(fmt::format("--void-voxel {} mm must be positive", options.voxelSize));
+        throw ParameterError(
+            fmt::format("`voids.voxelSize` {} mm must be positive", options.voxelSize));
     if (!(options.shell >= 0 && std::isfinite(options.shell)))
-        throw ParameterError(fmt::format("--shell {} mm must be 0 or more", options.shell));
+        throw ParameterError(fmt::format("`voids.shell` {} mm must be 0 or more", options.shell));
     for (std::size_t i = 0; i < voids.size(); ++i) {
         const auto& e = voids[i];
         if (!(e.a > 0 && e.b > 0 && std::isfinite(e.a) && std::isfinite(e.b)) ||
@@ -307,39 +186,6 @@ void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim
                 i, e.a, e.b));
     }
     indexable(voids.size(), "voids", "give fewer or larger ones");
-}
-
-/// Tiles that the box of a void meets.
-template <int Dim>
-double entriesOf(const Ellipsoid<Dim>& e, const Box<Dim>& within, double reach, double side) {
-    const Box<Dim> box = intersection(e.bounds().grown(reach), within);
-    if (box.empty()) return 0;
-    double tiles = 1;
-    for (int d = 0; d < Dim; ++d) tiles *= box.size()[d] / side + 1;
-    return tiles;
-}
-
-/// @param entries(within, reach, side)  voids listed at tiles, all together.
-template <int Dim, class Entries>
-double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
-                const Entries& entriesIn) {
-    const double side = kTileSide * options.voxelSize, tile = std::pow(side, Dim);
-    const double reach = std::max(kBandVoxels * options.voxelSize, options.reach);
-    const double entries = entriesIn(domain.bounds().grown(reach), reach, side);
-    // No more leaves than the domain has.
-    const double leaves =
-        std::min(entries, domain.volume() / tile + 2 * domain.wallArea() * side / tile + 27);
-    return entries * kBytesPerEntry + leaves * kBytesPerLeaf * kLevelSets;
-}
-
-void requireMemory(double voids, double needed, double voxelSize) {
-    const double there = availableMemory();
-    if (!(needed > there)) return;
-    throw ResourceError(
-        fmt::format("{:.0f} voids in voxels of {:.4g} mm would take up to {:.3g} GB of memory, and "
-                    "{:.3g} GB are "
-                    "there; give a larger --void-voxel, or --clip the domain",
-                    voids, voxelSize, needed * 1e-9, there * 1e-9));
 }
 
 }  // namespace
@@ -380,18 +226,17 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                                                     const StampOptions<Dim>& options,
                                                     const Callbacks& callbacks) {
     checkStamp(voids, options);
-    requireMemory(static_cast<double>(voids.size()), stampBytes(voids, domain, options),
-                  options.voxelSize);
+    requireStampMemory(voids, domain, options);
     auto stamped = std::make_shared<StampedVoids<Dim>>();
     auto& impl = *stamped->impl_;
     const double h = options.voxelSize;
     impl.voxelSize = h;
     impl.origin = options.origin;
-    impl.inside = kBandVoxels * h;
-    impl.outside = std::max(kBandVoxels * h, options.reach);
+    impl.inside = kStampBand * h;
+    impl.outside = std::max(kStampBand * h, options.reach);
     const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
 
-    const TileLattice<Dim> lattice(domain.bounds(), options);
+    const TileLattice<Dim> lattice(domain.bounds(), options.voxelSize, options.origin);
     const double radius = lattice.radius();
     callbacks.report("voids", 0, 0);
     StopRequest request(callbacks.cancelled);
@@ -495,26 +340,6 @@ StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
     : sample_(*voids.impl_->grid, voids.impl_->origin, voids.impl_->voxelSize,
               voids.impl_->outside) {}
 
-template <int Dim>
-double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
-                  const StampOptions<Dim>& options) {
-    return bytesFor(domain, options, [&](const Box<Dim>& within, double reach, double side) {
-        double entries = 0;
-        for (const auto& e : voids) entries += entriesOf(e, within, reach, side);
-        return entries;
-    });
-}
-
-template <int Dim>
-void requireStampMemory(double count, const Ellipsoid<Dim>& one, const Domain<Dim>& domain,
-                        const StampOptions<Dim>& options) {
-    const auto bytes =
-        bytesFor(domain, options, [&](const Box<Dim>& within, double reach, double side) {
-            return count * entriesOf(one, within, reach, side);
-        });
-    requireMemory(count, bytes, options.voxelSize);
-}
-
 template class StampedVoids<2>;
 template class StampedVoids<3>;
 template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,
@@ -523,13 +348,4 @@ template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ell
 template std::shared_ptr<const StampedVoids<3>> stampVoids(const std::vector<Ellipsoid<3>>&,
                                                            const Domain<3>&, const StampOptions<3>&,
                                                            const Callbacks&);
-template double stampBytes(const std::vector<Ellipsoid<2>>&, const Domain<2>&,
-                           const StampOptions<2>&);
-template double stampBytes(const std::vector<Ellipsoid<3>>&, const Domain<3>&,
-                           const StampOptions<3>&);
-template void requireStampMemory(double, const Ellipsoid<2>&, const Domain<2>&,
-                                 const StampOptions<2>&);
-template void requireStampMemory(double, const Ellipsoid<3>&, const Domain<3>&,
-                                 const StampOptions<3>&);
-
 }  // namespace vdbpack

@@ -87,34 +87,4 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                                                     const StampOptions<Dim>& options,
                                                     const Callbacks& callbacks = {});
 
-/// Bytes that stamping takes at most, and the level sets `voids` and `solid` with it.
-template <int Dim>
-double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
-                  const StampOptions<Dim>& options);
-
-/// The same for `count` voids like one, known before they are drawn.
-/// @throws ResourceError with the numbers if there is not as much memory.
-template <int Dim>
-void requireStampMemory(double count, const Ellipsoid<Dim>& one, const Domain<Dim>& domain,
-                        const StampOptions<Dim>& options);
-
-extern template class StampedVoids<2>;
-extern template class StampedVoids<3>;
-extern template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,
-                                                                  const Domain<2>&,
-                                                                  const StampOptions<2>&,
-                                                                  const Callbacks&);
-extern template std::shared_ptr<const StampedVoids<3>> stampVoids(const std::vector<Ellipsoid<3>>&,
-                                                                  const Domain<3>&,
-                                                                  const StampOptions<3>&,
-                                                                  const Callbacks&);
-extern template double stampBytes(const std::vector<Ellipsoid<2>>&, const Domain<2>&,
-                                  const StampOptions<2>&);
-extern template double stampBytes(const std::vector<Ellipsoid<3>>&, const Domain<3>&,
-                                  const StampOptions<3>&);
-extern template void requireStampMemory(double, const Ellipsoid<2>&, const Domain<2>&,
-                                        const StampOptions<2>&);
-extern template void requireStampMemory(double, const Ellipsoid<3>&, const Domain<3>&,
-                                        const StampOptions<3>&);
-
 }  // namespace vdbpack

@@ -125,7 +125,7 @@ private:
                           });
         if (vertices_.size() >= static_cast<std::size_t>(1) << 31)
             throw ResourceError(fmt::format(
-                "the repaired surface would take {} vertices; give a larger --repair-voxel",
+                "the repaired surface would take {} vertices; give a larger `repairVoxel`",
                 vertices_.size()));
     }
 
@@ -282,14 +282,14 @@ Resurfaced resurface(const TriangleMesh& mesh, const WindingNumber& winding, dou
     const double longest = *std::max_element(size.c.begin(), size.c.end());
     if (!(longest / voxelSize < kFarthestIndex - 16))
         throw ResourceError(fmt::format(
-            "voxels of {:.4g} mm are too many along {:.4g} mm; give a larger --repair-voxel",
+            "voxels of {:.4g} mm are too many along {:.4g} mm; give a larger `repairVoxel`",
             voxelSize, longest));
     try {
         return Surfacer(mesh, winding, voxelSize, callbacks).run();
     } catch (const std::bad_alloc&) {
         throw ResourceError(fmt::format(
             "not enough memory to repair a surface in voxels of {:.4g} mm; give a larger "
-            "--repair-voxel",
+            "`repairVoxel`",
             voxelSize));
     }
 }
