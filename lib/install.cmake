@@ -4,7 +4,7 @@ include(GNUInstallDirs)
 
 # These and all that they include.
 set(entry_headers
-    run/forecast.h run/library_versions.h run/report_file.h run/run.h run/run_convert.h run/run_mesh.h run/study.h
+    run/dry_run.h run/library_versions.h run/report_file.h run/run.h run/run_convert.h run/run_mesh.h run/study.h
     domain/analytic_domain.h domain/clipped_domain.h domain/function_domain.h domain/mesh_domain.h
     domain/slice_domain.h field/voxel_image.h
     formats/contact_file.h formats/pack_file.h

@@ -7,7 +7,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
@@ -133,13 +133,13 @@ int judged(const RunResult& run) {
 }
 
 int dryRun(const PackJob& job, const PrintOptions& how, const Callbacks& callbacks) {
-    const Forecast forecast = forecastPack(job, callbacks);
+    const DryRun forecast = dryRunPack(job, callbacks);
     if (interrupted) return kInterrupted;
     PrintOptions always = how;
     always.quiet = false;
     print(forecast, always);
     std::fflush(stdout);
-    requireResources(forecast.needs, memoryLimit(job.memoryLimit));
+    requireResources(forecast.estimate, memoryLimit(job.memoryLimit));
     return kDone;
 }
 

@@ -6,7 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
@@ -79,13 +79,13 @@ TEST_CASE("a densified pack has the count asked for, and its forecast comes true
     CHECK(run.passed);
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
     CHECK(run.report.solidFractionTotal.value_or(0) >= 0.625);
-    const auto forecast = forecastPack(recipe);
+    const auto forecast = dryRunPack(recipe);
     CHECK(forecast.densified);
     CHECK(forecast.solidFraction == Approx(0.625).margin(0.003));
     CHECK(forecast.count == Approx(3000).epsilon(0.02));
     recipe.targetCount = 0;
     recipe.densify = 0.7;
-    const auto less = forecastPack(recipe);
+    const auto less = dryRunPack(recipe);
     CHECK_FALSE(less.densified);
     const auto reached = runPack(recipe);
     CHECK_FALSE(reached.report.warnings.empty());

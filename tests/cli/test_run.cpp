@@ -5,7 +5,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
@@ -384,7 +384,7 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     CHECK_THROWS_AS(runPack(recipe), IoError);
 }
 
-TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
+TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
     const TemporaryFolder folder;
     test::writeObj(test::ballMesh(20, 5), folder.file("ball.obj"));
     struct Case {
@@ -419,14 +419,14 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
     for (auto& [name, recipe] : cases) {
         CAPTURE(name);
         recipe.outputs = {folder.file("pack.csv")};
-        const Forecast forecast = forecastPack(recipe);
+        const DryRun forecast = dryRunPack(recipe);
         CHECK_FALSE(std::filesystem::exists(folder.file("pack.csv")));
         recipe.outputs = {};
         const auto run = runPack(recipe);
         CHECK(forecast.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
         CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
         CHECK(forecast.seconds.pack > 0);
-        CHECK(forecast.needs.memory() > 4e7);
+        CHECK(forecast.estimate.memory() > 4e7);
         const auto json = toJson(forecast);
         CHECK(json["dryRun"] == true);
         CHECK(json["spheres"]["count"] == std::llround(forecast.count));
@@ -434,10 +434,10 @@ TEST_CASE("a forecast comes true, and writes nothing", "[run]") {
     }
     PackRecipe bad = recipeFor("box:40,40,40", "uniform:1,2");
     bad.outputs = {folder.file("none/pack.csv")};
-    CHECK_THROWS_AS(forecastPack(bad), IoError);
+    CHECK_THROWS_AS(dryRunPack(bad), IoError);
     bad.outputs = {};
     bad.radius = "uniform:30,40";
-    CHECK_THROWS_AS(forecastPack(bad), InputError);
+    CHECK_THROWS_AS(dryRunPack(bad), InputError);
 }
 
 TEST_CASE("a target count is met, or the run says that it is not", "[run]") {

@@ -568,27 +568,36 @@ TEST_CASE("what needs the front says so where there is none", "[run][voids]") {
     CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }), Contains("`domain`"));
 }
 
-TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voids]") {
-    const TemporaryFolder folder;
-    const auto write = [&](const std::string& name, const std::string& content) {
+namespace {
+
+using R = PackRecipe;
+const ParameterError parameter("");
+const InputError input("");
+
+/// Runs that are refused without leaving an output.
+struct RefusedVoids {
+    TemporaryFolder folder;
+    std::string out = folder.file("out.csv");
+
+    std::string write(const std::string& name, const std::string& content) const {
         std::ofstream(folder.file(name)) << content;
         return folder.file(name);
-    };
-    const std::string out = folder.file("out.csv");
-    const auto refuse = [&](auto failure, const std::string& method,
-                            const std::function<void(PackRecipe&)>& change,
-                            const std::string& part) {
+    }
+    template <class Failure>
+    void refuse(const Failure&, const std::string& method,
+                const std::function<void(PackRecipe&)>& change, const std::string& part) const {
         PackRecipe recipe = methodRecipe<3>(method);
         recipe.outputs = {out};
         change(recipe);
         CAPTURE(method, part);
-        using Failure = decltype(failure);
         CHECK_THAT(messageOf<Failure>([&] { runPack(recipe); }), Contains(part));
         CHECK_FALSE(std::filesystem::exists(out));
-    };
-    const ParameterError parameter("");
-    const InputError input("");
-    using R = PackRecipe;
+    }
+};
+
+}  // namespace
+
+TEST_CASE_METHOD(RefusedVoids, "numbers of voids out of range are refused", "[run][voids]") {
     for (const double p : {-0.1, 1.1, std::nan("")}) {
         refuse(
             parameter, "grid", [&](R& r) { r.voids.probability = p; }, "in [0, 1]");
@@ -610,6 +619,11 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
         parameter, "boolean", [](R& r) { r.voids.orientation.angles = "phi=1"; }, "'phi=1'");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.orientation.axis = "0,0,0"; }, "'0,0,0'");
+}
+
+TEST_CASE_METHOD(RefusedVoids,
+                 "voids and shells larger than the domain are refused, and sizes that are none",
+                 "[run][voids]") {
     refuse(
         parameter, "boolean", [](R& r) { r.voids.radius = "constant:20"; },
         "larger than the domain, which is 24 mm");
@@ -641,6 +655,9 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
         parameter, "boolean", [](R& r) { r.voids.voxelSize = -0.1; }, "--void-voxel");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.count = 0; }, "--void-count");
+}
+
+TEST_CASE_METHOD(RefusedVoids, "files of voids that cannot be used are refused", "[run][voids]") {
     const auto field = write("field.csv", "x,y,z,ux,uy,uz\n0,0,0,1,0,0\n5,5,5,0,1,0\n");
     refuse(
         input, "boolean", [&](R& r) { r.voids.orientation.field = field; }, "covers");
@@ -674,7 +691,10 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
     refuse(IoError(""), "", method("list:" + folder.file("none.csv")), "none.csv");
     refuse(parameter, "", method("holes"), "grid, overlay");
     refuse(parameter, "", method("list:"), "grid, overlay");
-    // What the method has no use for.
+}
+
+TEST_CASE_METHOD(RefusedVoids, "settings without effect on the method are refused",
+                 "[run][voids]") {
     refuse(
         parameter, "boolean", [](R& r) { r.voids.probability = 0.5; }, "`voids.probability`");
     refuse(
@@ -696,7 +716,10 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
         parameter, "threshold", [](R& r) { r.voids.voxelSize = 0.1; }, "`voids.voxelSize`");
     refuse(
         parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`targetBvtv`");
-    // What is missing or said twice.
+}
+
+TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are refused",
+                 "[run][voids]") {
     refuse(
         parameter, "boolean", [](R& r) { r.voids.targetTbth = 0.2; }, "`targetBvtv`");
     refuse(
@@ -720,7 +743,9 @@ TEST_CASE("voids that cannot be are refused, and nothing is written", "[run][voi
         "`orientation.axis`");
     refuse(
         parameter, "threshold", [&](R& r) { r.outputs = {"list:" + out}; }, "list");
-    // In the plane.
+}
+
+TEST_CASE_METHOD(RefusedVoids, "voids that a plane has no room for are refused", "[run][voids]") {
     PackRecipe plane = methodRecipe<2>("boolean");
     plane.voids.targetBvtv = 0.3;
     plane.voids.targetTbth = 0.2;

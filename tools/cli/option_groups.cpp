@@ -157,8 +157,8 @@ void addMemoryLimit(CLI::App& command, double& bytes) {
         .add_option_function<std::string>(
             "--memory-limit",
             [&bytes](const std::string& text) { bytes = parseBytes(text, "--memory-limit"); },
-            "memory that the run may take: 8G, 500M, 1.5GiB; what would take more is refused "
-            "before the work, or stopped (exit code 5)")
+            "memory that the run may take: 8G, 500M, 1.5GiB; a run that would take more is "
+            "refused beforehand, or stopped (exit code 5)")
         ->option_text("SIZE [what is free]")
         ->group("Run");
 }
@@ -192,12 +192,12 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
 void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
     command
         .add_flag("--repair", domain.repair,
-                  "make a mesh sound that has holes, turned triangles, copies, overlapping or "
+                  "repair a mesh with holes, inverted triangles, duplicates, overlapping or "
                   "loose pieces; -o FILE.stl writes it")
         ->group("Domain");
     command
         .add_option("--repair-voxel", domain.repairVoxel,
-                    "edge of a voxel where --repair makes the surface anew, mm; finer keeps "
+                    "edge of a voxel where --repair rebuilds the surface, mm; finer keeps "
                     "thinner walls")
         ->option_text("H [chosen]")
         ->check(positive())
@@ -241,7 +241,7 @@ void addInputPack(CLI::App& command, InputPack& input, const char* name, const s
     addUnit(command, "--pack-unit", input.packUnit,
             "unit of " + std::string(name) + ", if it says none");
     addSizeOptions(command, input.radius, input.weightBy,
-                   "; to hold the radii of the pack against");
+                   "; to compare the radii of the pack with");
     addContactTolerance(command, input.contactTolerance);
     addThreads(command, input.threads, "threads");
     addMemoryLimit(command, input.memoryLimit);
@@ -292,16 +292,29 @@ void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
         ->group("Run");
 }
 
-void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
-    const auto option = [&](const char* name, auto& value, const std::string& help,
-                            const std::string& text) {
+namespace {
+
+/// The options of voids, in the order of the help.
+struct VoidOptions {
+    CLI::App& command;
+    VoidRecipe& voids;
+    bool front;    ///< spheres are packed, so that voids may be packed with them
+    bool spheres;  ///< there are spheres to cut, packed or read
+
+    template <class Value>
+    CLI::Option* option(const char* name, Value& value, const std::string& help,
+                        const std::string& text) const {
         return command.add_option(name, value, help)->option_text(text)->group("Voids");
-    };
-    const bool front = in == VoidsIn::pack, spheres = in != VoidsIn::nothing;
-    const std::string packed = front ? ", mixed, ellipses" : "";
-    const auto orElse = [](bool first, const char* a, const char* b) {
-        return std::string(first ? a : b);
-    };
+    }
+    static std::string orElse(bool first, const char* a, const char* b) { return first ? a : b; }
+
+    void addMethod() const;
+    void addTargets() const;
+    void addShapes() const;
+    void addDirections() const;
+};
+
+void VoidOptions::addMethod() const {
     option("--voids", voids.method,
            "how voids are made: grid, overlay, " + orElse(spheres, "concentric, threshold, ", "") +
                orElse(front, "mixed, ellipses, ", "") + "boolean or list:FILE",
@@ -323,9 +336,14 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
                      ->group("Voids");
     command
         .add_flag("--keep-connected", voids.keepConnected,
-                  "drop what does not hang together with the shell (without a shell: with the "
-                  "largest piece)")
+                  "remove what is not connected with the shell (without a shell: with the "
+                  "largest component)")
         ->group("Voids");
+    if (!spheres) cull->group("");  // accepted, without effect
+}
+
+void VoidOptions::addTargets() const {
+    const std::string packed = front ? ", mixed, ellipses" : "";
     option("--target-bvtv", voids.targetBvtv,
            "as many voids (boolean, overlay)" +
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
@@ -339,14 +357,17 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
     option("--void-voxel", voids.voxelSize, "edge of a voxel of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());
+}
+
+void VoidOptions::addShapes() const {
     option("--void-radius", voids.radius,
-           "shorter half-axis b of the voids, as --radius is written, mm (" +
+           "shorter half-axis b of the voids, written as --radius, mm (" +
                orElse(front, "mixed: radius of the holes; ", "") +
                "overlay: spheres of b times aspect are packed)",
            orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
         ->check(notEmpty());
-    option("--void-aspect", voids.aspect,
-           "longer by shorter half-axis, a / b, as --radius is written", "SPEC [constant:2]")
+    option("--void-aspect", voids.aspect, "ratio of the half-axes a / b, written as --radius",
+           "SPEC [constant:2]")
         ->check(notEmpty());
     option("--void-count", voids.count,
            "number of voids: with centers deeper than the shell, on average, and as densely around "
@@ -358,8 +379,9 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
            orElse(front, "P [1; 0.02]", "P [1]"));
     auto* share =
         option("--delete-fraction", voids.deleteFraction,
-               "density relation D: concentric deletes this share of the spheres, about some "
-               "within Rmin/D to Rmax/D; threshold those above Rmax - D (Rmax - Rmin)",
+               "density relation D: concentric removes this share of the spheres, those that meet "
+               "balls of radius Rmin/D to Rmax/D around random ones; threshold removes those with "
+               "radii above Rmax - D (Rmax - Rmin)",
                "D");
     option("--void-matrix", voids.matrix, "0 and 1 for the boxes of grid, top row first", "FILE")
         ->check(notEmpty());
@@ -368,6 +390,10 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
            "the matrix has)",
            "SIZE")
         ->check(notEmpty());
+    if (!spheres) share->group("");  // accepted, without effect
+}
+
+void VoidOptions::addDirections() const {
     option("--void-angles", voids.orientation.angles,
            "\"tz=SPEC;tx=SPEC\": long axes turned from z by tx about x, then by tz about z; "
            "\"phi=SPEC\" (2D): from x by phi; isotropic. SPEC: V, uniform:A,B or "
@@ -378,11 +404,20 @@ void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
         ->check(notEmpty());
     option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")
         ->check(notEmpty());
-    option("--void-field", voids.orientation.field,
-           "direction of the long axes by place: .vdb (vectors, or a tensor's main axis) or .csv "
-           "(x, y, z and a direction or six stress components), in mm",
-           "FILE")
+    option(
+        "--void-field", voids.orientation.field,
+        "direction of the long axes by position: .vdb (vectors, or a tensor's main axis) or .csv "
+        "(x, y, z and a direction or six stress components), in mm",
+        "FILE")
         ->check(notEmpty());
-    if (!spheres)
-        for (auto* of : {cull, share}) of->group("");  // accepted, of no use
+}
+
+}  // namespace
+
+void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
+    const VoidOptions options{command, voids, in == VoidsIn::pack, in != VoidsIn::nothing};
+    options.addMethod();
+    options.addTargets();
+    options.addShapes();
+    options.addDirections();
 }

@@ -31,7 +31,7 @@ const Names<Order> kOrders{{"sweep", Order::sweep},
                            {"center", Order::center},
                            {"fifo", Order::fifo}};
 
-/// Places that are looked at in an hour or so.
+/// Points that are searched in about an hour.
 constexpr std::uint64_t kMostPlaces = 10'000'000'000;
 
 std::string versionText() {
@@ -42,7 +42,7 @@ std::string versionText() {
     return text + wrapped(libraries + ", CLI11 " CLI11_VERSION, columnsOf(1), 0, 0) + '\n';
 }
 
-/// A word as a shell takes it for one, so that a command in a report can be run again.
+/// A word quoted for a shell, so that a command in a report can be run again.
 std::string shellQuoted(const std::string& word) {
     const char* plain =
         "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
@@ -73,13 +73,14 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
         ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
     addChoice(*command, "--effort", job.effort, kEfforts,
-              "fast: places as they come; normal: the tightest first; dense: more pending radii")
+              "fast: first position found; normal: the tightest first; dense: more pending radii")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
-    addChoice(*command, "--order", job.order, kOrders,
-              "which place is taken next: the lowest along a diagonal, the nearest to the wall or "
-              "to the middle, the one found first; all but sweep run on one thread, for "
-              "comparison")
+    addChoice(
+        *command, "--order", job.order, kOrders,
+        "which position is filled next: the lowest along a diagonal, the nearest to the wall or "
+        "to the middle, the one found first; all but sweep run on one thread, for "
+        "comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
     command
@@ -116,7 +117,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     addMemoryLimit(*command, job.memoryLimit);
     command
         ->add_flag("--dry-run", job.dryRun,
-                   "tell count, solid fraction, time and memory to expect; writes nothing")
+                   "print the expected count, solid fraction, time and memory; write nothing")
         ->group("Run");
     addContactTolerance(*command, job.contactTolerance);
     command
@@ -151,8 +152,7 @@ CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("carve", "cut voids into a pack that exists")->fallthrough();
+    CLI::App* command = app.add_subcommand("carve", "cut voids into an input pack")->fallthrough();
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
@@ -166,8 +166,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("densify",
-                           "make a pack that exists denser, or free it of its overlaps; radii are "
-                           "kept")
+                           "make an input pack denser, or remove its overlaps; radii are kept")
             ->fallthrough();
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
@@ -197,7 +196,7 @@ CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
         ->group("Spheres");
     command
         ->add_option("--places", job.placeSamples,
-                     "look at N points of the domain for room for a sphere of 1.02 mean radii")
+                     "search N points of the domain for room for a sphere of 1.02 mean radii")
         ->option_text("N")
         ->transform(wholeNumber(1, kMostPlaces))
         ->group("Run");
@@ -218,7 +217,7 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     command
         ->add_option("--shell", job.shell,
-                     "tell apart the layer of this thickness along the wall, mm")
+                     "measure the layer of this thickness along the wall apart, mm")
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");

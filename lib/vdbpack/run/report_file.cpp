@@ -70,6 +70,15 @@ public:
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
     }
+    void add(const InputPack& input, const char* name) {
+        add(name, input.pack);
+        if (input.packUnit != Unit::millimeter) add("--pack-unit", unitName(input.packUnit));
+    }
+    void add(const RunSettings& settings, const Report& report, bool random = true) {
+        if (random) add("--seed", std::to_string(settings.seed));
+        add("--threads", std::to_string(report.threads));
+        add("--contact-tol", settings.contactTolerance);
+    }
     void add(const VoidRecipe& voids) {
         add("--voids", voids.method);
         add("--shell", voids.shell, " mm");
@@ -126,9 +135,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add(recipe.voids);
     s.add("--existing", recipe.existing);
     if (!recipe.existing.empty()) s.add("--pack-unit", unitName(recipe.packUnit));
-    s.add("--seed", std::to_string(recipe.seed));
-    s.add("--threads", std::to_string(report.threads));
-    s.add("--contact-tol", recipe.contactTolerance);
+    s.add(recipe, report);
     if (recipe.outUnit != Unit::millimeter) s.add("--out-unit", unitName(recipe.outUnit));
     return s.take();
 }
@@ -136,44 +143,36 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
 std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add("FILE", recipe.pack);
-    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add(recipe, "FILE");
     s.add(recipe.domain, report);
     s.add("--radius", recipe.radius);
     if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
     s.add("--shell", recipe.shell, " mm");
-    s.add("--threads", std::to_string(report.threads));
-    s.add("--contact-tol", recipe.contactTolerance);
+    s.add(recipe, report, false);
     return s.take();
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add("PACK", recipe.pack);
-    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add(recipe, "PACK");
     s.add("--domain", recipe.domain.source);
     s.add(recipe.domain, report);
     s.add(recipe.voids);
-    s.add("--seed", std::to_string(recipe.seed));
-    s.add("--threads", std::to_string(report.threads));
-    s.add("--contact-tol", recipe.contactTolerance);
+    s.add(recipe, report);
     return s.take();
 }
 
 std::vector<std::pair<std::string, std::string>> settingsOf(const DensifyRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add("PACK", recipe.pack);
-    if (recipe.packUnit != Unit::millimeter) s.add("--pack-unit", unitName(recipe.packUnit));
+    s.add(recipe, "PACK");
     s.add("--domain", recipe.domain.source);
     s.add(recipe.domain, report);
     s.add("--radius", recipe.radius);
     s.add("--gap", recipe.gap, " mm");
     s.add("--densify", recipe.fraction > 0 ? densifyText(recipe.fraction) : "overlaps alone");
-    s.add("--seed", std::to_string(recipe.seed));
-    s.add("--threads", std::to_string(report.threads));
-    s.add("--contact-tol", recipe.contactTolerance);
+    s.add(recipe, report);
     return s.take();
 }
 

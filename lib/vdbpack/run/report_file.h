@@ -33,4 +33,11 @@ void writeReport(const RunResult& run, const DensifyRecipe& recipe);
 void writeReport(const RunResult& run, const VoidsRecipe& recipe);
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe);
 
+/// The same; returns the result.
+template <class Recipe>
+RunResult reported(RunResult result, const Recipe& recipe) {
+    writeReport(result, recipe);
+    return result;
+}
+
 }  // namespace vdbpack

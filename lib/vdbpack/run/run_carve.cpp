@@ -43,16 +43,13 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const double voxel = plannedVoxel(recipe.voids, Dim);
     Extent extent = extentOf(run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
-    addVoids(extent, recipe.voids, radius.max);
+    extent.voids = planVoids(
+        recipe.voids, {Dim, extent.domainVolume, extent.domainArea, extent.count, radius.max});
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
     acceptInput(run, recipe);
-    writeStage(run);
-    pictureStage(run);
-    RunResult result = finished(run);
-    writeReport(result, recipe);
-    return result;
+    return reported(finishStage(run), recipe);
 }
 
 }  // namespace

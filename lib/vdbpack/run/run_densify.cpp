@@ -35,11 +35,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     run.keepsPack = true;
     densifyStage(run, recipe.fraction, recipe.gap);
     measureStage(run);
-    writeStage(run);
-    pictureStage(run);
-    RunResult result = finished(run);
-    writeReport(result, recipe);
-    return result;
+    return reported(finishStage(run), recipe);
 }
 
 }  // namespace

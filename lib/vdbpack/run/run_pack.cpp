@@ -164,9 +164,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
             details =
                 pageDetails(run.pack, source, run.domain(), options.sizes, run.report, callbacks);
         });
-    writeStage(run);
-    pictureStage(run);
-    RunResult result = finished(run);
+    RunResult result = finishStage(run);
     writeReport(result, details, recipe);
     return result;
 }

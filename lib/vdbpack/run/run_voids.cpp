@@ -27,15 +27,11 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
     const double detail = detailFor(recipe.voids), reach = depthForShell(recipe.voids) / 3;
     const double voxel = plannedVoxel(recipe.voids, Dim);
     Extent extent = extentOf(source, detail, reach, voxel);
-    addVoids(extent, recipe.voids, 0);
+    extent.voids = planVoids(recipe.voids, {Dim, extent.domainVolume, extent.domainArea, 0, 0});
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
-    writeStage(run);
-    pictureStage(run);
-    RunResult result = finished(run);
-    writeReport(result, recipe);
-    return result;
+    return reported(finishStage(run), recipe);
 }
 
 }  // namespace

@@ -63,6 +63,12 @@ void requireShell(double shell, const DomainSource& source) {
         shell, thin));
 }
 
+bool passed(const Report& report) {
+    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
+           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
+           keepsGap(report);
+}
+
 template <int Dim>
 void domainStage(Run<Dim>& run, Extent extent, double detail, double reach, double voxelSize) {
     if (run.voidRecipe) requireShell(run.voidRecipe->shell, run.source);
@@ -151,18 +157,18 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     return have;
 }
 
-}  // namespace
-
+/// Writes the outputs.
 template <int Dim>
-void writeStage(Run<Dim>& run) {
+void write(Run<Dim>& run) {
     run.report.seconds.measure = run.clock.lap();
     // Interrupted before the first sphere: nothing is worth replacing a file.
     if (run.report.interrupted && run.report.count == 0) return;
     run.report.files = writeOutputs(run.settings.outputs, outputsOf(run), run.callbacks);
 }
 
+/// Draws the preview, or the picture of the report page.
 template <int Dim>
-void pictureStage(Run<Dim>& run) {
+void draw(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     if (settings.preview.file.empty() && !isPage(settings.reportFile)) return;
     if (run.hasPack && run.pack.spheres.empty()) return;
@@ -174,14 +180,12 @@ void pictureStage(Run<Dim>& run) {
     });
 }
 
-bool passed(const Report& report) {
-    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
-           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
-           keepsGap(report);
-}
+}  // namespace
 
 template <int Dim>
-RunResult finished(Run<Dim>& run) {
+RunResult finishStage(Run<Dim>& run) {
+    write(run);
+    draw(run);
     const RunSettings& settings = run.settings;
     Report& report = run.report;
     if (!report.files.empty())
@@ -203,9 +207,7 @@ RunResult finished(Run<Dim>& run) {
     template void densifyStage(Run<Dim>&, double, double);                \
     template void cutStage(Run<Dim>&, bool);                              \
     template void measureStage(Run<Dim>&);                                \
-    template void writeStage(Run<Dim>&);                                  \
-    template void pictureStage(Run<Dim>&);                                \
-    template RunResult finished(Run<Dim>&);
+    template RunResult finishStage(Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

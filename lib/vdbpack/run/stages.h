@@ -7,16 +7,14 @@
 //   densifyStage    spheres are moved and added
 //   cutStage        voids are made, spheres in them removed
 //   measureStage    voids, spheres, checks
-//   writeStage      outputs
-//   pictureStage    preview, or picture of the report page
-//   finished        recipe file, result
+//   finishStage     outputs, picture, recipe file
 //   writeReport     report_file.h
 #pragma once
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/needs.h"
+#include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
@@ -130,14 +128,8 @@ void cutStage(Run<Dim>& run, bool made = false);
 template <int Dim>
 void measureStage(Run<Dim>& run);
 
+/// Writes the outputs, the picture and the recipe file, and takes the result out of the run.
 template <int Dim>
-void writeStage(Run<Dim>& run);
-
-template <int Dim>
-void pictureStage(Run<Dim>& run);
-
-/// Leaves the recipe file, and takes the result out of the run.
-template <int Dim>
-RunResult finished(Run<Dim>& run);
+RunResult finishStage(Run<Dim>& run);
 
 }  // namespace vdbpack

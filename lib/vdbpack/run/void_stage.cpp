@@ -1,24 +1,19 @@
 #include "vdbpack/run/void_stage.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
-#include "vdbpack/measure/attached.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/stamp_memory.h"
-#include "vdbpack/voids/thinning.h"
 #include "vdbpack/voids/void_list.h"
-#include "vdbpack/voids/void_matrix.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -29,23 +24,16 @@ namespace {
 constexpr double kDefaultBvtv = 0.3;
 /// The paper's.
 constexpr double kDefaultProbability = 0.02;
-constexpr const char* kPaperCone = "tz=uniform:0,6.283185307179586;tx=uniform:-0.358,0.358";
-constexpr const char* kPaperTilt = "phi=uniform:-0.358,0.358";
-/// Holes of the paper's Figure 10, in largest radii of the spheres.
-constexpr double kDefaultHole[2] = {1.5, 2.5};
-
 /// Voxels of the shorter half-axis at the least, and of a wanted thickness.
 constexpr double kVoxelsPerHalfAxis = 4, kVoxelsPerThickness = 4;
 
-/// How near to a wanted BV/TV the voids are made, where they are a list and where they are packed.
-constexpr double kBvtvTolerance = 0.0005, kPackedTolerance = 0.002;
+/// How near to a target BV/TV voids are made that are packed; beyond the second it is warned of.
+constexpr double kPackedTolerance = 0.002;
 constexpr double kBvtvWarning = 0.005;
 constexpr double kThicknessTolerance = 0.01;
 constexpr int kThicknessRounds = 4;
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
-/// Radii of large spheres pending at a time, as a share of those that fit and at least and most.
-constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
@@ -54,57 +42,9 @@ Vec<Dim> latticeOf(const VoidSetting<Dim>& s, double voxelSize) {
     return fieldOrigin(s.domain.bounds(), voxelSize);
 }
 
-template <int Dim>
-VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
-    return {s.domain, s.recipe.shell};
-}
-
 /// `f` times all lengths of a SPEC.
 std::string timesSpec(const std::string& spec, double f, int dim) {
     return SizeDistribution::parse(spec, dim).scaled(f).spec();
-}
-
-template <int Dim>
-std::string radiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    if (!s.recipe.radius.empty()) return s.recipe.radius;
-    const std::string spec = fmt::format("uniform:{:.6g},{:.6g}", kDefaultHole[0] * s.largestRadius,
-                                         kDefaultHole[1] * s.largestRadius);
-    if (chosen)
-        chosen->push_back(
-            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere, since "
-                        "`voids.radius` is not given",
-                        spec));
-    return spec;
-}
-
-template <int Dim>
-VoidShape<Dim> shapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen = nullptr) {
-    const VoidMethod method = methodOf(s.recipe);
-    const bool ball = method == VoidMethod::mixed;
-    OrientationRecipe orientation = s.recipe.orientation;
-    if (orientation.angles.empty() && orientation.axis.empty() && orientation.field.empty()) {
-        orientation.angles = method == VoidMethod::boolean || ball ? "isotropic"
-                             : Dim == 3                            ? kPaperCone
-                                                                   : kPaperTilt;
-        if (chosen && !ball)
-            chosen->push_back(
-                fmt::format("void directions {}, since none are given", orientation.angles));
-    }
-    std::string aspect = s.recipe.aspect;
-    if (ball) aspect = "constant:1";
-    if (aspect.empty()) {
-        aspect = "constant:2";
-        if (chosen)
-            chosen->push_back("voids twice as long as wide, since `voids.aspect` is not given");
-    }
-    return {SizeDistribution::parse(radiusSpec(s, chosen), Dim),
-            SizeDistribution::parse(aspect, Dim),
-            makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
-}
-
-template <int Dim>
-double coreOf(const VoidSetting<Dim>& s) {
-    return regionOf(s).volume();
 }
 
 /// Stamps a list, and cuts it where pieces are to be dropped; sets BV/TV.
@@ -118,7 +58,7 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
-    made.report.totalVolume = coreOf(s);
+    made.report.totalVolume = regionOf(s).volume();
     made.report.bvtv = std::max(0.0, 1 - made.stamped->volume() / made.report.totalVolume);
 }
 
@@ -146,98 +86,11 @@ double bvtvOf(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made)
     return *made.report.bvtv;
 }
 
-/// Few large voids leave steps between the amounts there are.
-template <int Dim>
-void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
-    if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
-        return;
-    s.callbacks.warn(fmt::format(
-        "`targetBvtv` {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
-        *s.recipe.targetBvtv, *report.bvtv));
-}
-
-/// Lists of one method by how much of it there is.
-template <int Dim>
-struct Family {
-    double most = 0;   ///< the largest amount; infinite where there is no end
-    double guess = 0;  ///< of the amount for the target
-    std::string remedy;
-    double leastHalfAxis = 0;
-    std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
-};
-
-template <int Dim>
-Family<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
-                          std::vector<std::string>* chosen) {
-    const VoidShape<Dim> shape = shapeOf(s, chosen);
-    Family<Dim> family;
-    family.guess = -std::log(target) / shape.meanMeasure();
-    family.most = 60 / shape.meanMeasure();
-    family.remedy = "; take larger voids";
-    family.leastHalfAxis = shape.radius.min() * std::min(1.0, shape.aspect.min());
-    const auto& setting = s;
-    family.list = [&setting, shape](double density) {
-        return booleanVoids(regionOf(setting), shape, setting.seed, density);
-    };
-    return family;
-}
-
-template <int Dim>
-Family<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    const VoidShape<Dim> shape = shapeOf(s, chosen);
-    // Balls that hold the ellipsoids touch one another; those lie apart from the shell as well.
-    PackOptions options(shape.radius.scaled(std::max(1.0, shape.aspect.mean())));
-    options.seed = s.seed;
-    std::unique_ptr<Domain<Dim>> inset;
-    if (s.recipe.shell > 0) inset = insetDomain(s.domain, s.recipe.shell);
-    const double expected = 0.6 * coreOf(s) / options.sizes.meanBall(Dim);
-    options.pending = static_cast<std::size_t>(
-        std::clamp(kPendingShare * expected, kPendingVoids[0], kPendingVoids[1]));
-    Callbacks quiet;
-    quiet.cancelled = s.callbacks.cancelled;
-    const auto result = packSpheres(inset ? *inset : s.domain, options, quiet);
-    if (result.interrupted) throw Interrupted();
-    auto voids = voidsAtSpheres(result.pack.spheres, true, shape, s.seed);
-    shuffle(voids, s.seed);
-    Family<Dim> family;
-    family.most = static_cast<double>(voids.size());
-    family.guess = 0.5 * family.most;
-    family.remedy = "; take a smaller `voids.aspect`, or `voids` boolean, whose voids overlap";
-    family.leastHalfAxis = leastHalfAxis(voids);
-    family.list = [voids](double count) {
-        const auto n = static_cast<std::ptrdiff_t>(
-            std::clamp(std::round(count), 0.0, static_cast<double>(voids.size())));
-        return std::vector<Ellipsoid<Dim>>(voids.begin(), voids.begin() + n);
-    };
-    return family;
-}
-
-template <int Dim>
-Family<Dim> gridFamily(const VoidSetting<Dim>& s) {
-    std::shared_ptr<const VoidMatrix> matrix;
-    if (!s.recipe.matrix.empty())
-        matrix = std::make_shared<VoidMatrix>(readVoidMatrix(s.recipe.matrix));
-    if (Dim == 2 && matrix && matrix->size[2] > 1)
-        throw InputError(fmt::format("{}: holds {} layers, and the domain is a plane; keep one",
-                                     s.recipe.matrix, matrix->size[2]));
-    const auto lattice = voidLattice(s.domain.bounds(), s.recipe.cell, matrix.get());
-    Family<Dim> family;
-    family.most = 1;
-    family.guess = 0.5;
-    family.remedy = "; take `voids` boolean, whose voids overlap";
-    const auto& setting = s;
-    family.list = [&setting, lattice, matrix](double probability) {
-        return latticeVoids(regionOf(setting), lattice, matrix.get(), probability, setting.seed);
-    };
-    family.leastHalfAxis = leastHalfAxis(family.list(1));
-    return family;
-}
-
 /// Scales the voids until the walls between them have the wanted thickness at the wanted BV/TV.
 void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
                     const std::function<void(const VoidSetting<3>&, MadeVoids<3>&)>& solve) {
     VoidRecipe recipe = s.recipe;
-    recipe.radius = radiusSpec(s, nullptr);
+    recipe.radius = voidRadiusSpec(s, nullptr);
     const double target = *recipe.targetTbth;
     const Vec<3> size = s.domain.bounds().size();
     const double side = *std::min_element(size.c.begin(), size.c.end());
@@ -290,6 +143,15 @@ void solveThickness(const VoidSetting<2>&, MadeVoids<2>&,
 }  // namespace
 
 template <int Dim>
+void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
+    if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
+        return;
+    s.callbacks.warn(fmt::format(
+        "`targetBvtv` {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
+        *s.recipe.targetBvtv, *report.bvtv));
+}
+
+template <int Dim>
 std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
     if (!solid.grid) return {};
     return {surface, voids, solid.grid};
@@ -335,7 +197,7 @@ void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
 
 template <int Dim>
 void checkRoom(const VoidSetting<Dim>& s, bool early) {
-    const double core = coreOf(s);
+    const double core = regionOf(s).volume();
     if (!(core > 1e-9 * s.domain.volume()))
         throw InputError(fmt::format(
             "`shell` {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
@@ -354,16 +216,16 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
     if (method == VoidMethod::list && !early) return;
     double half = 0;
     if (method == VoidMethod::grid || method == VoidMethod::list) {
-        const auto list = method == VoidMethod::grid ? gridFamily(s).list(1)
+        const auto list = method == VoidMethod::grid ? voidFamily(s, 0.5, nullptr).list(1)
                                                      : readVoidList<Dim>(listFile(s.recipe));
         for (const auto& e : list) half = std::max({half, e.a, e.b});
     } else {
-        half = shapeOf(s).reach();
+        half = voidShapeOf(s).reach();
     }
     requireFitting(s, half);
     // What is there before hours of work; the list itself is looked at again.
     if (method == VoidMethod::boolean && s.recipe.count) {
-        const VoidShape<Dim> shape = shapeOf(s);
+        const VoidShape<Dim> shape = voidShapeOf(s);
         Ellipsoid<Dim> e;
         e.center = s.domain.bounds().center();
         e.a = shape.radius.mean() * shape.aspect.mean();
@@ -394,12 +256,6 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         bvtvOf(s, voidVoxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
-        const auto familyOf = [&](const VoidSetting<Dim>& setting, double target,
-                                  std::vector<std::string>* sentences) {
-            return method == VoidMethod::boolean   ? booleanFamily(setting, target, sentences)
-                   : method == VoidMethod::overlay ? overlayFamily(setting, sentences)
-                                                   : gridFamily(setting);
-        };
         const bool undecided = method == VoidMethod::boolean && !r.count && !r.targetBvtv;
         VoidRecipe decided = r;
         if (undecided) {
@@ -412,8 +268,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {
             const VoidRecipe& asked = setting.recipe;
-            const auto family = familyOf(setting, asked.targetBvtv.value_or(kDefaultBvtv),
-                                         told ? nullptr : &chosen);
+            const auto family = voidFamily(setting, asked.targetBvtv.value_or(kDefaultBvtv),
+                                           told ? nullptr : &chosen);
             told = true;
             const double voxel = voidVoxelFor(asked, family.leastHalfAxis);
             const auto bvtvAt = [&](double amount) {
@@ -424,7 +280,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                 result.report.amount = solveForBvtv(asked, 0, family.guess, family.most,
                                                     kBvtvTolerance, family.remedy, bvtvAt);
             else
-                bvtvAt(method == VoidMethod::boolean   ? *asked.count / coreOf(setting)
+                bvtvAt(method == VoidMethod::boolean   ? *asked.count / regionOf(setting).volume()
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
                                                        : asked.probability.value_or(1));
         };
@@ -452,7 +308,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
     const VoidRecipe& r = s.recipe;
     made.report.method = r.method;
     made.report.shell = r.shell;
-    const VoidShape<Dim> shape = shapeOf(s, &made.report.chosen);
+    const VoidShape<Dim> shape = voidShapeOf(s, &made.report.chosen);
     const double voxel = voidVoxelFor(r, shape.radius.min() * std::min(1.0, shape.aspect.min()));
     PackResult<Dim> result;
     std::size_t holes = 0;
@@ -521,117 +377,22 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
     return result;
 }
 
-namespace {
-
-/// Which spheres hang together with the shell, or the largest set that does; sets its share.
-template <int Dim>
-std::vector<std::uint8_t> hangsTogether(const VoidSetting<Dim>& s, double contactTolerance,
-                                        const Pack<Dim>& pack, VoidReport& report) {
-    auto attached = attachedSpheres(pack.spheres,
-                                    s.recipe.shell > 0 ? pack.region : std::vector<std::int32_t>{},
-                                    contactTolerance);
-    const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
-    if (!attached.empty()) report.spheresAttached = held / static_cast<double>(attached.size());
-    return attached;
-}
-
-}  // namespace
-
 template <int Dim>
 void measureVoids(const VoidSetting<Dim>& s, double contactTolerance, const Pack<Dim>* pack,
                   MadeVoids<Dim>& made) {
     if (made.stamped && !made.solid.grid) cut(s, made);
     if (pack && !s.recipe.keepConnected && (!s.recipe.empty() || s.recipe.shell > 0))
-        hangsTogether(s, contactTolerance, *pack, made.report);
-}
-
-template <int Dim>
-void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t standing,
-              MadeVoids<Dim>& made, Pack<Dim>& pack) {
-    const VoidRecipe& r = s.recipe;
-    const VoidMethod method = methodOf(r);
-    if (method == VoidMethod::none && !(r.shell > 0)) {
-        pack.region.assign(pack.spheres.size(), 0);  // all compact
-        return;
-    }
-    made.report.method = r.method;
-    made.report.shell = r.shell;
-    pack.region = deeperThan(pack.spheres, s.domain, r.shell);
-    const std::size_t before = pack.spheres.size();
-    std::vector<std::uint8_t> keep;
-    if (isThinning(method)) {
-        auto candidates = pack.region;
-        std::fill_n(candidates.begin(), std::min(standing, before), 0);
-        double all = 0;
-        for (std::size_t i = 0; i < before; ++i)
-            if (pack.region[i]) all += Measure<Dim>::ball(pack.spheres[i].radius);
-        const auto bvtvAt = [&](double fraction) {
-            fraction = std::max(fraction, 1e-6);
-            keep = method == VoidMethod::threshold
-                       ? removeLargest(pack.spheres, candidates, fraction)
-                       : removeAround(pack.spheres, candidates, fraction, s.seed);
-            double left = 0;
-            for (std::size_t i = 0; i < before; ++i)
-                if (pack.region[i] && keep[i]) left += Measure<Dim>::ball(pack.spheres[i].radius);
-            return all > 0 ? left / all : 0.0;
-        };
-        made.report.ofSpheres = true;
-        made.report.totalVolume = coreOf(s);
-        if (r.targetBvtv)
-            made.report.amount =
-                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, kBvtvTolerance, "", bvtvAt);
-        else
-            made.report.amount = r.deleteFraction;
-        made.report.bvtv = bvtvAt(*made.report.amount);
-        warnIfOff(s, made.report);
-    } else if (made.stamped) {
-        keep = r.cull == Cull::touch
-                   ? spheresOutside(pack.spheres, *made.stamped, r.cull)
-                   : centersOutside(pack.spheres, made.list, *made.stamped, pack.region);
-    }
-    if (!keep.empty()) {
-        std::fill_n(keep.begin(), std::min(standing, before), 1);
-        keepOnly(pack, keep);
-        made.report.culled = before - pack.spheres.size();
-    }
-    if (r.keepConnected) {
-        auto stay = hangsTogether(s, contactTolerance, pack, made.report);
-        std::fill_n(stay.begin(), std::min(standing, stay.size()), 1);
-        const std::size_t count = pack.spheres.size();
-        keepOnly(pack, stay);
-        made.report.dropped = count - pack.spheres.size();
-    }
-    if (r.shell > 0 && !pack.spheres.empty()) {
-        double mean = 0;
-        std::size_t cortical = 0;
-        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-            if (pack.region[i]) continue;
-            mean += pack.spheres[i].radius;
-            ++cortical;
-        }
-        made.report.cortical = cortical;
-        if (cortical > 0) {
-            made.report.across = r.shell / (2 * mean / static_cast<double>(cortical));
-            if (*made.report.across < 3)
-                s.callbacks.warn(
-                    fmt::format("the shell of {} mm is {:.2g} {} thick; below three it is no "
-                                "layer: take smaller "
-                                "radii or a thicker shell",
-                                r.shell, *made.report.across, Measure<Dim>::kSpheres));
-        }
-    }
+        attachedToShell(s, contactTolerance, *pack, made.report);
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                              \
+    template void warnIfOff(const VoidSetting<Dim>&, const VoidReport&);                      \
     template struct MadeVoids<Dim>;                                                           \
     template void checkRoom(const VoidSetting<Dim>&, bool);                                   \
     template MadeVoids<Dim> makeVoids(const VoidSetting<Dim>&);                               \
     template PackResult<Dim> packWithHoles(const VoidSetting<Dim>&, const PackOptions&,       \
                                            const std::vector<Sphere<Dim>>&, MadeVoids<Dim>&); \
-    template void measureVoids(const VoidSetting<Dim>&, double, const Pack<Dim>*,             \
-                               MadeVoids<Dim>&);                                              \
-    template void cullPack(const VoidSetting<Dim>&, double, std::size_t, MadeVoids<Dim>&,     \
-                           Pack<Dim>&);
+    template void measureVoids(const VoidSetting<Dim>&, double, const Pack<Dim>*, MadeVoids<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

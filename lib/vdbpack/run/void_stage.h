@@ -8,6 +8,7 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/voids/stamp.h"
+#include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -16,17 +17,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// What voids are cut into, and for which spheres.
-template <int Dim>
-struct VoidSetting {
-    const VoidRecipe& recipe;
-    const Domain<Dim>& domain;
-    double sliceHeight = 0;  ///< mm
-    std::uint64_t seed = 1;
-    double largestRadius = 0;  ///< of the spheres there are or will be, mm; 0: none
-    const Callbacks& callbacks;
-};
 
 /// Voids as they were made. Without such as can be stamped (thinning, or none) all is empty.
 template <int Dim>
@@ -40,6 +30,9 @@ struct MadeVoids {
 
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };
+
+/// How near to a target BV/TV voids of a list are made.
+inline constexpr double kBvtvTolerance = 0.0005;
 
 /// The voxel size of the level sets of voids with half-axes of at least `least` mm: as asked for,
 /// else as fine as they need, mm.
@@ -69,14 +62,24 @@ template <int Dim>
 PackResult<Dim> packWithHoles(const VoidSetting<Dim>& setting, const PackOptions& options,
                               const std::vector<Sphere<Dim>>& existing, MadeVoids<Dim>& made);
 
-/// Tells what the voids leave: `solid` and the other level sets, and how much of it and of the
-/// contacts of a pack (null: none) hangs together with the shell.
+/// Measures what the voids leave: `solid` and the other level sets, and which share of it and of
+/// the contacts of a pack (null: none) is connected with the shell.
 template <int Dim>
 void measureVoids(const VoidSetting<Dim>& setting, double contactTolerance, const Pack<Dim>* pack,
                   MadeVoids<Dim>& made);
 
-/// Sets `region`, and takes out of a pack what the voids remove and, if asked for, what does not
-/// hang together with the shell. The first `standing` spheres stay in any case.
+/// Which spheres are connected with the shell, or belong to the largest connected component; sets
+/// their share in `report`.
+template <int Dim>
+std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>& setting, double contactTolerance,
+                                          const Pack<Dim>& pack, VoidReport& report);
+
+/// Warns where the steps between the possible amounts of voids leave BV/TV off its target.
+template <int Dim>
+void warnIfOff(const VoidSetting<Dim>& setting, const VoidReport& report);
+
+/// Sets `region`, and takes out of a pack what the voids remove and, if asked for, what is
+/// not connected with the shell. The first `standing` spheres stay in any case.
 template <int Dim>
 void cullPack(const VoidSetting<Dim>& setting, double contactTolerance, std::size_t standing,
               MadeVoids<Dim>& made, Pack<Dim>& pack);

@@ -8,8 +8,8 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
-#include "vdbpack/run/forecast.h"
-#include "vdbpack/run/needs.h"
+#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
@@ -40,12 +40,12 @@ Words split(const std::string& line) {
     return words;
 }
 
-Needs needsOfPack(const std::string& domain, const std::string& radius) {
+Estimate needsOfPack(const std::string& domain, const std::string& radius) {
     PackRecipe recipe;
     recipe.domain.source = domain;
     recipe.radius = radius;
     recipe.threads = 2;
-    return needsOf(extentOf(recipe, DomainSource(recipe.domain)));
+    return estimate(extentOf(recipe, DomainSource(recipe.domain)));
 }
 
 /// The memory told where less is allowed, though as much as reading takes, and that of the run.
@@ -77,7 +77,7 @@ TEST_CASE("the spheres of a pack to come are about as many as told", "[needs]") 
                                                          {"rect:100,50", "uniform:0.3,0.6"}};
     for (const auto& [domain, radius] : packs) {
         CAPTURE(domain, radius);
-        const Needs needs = needsOfPack(domain, radius);
+        const Estimate needs = needsOfPack(domain, radius);
         const auto run = runPack(test::recipeFor(domain, radius));
         const auto count = static_cast<double>(run.report.count);
         CHECK(needs.extent.count > 0.95 * count);
@@ -197,7 +197,7 @@ TEST_CASE("files are about as large as told", "[needs]") {
     recipe.outputs.push_back("yade:" + folder.file("p.txt"));
     recipe.outputs.push_back("contacts:" + folder.file("c.csv"));
     recipe.outputs.push_back("surface:" + folder.file("s.stl"));
-    const Needs needs = needsOf(extentOf(recipe, DomainSource(recipe.domain)));
+    const Estimate needs = estimate(extentOf(recipe, DomainSource(recipe.domain)));
     const auto run = runPack(recipe);
     REQUIRE(run.report.files.size() >= recipe.outputs.size());
     REQUIRE(needs.files.size() == recipe.outputs.size());
@@ -211,7 +211,7 @@ TEST_CASE("files are about as large as told", "[needs]") {
 }
 
 TEST_CASE("files for which a disk has no room are refused with both figures", "[needs]") {
-    Needs needs;
+    Estimate needs;
     needs.files = {{"/tmp/a.csv", 1e6}, {"yade:/tmp/p.txt", 1e19}};
     CHECK_THROWS_AS(requireResources(needs, 1e12), ResourceError);
     CHECK_THROWS_WITH(

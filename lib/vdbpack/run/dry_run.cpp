@@ -1,4 +1,4 @@
-#include "vdbpack/run/forecast.h"
+#include "vdbpack/run/dry_run.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
@@ -38,11 +38,11 @@ template <int Dim>
 struct Trial {
     double scale = 1;                ///< of the radii, against the pack to come
     double count = 0, fraction = 0;  ///< of what is placed
-    double standing = 0, standingFraction = 0;
+    double existing = 0, existingFraction = 0;
     double voxels = 0, voxelSize = 0;
     double volume = 0, area = 0;               ///< of the domain, mm^dim
     double domain = 0, pack = 0, measure = 0;  ///< seconds
-    /// What was packed: spheres that stand already first.
+    /// What was packed: existing spheres first.
     std::shared_ptr<const Domain<Dim>> filled;
     std::vector<Sphere<Dim>> spheres;
 };
@@ -81,11 +81,11 @@ Trial<Dim> tryOut(const PackRecipe& recipe, const DomainSource& source,
     trial.count = static_cast<double>(result.pack.spheres.size());
     for (const auto& s : result.pack.spheres) trial.fraction += Measure<Dim>::ball(s.radius);
     trial.fraction /= domain->volume();
-    trial.standing = static_cast<double>(existing.spheres.size());
+    trial.existing = static_cast<double>(existing.spheres.size());
     const auto sampler = domain->sampler();
     for (const auto& s : existing.spheres)
         if (sampler->contains(s.center))
-            trial.standingFraction += Measure<Dim>::ball(s.radius) / domain->volume();
+            trial.existingFraction += Measure<Dim>::ball(s.radius) / domain->volume();
     clock.lap();
     Report report;
     measurePack(result.pack, &source, domain.get(), &options.sizes, recipe.contactTolerance,
@@ -98,7 +98,7 @@ Trial<Dim> tryOut(const PackRecipe& recipe, const DomainSource& source,
     return trial;
 }
 
-/// The scale at which `sizes` give `count` spheres beside those that stand already or with a gap.
+/// The scale at which `sizes` give `count` spheres around existing ones or with a gap.
 template <int Dim>
 double scaleBesides(const PackRecipe& recipe, const DomainSource& source,
                     const SizeDistribution& sizes, double count, const Callbacks& callbacks) {
@@ -118,14 +118,14 @@ double scaleBesides(const PackRecipe& recipe, const DomainSource& source,
 
 /// What densifying adds, from a trial that gains as much over its own front.
 template <int Dim>
-void forecastDensify(const PackRecipe& recipe, const Trial<Dim>& trial,
-                     const SizeDistribution& sizes, Forecast& f, const Callbacks& callbacks) {
-    const double standing = trial.standingFraction, before = trial.fraction + standing;
+void predictDensify(const PackRecipe& recipe, const Trial<Dim>& trial,
+                    const SizeDistribution& sizes, DryRun& f, const Callbacks& callbacks) {
+    const double existing = trial.existingFraction, before = trial.fraction + existing;
     DensifyOptions options;
     options.sizes = sizes.scaled(trial.scale);
     options.gap = recipe.gap * trial.scale;
     options.seed = recipe.seed;
-    options.fixed = static_cast<std::size_t>(trial.standing);
+    options.fixed = static_cast<std::size_t>(trial.existing);
     options.fraction =
         std::isfinite(recipe.densify) ? before + recipe.densify - f.solidFraction : recipe.densify;
     if (!(options.fraction > before)) return;
@@ -148,10 +148,9 @@ void forecastDensify(const PackRecipe& recipe, const Trial<Dim>& trial,
 }
 
 template <int Dim>
-Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
-                  const Callbacks& callbacks) {
+DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callbacks& callbacks) {
     RequestedSizes requested = requestedSizes(recipe, Dim);
-    Forecast f;
+    DryRun f;
     f.dim = Dim;
     f.volume = source.volume();
     // Radii times `unit` fill the domain with about `expected` spheres.
@@ -162,14 +161,13 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
         expected = requested.targetCount;
     }
     if (requested.targetCount > 0 && (recipe.gap > 0 || !recipe.existing.empty())) {
-        // Neither a gap nor what stands already is scaled with the radii.
+        // Neither the gap nor the existing spheres are scaled with the radii.
         unit *= scaleBesides<Dim>(recipe, source, scaledSizes(requested.sizes, unit, Dim),
                                   requested.targetCount, callbacks);
         requested.targetCount = 0;
         expected = guess * f.volume / (requested.sizes.meanBall(Dim) * std::pow(unit, Dim));
     }
-    // What stands already is no smaller beside larger radii: then the pack is its own trial up to
-    // more spheres.
+    // Existing spheres do not scale with the radii: larger packs are their own trial then.
     const double smallCount = recipe.existing.empty() ? kSmallCount : kSmallBesides;
     SizeDistribution sizes = scaledSizes(requested.sizes, unit, Dim);
     Trial<Dim> small, large;
@@ -206,11 +204,11 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     const double share =
         recipe.maxCount > 0 ? std::min(1.0, static_cast<double>(recipe.maxCount) / f.count) : 1.0;
     f.count *= share;
-    f.solidFraction = f.solidFraction * share + large.standingFraction;
+    f.solidFraction = f.solidFraction * share + large.existingFraction;
     if (recipe.densify > 0) {
-        // Fewer spheres tell as much, and relaxing them takes its time.
+        // Fewer spheres suffice, and moving them takes long.
         const bool few = static_cast<double>(large.spheres.size()) <= kDensifyCount;
-        forecastDensify(recipe, few ? large : small, sizes, f, callbacks);
+        predictDensify(recipe, few ? large : small, sizes, f, callbacks);
     }
 
     // The field: voxels by a power of the scale, the second where the band is thin against the
@@ -233,30 +231,30 @@ Forecast forecast(const PackRecipe& recipe, const DomainSource& source,
     if (requested.targetCount > 0) f.seconds.pack *= 1 + kTargetTrials;
     f.seconds.measure = atCount(small.measure, large.measure);
     f.trialCount = static_cast<std::uint64_t>(large.count);
-    f.existing = static_cast<std::uint64_t>(large.standing);
-    f.count += large.standing;
-    // What the trials tell instead of guesses.
+    f.existing = static_cast<std::uint64_t>(large.existing);
+    f.count += large.existing;
+    // Figures of the trials replace the guesses.
     Extent extent = extentOf(recipe, source);
     const double guessed = extent.domainVolume;
     extent.domainVolume = large.volume;
     extent.domainArea = large.area;
     extent.count = f.count;
-    if (guessed > 0) extent.voids *= large.volume / guessed;
+    if (guessed > 0) extent.voids.count *= large.volume / guessed;
     if (extent.field.triangles > 0) extent.field.voxelSize = f.voxelSize;
-    f.needs = needsOf(extent);
+    f.estimate = estimate(extent);
     return f;
 }
 
 }  // namespace
 
-Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     checkRecipe(recipe);
     return withThreads(recipe.threads, [&] {
         Clock clock;
         const DomainSource source(recipe.domain, callbacks);
         const double mesh = clock.lap();
-        Forecast f = source.dim() == 3 ? forecast<3>(recipe, source, callbacks)
-                                       : forecast<2>(recipe, source, callbacks);
+        DryRun f = source.dim() == 3 ? predict<3>(recipe, source, callbacks)
+                                     : predict<2>(recipe, source, callbacks);
         f.threads = effectiveThreads(recipe.threads);
         f.seconds.mesh = mesh;
         f.seconds.total =
@@ -266,7 +264,7 @@ Forecast forecastPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     });
 }
 
-nlohmann::ordered_json toJson(const Forecast& f) {
+nlohmann::ordered_json toJson(const DryRun& f) {
     using Json = nlohmann::ordered_json;
     Json json;
     json["dryRun"] = true;
@@ -279,20 +277,20 @@ nlohmann::ordered_json toJson(const Forecast& f) {
     json["seconds"] = {{"mesh", f.seconds.mesh},       {"domain", f.seconds.domain},
                        {"pack", f.seconds.pack},       {"densify", f.seconds.densify},
                        {"measure", f.seconds.measure}, {"total", f.seconds.total}};
-    json["peakMemoryBytes"] = std::llround(std::min(f.needs.memory(), 9e18));
-    json.update(toJson(f.needs));
+    json["peakMemoryBytes"] = std::llround(std::min(f.estimate.memory(), 9e18));
+    json.update(toJson(f.estimate));
     json["trial"] = {{"count", f.trialCount}, {"seconds", f.trialSeconds}};
     return json;
 }
 
-std::string summary(const Forecast& f) {
+std::string summary(const DryRun& f) {
     const char* spheres = f.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres;
     std::string text = fmt::format("dry run    nothing is written; expect about\n");
     text += fmt::format(
         "{:<11}{:.0f}, radii {} mm{}\n", spheres, f.count, f.sizes,
-        f.existing > 0 ? fmt::format("; {} of them stand already", f.existing) : std::string());
+        f.existing > 0 ? fmt::format("; {} of them exist already", f.existing) : std::string());
     text += fmt::format("{:<11}{:.3f} of the domain{}\n", "solid", f.solidFraction,
-                        f.densified ? "" : "; more than that is not to be had");
+                        f.densified ? "" : "; denser packs are not reached");
     if (f.voxelSize > 0) text += fmt::format("{:<11}voxels of {:.4g} mm\n", "field", f.voxelSize);
     text += fmt::format(
         "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, {}measure {:.2f}, total {:.2f} on {} "
@@ -300,7 +298,7 @@ std::string summary(const Forecast& f) {
         "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack,
         f.seconds.densify > 0 ? fmt::format("densify {:.2f}, ", f.seconds.densify) : std::string(),
         f.seconds.measure, f.seconds.total, f.threads, f.threads == 1 ? "" : "s");
-    text += summary(f.needs);
+    text += summary(f.estimate);
     text += fmt::format("{:<11}trials of up to {} {}, {:.2f} s\n", "from", f.trialCount, spheres,
                         f.trialSeconds);
     return text;

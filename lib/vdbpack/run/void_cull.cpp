@@ -1,0 +1,115 @@
+// Spheres that voids remove, and what of the rest is connected.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/measure/attached.h"
+#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/solve_target.h"
+#include "vdbpack/voids/thinning.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace vdbpack {
+
+template <int Dim>
+std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>& s, double contactTolerance,
+                                          const Pack<Dim>& pack, VoidReport& report) {
+    auto attached = attachedSpheres(pack.spheres,
+                                    s.recipe.shell > 0 ? pack.region : std::vector<std::int32_t>{},
+                                    contactTolerance);
+    const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
+    if (!attached.empty()) report.spheresAttached = held / static_cast<double>(attached.size());
+    return attached;
+}
+
+template <int Dim>
+void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t standing,
+              MadeVoids<Dim>& made, Pack<Dim>& pack) {
+    const VoidRecipe& r = s.recipe;
+    const VoidMethod method = methodOf(r);
+    if (method == VoidMethod::none && !(r.shell > 0)) {
+        pack.region.assign(pack.spheres.size(), 0);  // all compact
+        return;
+    }
+    made.report.method = r.method;
+    made.report.shell = r.shell;
+    pack.region = deeperThan(pack.spheres, s.domain, r.shell);
+    const std::size_t before = pack.spheres.size();
+    std::vector<std::uint8_t> keep;
+    if (isThinning(method)) {
+        auto candidates = pack.region;
+        std::fill_n(candidates.begin(), std::min(standing, before), 0);
+        double all = 0;
+        for (std::size_t i = 0; i < before; ++i)
+            if (pack.region[i]) all += Measure<Dim>::ball(pack.spheres[i].radius);
+        const auto bvtvAt = [&](double fraction) {
+            fraction = std::max(fraction, 1e-6);
+            keep = method == VoidMethod::threshold
+                       ? removeLargest(pack.spheres, candidates, fraction)
+                       : removeAround(pack.spheres, candidates, fraction, s.seed);
+            double left = 0;
+            for (std::size_t i = 0; i < before; ++i)
+                if (pack.region[i] && keep[i]) left += Measure<Dim>::ball(pack.spheres[i].radius);
+            return all > 0 ? left / all : 0.0;
+        };
+        made.report.ofSpheres = true;
+        made.report.totalVolume = regionOf(s).volume();
+        if (r.targetBvtv)
+            made.report.amount =
+                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, kBvtvTolerance, "", bvtvAt);
+        else
+            made.report.amount = r.deleteFraction;
+        made.report.bvtv = bvtvAt(*made.report.amount);
+        warnIfOff(s, made.report);
+    } else if (made.stamped) {
+        keep = r.cull == Cull::touch
+                   ? spheresOutside(pack.spheres, *made.stamped, r.cull)
+                   : centersOutside(pack.spheres, made.list, *made.stamped, pack.region);
+    }
+    if (!keep.empty()) {
+        std::fill_n(keep.begin(), std::min(standing, before), 1);
+        keepOnly(pack, keep);
+        made.report.culled = before - pack.spheres.size();
+    }
+    if (r.keepConnected) {
+        auto stay = attachedToShell(s, contactTolerance, pack, made.report);
+        std::fill_n(stay.begin(), std::min(standing, stay.size()), 1);
+        const std::size_t count = pack.spheres.size();
+        keepOnly(pack, stay);
+        made.report.dropped = count - pack.spheres.size();
+    }
+    if (r.shell > 0 && !pack.spheres.empty()) {
+        double mean = 0;
+        std::size_t cortical = 0;
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+            if (pack.region[i]) continue;
+            mean += pack.spheres[i].radius;
+            ++cortical;
+        }
+        made.report.cortical = cortical;
+        if (cortical > 0) {
+            made.report.across = r.shell / (2 * mean / static_cast<double>(cortical));
+            if (*made.report.across < 3)
+                s.callbacks.warn(
+                    fmt::format("the shell of {} mm is {:.2g} {} thick; below three it is no "
+                                "layer: take smaller "
+                                "radii or a thicker shell",
+                                r.shell, *made.report.across, Measure<Dim>::kSpheres));
+        }
+    }
+}
+
+#define VDBPACK_INSTANTIATE(Dim)                                                          \
+    template std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>&, double,   \
+                                                       const Pack<Dim>&, VoidReport&);    \
+    template void cullPack(const VoidSetting<Dim>&, double, std::size_t, MadeVoids<Dim>&, \
+                           Pack<Dim>&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
+
+}  // namespace vdbpack

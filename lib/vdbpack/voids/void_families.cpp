@@ -1,0 +1,168 @@
+#include "vdbpack/voids/void_families.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/pack/packer.h"
+#include "vdbpack/voids/orientation.h"
+#include "vdbpack/voids/void_list.h"
+#include "vdbpack/voids/void_matrix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// Directions of the paper (see the README), about z or in the plane.
+constexpr const char* kPaperCone = "tz=uniform:0,6.283185307179586;tx=uniform:-0.358,0.358";
+constexpr const char* kPaperTilt = "phi=uniform:-0.358,0.358";
+/// Holes of the paper's Figure 10, in largest radii of the spheres.
+constexpr double kDefaultHole[2] = {1.5, 2.5};
+
+/// Radii of large spheres pending at a time, as a share of those that fit and at least and most.
+constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
+
+}  // namespace
+
+template <int Dim>
+VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
+    return {s.domain, s.recipe.shell};
+}
+
+template <int Dim>
+std::string voidRadiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    if (!s.recipe.radius.empty()) return s.recipe.radius;
+    const std::string spec = fmt::format("uniform:{:.6g},{:.6g}", kDefaultHole[0] * s.largestRadius,
+                                         kDefaultHole[1] * s.largestRadius);
+    if (chosen)
+        chosen->push_back(
+            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere, since "
+                        "`voids.radius` is not given",
+                        spec));
+    return spec;
+}
+
+template <int Dim>
+VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    const VoidMethod method = methodOf(s.recipe);
+    const bool ball = method == VoidMethod::mixed;
+    OrientationRecipe orientation = s.recipe.orientation;
+    if (orientation.angles.empty() && orientation.axis.empty() && orientation.field.empty()) {
+        orientation.angles = method == VoidMethod::boolean || ball ? "isotropic"
+                             : Dim == 3                            ? kPaperCone
+                                                                   : kPaperTilt;
+        if (chosen && !ball)
+            chosen->push_back(
+                fmt::format("void directions {}, since none are given", orientation.angles));
+    }
+    std::string aspect = s.recipe.aspect;
+    if (ball) aspect = "constant:1";
+    if (aspect.empty()) {
+        aspect = "constant:2";
+        if (chosen)
+            chosen->push_back("voids twice as long as wide, since `voids.aspect` is not given");
+    }
+    return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim),
+            SizeDistribution::parse(aspect, Dim),
+            makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
+}
+
+namespace {
+
+template <int Dim>
+VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
+                              std::vector<std::string>* chosen) {
+    const VoidShape<Dim> shape = voidShapeOf(s, chosen);
+    VoidFamily<Dim> family;
+    family.guess = -std::log(target) / shape.meanMeasure();
+    family.most = 60 / shape.meanMeasure();
+    family.remedy = "; take larger voids";
+    family.leastHalfAxis = shape.radius.min() * std::min(1.0, shape.aspect.min());
+    const auto& setting = s;
+    family.list = [&setting, shape](double density) {
+        return booleanVoids(regionOf(setting), shape, setting.seed, density);
+    };
+    return family;
+}
+
+template <int Dim>
+VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    const VoidShape<Dim> shape = voidShapeOf(s, chosen);
+    // Balls that hold the ellipsoids touch one another; those lie apart from the shell as well.
+    PackOptions options(shape.radius.scaled(std::max(1.0, shape.aspect.mean())));
+    options.seed = s.seed;
+    std::unique_ptr<Domain<Dim>> inset;
+    if (s.recipe.shell > 0) inset = insetDomain(s.domain, s.recipe.shell);
+    const double expected = 0.6 * regionOf(s).volume() / options.sizes.meanBall(Dim);
+    options.pending = static_cast<std::size_t>(
+        std::clamp(kPendingShare * expected, kPendingVoids[0], kPendingVoids[1]));
+    Callbacks quiet;
+    quiet.cancelled = s.callbacks.cancelled;
+    const auto result = packSpheres(inset ? *inset : s.domain, options, quiet);
+    if (result.interrupted) throw Interrupted();
+    auto voids = voidsAtSpheres(result.pack.spheres, true, shape, s.seed);
+    shuffle(voids, s.seed);
+    VoidFamily<Dim> family;
+    family.most = static_cast<double>(voids.size());
+    family.guess = 0.5 * family.most;
+    family.remedy = "; take a smaller `voids.aspect`, or `voids` boolean, whose voids overlap";
+    family.leastHalfAxis = leastHalfAxis(voids);
+    family.list = [voids](double count) {
+        const auto n = static_cast<std::ptrdiff_t>(
+            std::clamp(std::round(count), 0.0, static_cast<double>(voids.size())));
+        return std::vector<Ellipsoid<Dim>>(voids.begin(), voids.begin() + n);
+    };
+    return family;
+}
+
+template <int Dim>
+VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s) {
+    std::shared_ptr<const VoidMatrix> matrix;
+    if (!s.recipe.matrix.empty())
+        matrix = std::make_shared<VoidMatrix>(readVoidMatrix(s.recipe.matrix));
+    if (Dim == 2 && matrix && matrix->size[2] > 1)
+        throw InputError(fmt::format("{}: holds {} layers, and the domain is a plane; keep one",
+                                     s.recipe.matrix, matrix->size[2]));
+    const auto lattice = voidLattice(s.domain.bounds(), s.recipe.cell, matrix.get());
+    VoidFamily<Dim> family;
+    family.most = 1;
+    family.guess = 0.5;
+    family.remedy = "; take `voids` boolean, whose voids overlap";
+    const auto& setting = s;
+    family.list = [&setting, lattice, matrix](double probability) {
+        return latticeVoids(regionOf(setting), lattice, matrix.get(), probability, setting.seed);
+    };
+    family.leastHalfAxis = leastHalfAxis(family.list(1));
+    return family;
+}
+
+}  // namespace
+
+template <int Dim>
+VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
+                           std::vector<std::string>* chosen) {
+    switch (methodOf(s.recipe)) {
+        case VoidMethod::boolean:
+            return booleanFamily(s, bvtv, chosen);
+        case VoidMethod::overlay:
+            return overlayFamily(s, chosen);
+        default:
+            return gridFamily(s);
+    }
+}
+
+#define VDBPACK_INSTANTIATE(Dim)                                                             \
+    template VoidRegion<Dim> regionOf(const VoidSetting<Dim>&);                              \
+    template std::string voidRadiusSpec(const VoidSetting<Dim>&, std::vector<std::string>*); \
+    template VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>&, std::vector<std::string>*); \
+    template VoidFamily<Dim> voidFamily(const VoidSetting<Dim>&, double, std::vector<std::string>*);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
+
+}  // namespace vdbpack

@@ -1,0 +1,60 @@
+// Lists of voids by method, as a function of their amount.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/voids/void_field.h"
+#include "vdbpack/voids/void_recipe.h"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// What voids are cut into, and for which spheres.
+template <int Dim>
+struct VoidSetting {
+    const VoidRecipe& recipe;
+    const Domain<Dim>& domain;
+    double sliceHeight = 0;  ///< mm
+    std::uint64_t seed = 1;
+    double largestRadius = 0;  ///< of the spheres there are or will be, mm; 0: none
+    const Callbacks& callbacks;
+};
+
+/// The part of the domain that voids are cut into: deeper than the shell.
+template <int Dim>
+VoidRegion<Dim> regionOf(const VoidSetting<Dim>& setting);
+
+/// SPEC of the shorter half-axis b: that of the recipe, or holes of 1.5 to 2.5 largest spheres.
+/// @param chosen  gets a sentence on each default; null: none.
+template <int Dim>
+std::string voidRadiusSpec(const VoidSetting<Dim>& setting, std::vector<std::string>* chosen);
+
+/// Sizes and directions of the voids. @param chosen  as that of `voidRadiusSpec`.
+template <int Dim>
+VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& setting,
+                           std::vector<std::string>* chosen = nullptr);
+
+/// The lists of voids of one method. The amount is the number of voids for each unit of volume
+/// (boolean), their number (overlay), or the probability that a box has one (grid).
+template <int Dim>
+struct VoidFamily {
+    double most = 0;   ///< the largest amount; infinite where there is no end
+    double guess = 0;  ///< of the amount for the target
+    std::string remedy;
+    double leastHalfAxis = 0;
+    std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
+};
+
+/// @param setting  must outlive the family.
+/// @param bvtv     aimed at; for the first guess.
+/// @param chosen   as that of `voidRadiusSpec`.
+/// @throws ParameterError, InputError, Interrupted
+template <int Dim>
+VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& setting, double bvtv,
+                           std::vector<std::string>* chosen);
+
+}  // namespace vdbpack
