@@ -30,8 +30,8 @@ namespace {
 
 struct Job {
     std::string domain, unit = "mm", spec = "uniform:1,2";
-    double fraction = 0;  ///< infinity: as dense as it gets
-    double count = 0;     ///< the radii are scaled so that the front places about as many; 0: not
+    double fraction = 0;  ///< infinity: as dense as possible
+    double count = 0;  ///< radii are scaled so that the front places about this many; 0: not scaled
 };
 
 Job parseJob(const std::string& word) {
@@ -55,13 +55,13 @@ Job parseJob(const std::string& word) {
     return job;
 }
 
-/// Tubes of radius `r` along the three axes, 6 r apart, as a closed mesh: the faces of small cubes,
-/// drawn towards where the tubes' walls are.
+/// Tubes of radius `r` along the three axes, 6 r apart, as a closed mesh: the faces of small cubes
+/// with their vertices moved to the walls of the tubes.
 TriangleMesh strutMesh(double r) {
     constexpr int kPerRadius = 6, kTubes = 3;
     const double pitch = 6 * r, h = r / kPerRadius;
     const int n = static_cast<int>(std::lround(pitch * kTubes / h)) + 3;
-    // Negative inside; a tube runs through the middle of each pitch, and ends at the box.
+    // Negative inside; a tube runs through the middle of each pitch and ends at the box.
     const auto distance = [&](const Vec<3>& x) {
         double least = std::numeric_limits<double>::infinity();
         for (int d = 0; d < 3; ++d) {
@@ -209,14 +209,14 @@ void benchDensify(int threads, bool quick, std::vector<std::string> words) {
                  "box:200,200,20=0.63",   "struts:6=0.6",         "box:60,60,60=0.62=constant:1",
                  "rect:600,600=0.835"};
     fmt::print(
-        "{} threads; fractions of the domain before, asked for and after, and deeper than "
-        "three largest\nradii; us: microseconds of processor a sphere; ks against SPEC; "
-        "cryst: share that lies as in a crystal\n",
+        "{} threads; solid fractions of the front, target, reached, and deeper than three "
+        "largest\nradii; us: microseconds of processor per sphere; ks: distance from SPEC; "
+        "cryst: crystalline share\n",
         threads);
     fmt::print(
         "{:<22} {:<12} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>6} {:>7} "
         "{:>7} hash\n",
-        "domain", "radii", "spheres", "front", "asked", "after", "inner", "steps", "s", "us", "ks",
+        "domain", "radii", "spheres", "front", "target", "after", "inner", "steps", "s", "us", "ks",
         "cryst", "overlap", "out");
     for (const auto& word : words) {
         const Job job = parseJob(word);

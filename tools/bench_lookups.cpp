@@ -1,5 +1,5 @@
-// bench_pack lookups: how fast a domain tells clearances, beside CGAL's AABB tree and the plain
-// loop over all triangles. One thread, the same random points, one run.
+// bench_pack lookups: time of the signed distances of a domain, of CGAL's AABB tree and of a loop
+// over all triangles. One thread, the same random points, one run.
 #include "bench_lookups.h"
 
 #include "vdbpack/core/rng.h"
@@ -31,7 +31,7 @@ using Surface = CGAL::Surface_mesh<Point>;
 using Tree =
     CGAL::AABB_tree<CGAL::AABB_traits<Kernel, CGAL::AABB_face_graph_triangle_primitive<Surface>>>;
 
-/// Seconds for a lookup of the first `count` points; `ask` is called with the index of each.
+/// Seconds per lookup of the first `count` points; `ask` is called with the index of each.
 template <class Ask>
 double secondsEach(std::size_t count, const Ask& ask) {
     const auto start = std::chrono::steady_clock::now();
@@ -53,7 +53,7 @@ Surface surfaceOf(const TriangleMesh& mesh) {
     return surface;
 }
 
-/// The plain way: the nearest of all triangles, and the parity of those above.
+/// By a loop: the nearest of all triangles, and the parity of those above.
 double signedDistanceByLoop(const TriangleMesh& mesh, const Vec<3>& x) {
     double least = std::numeric_limits<double>::infinity();
     bool inside = false;
@@ -63,7 +63,8 @@ double signedDistanceByLoop(const TriangleMesh& mesh, const Vec<3>& x) {
         const Kernel::Triangle_3 triangle(Point(a[0], a[1], a[2]), Point(b[0], b[1], b[2]),
                                           Point(c[0], c[1], c[2]));
         least = std::min(least, CGAL::squared_distance(p, triangle));
-        // Signed areas in the xy plane: the vertical line through x passes between the corners.
+        // Signed areas in the xy plane: equal signs if the vertical line through x meets the
+        // triangle.
         const auto area = [&](const Vec<3>& u, const Vec<3>& v) {
             return (u[0] - x[0]) * (v[1] - x[1]) - (v[0] - x[0]) * (u[1] - x[1]);
         };
@@ -81,7 +82,7 @@ void benchLookups(const TriangleMesh& mesh, const std::string& name, double deta
     FieldOptions options;
     options.name = name;
     options.detail = detail;
-    options.depth = 6 * detail;  // three largest radii at a ratio of 1:2
+    options.depth = 6 * detail;  // three largest radii
     const auto domain = meshDomain(mesh, options);
     const auto sampler = domain->sampler();
     const Box<3> bounds = domain->bounds();
@@ -118,8 +119,8 @@ void benchLookups(const TriangleMesh& mesh, const std::string& name, double deta
         kLoops, [&](std::size_t i) { byLoop[i] = signedDistanceByLoop(mesh, points[i]); });
     if (!(sum > 0)) throw std::runtime_error("the AABB tree found no distance");
 
-    // The answers are those of one surface: signs differ only next to it, where the field is off
-    // by up to a voxel.
+    // All describe one surface: signs may differ only next to it, where the error of the field is
+    // up to a voxel.
     const double voxel = domain->facts().voxelSize;
     std::size_t wrong = 0, near = 0;
     for (std::size_t i = 0; i < kSides; ++i)
@@ -131,7 +132,7 @@ void benchLookups(const TriangleMesh& mesh, const std::string& name, double deta
                    what, 1 / seconds, seconds / ours);
     };
     row("domain, clearance", ours);
-    row("CGAL Side_of_triangle_mesh, sign alone", side);
+    row("CGAL Side_of_triangle_mesh, sign only", side);
     row("CGAL Side_of_triangle_mesh and distance", exact);
     row("loop over all triangles, both", loop);
     fmt::print(

@@ -35,9 +35,9 @@ struct Void {
     double a = 0, b = 0;
 };
 
-/// A Boolean model: ellipsoids at random places (Poisson) and in random directions, taken off a
-/// solid cube, so that exp(-n v) of it stays for n voids a volume of volume v. Distances are those
-/// to each ellipsoid, to first order at its surface.
+/// A Boolean model: ellipsoids at random positions (Poisson) and in random directions, removed from
+/// a solid cube. The solid fraction is exp(-n v) for n voids of volume v per volume. Distances to
+/// the ellipsoids are first-order accurate at their surfaces.
 VoxelImage trabecularSample(int edge, double voxelSize, double solidFraction) {
     const double a = 0.36, b = 0.24, volume = 4.0 / 3.0 * kPi * a * b * b;
     const double side = edge * voxelSize, window = side + 2 * a;
@@ -132,7 +132,7 @@ void benchMeasure(int threads, double side, int edge) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     fmt::print(
-        "{0}³ voxels of {1:g} mm, a Boolean model of ellipsoidal voids made for BV/TV 0.15: "
+        "{0}³ voxels of {1:g} mm, a Boolean model of ellipsoidal voids for BV/TV 0.15: "
         "morphometry in {2:.1f} s with {3:.0f} MB at most (before: {4:.0f})\n\n{5}",
         edge, image.voxelSize, seconds, mebibytes(), before, summary(m));
 }

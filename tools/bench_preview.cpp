@@ -17,7 +17,7 @@ using namespace vdbpack;
 
 void benchPreview(int threads, double count) {
     const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
-    // 0.64 of a large box is sphere; next to the faces it is less.
+    // The solid fraction is 0.64 in a large box, less next to its faces.
     const double side = std::cbrt(count * sizes.meanBall(3) / 0.635);
     Box<3> box;
     box.add({{-side / 2, -side / 2, -side / 2}});
@@ -37,7 +37,7 @@ void benchPreview(int threads, double count) {
         const std::clock_t busy = std::clock();
         const Image image = withThreads(threads, [&] { return renderPreview(scene, options); });
         const double drawn = now();
-        // Of all threads: what another load on the machine does not change much.
+        // The time of all threads, which other load on the machine hardly changes.
         const double processor = static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC;
         const std::string png = encodePng(image);
         const double encoded = now();

@@ -2,9 +2,9 @@
 //
 //   bench_readers READER FILE
 //
-// READER is vdbpack, cgal, tinyobj, assimp or vtk, as far as it was found when configuring. One
-// reader a process, as the peak memory is the process's. Readers that leave vertices unwelded are
-// welded by `vdbpack::welded`, and the time for it counts.
+// READER is vdbpack, cgal, tinyobj, assimp or vtk, if it was found when configuring. One reader per
+// process, since the peak of memory is that of the process. Meshes with unwelded vertices are
+// welded by `vdbpack::welded`, which is part of the measured time.
 
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/welding.h"
@@ -149,7 +149,7 @@ TriangleMesh readWithVtk(const std::string& path) {
 }
 #endif
 
-/// Welds what a library read; some pass indices of a broken file on as they are.
+/// Welds a mesh that a library read; some return the indices of a broken file unchecked.
 TriangleMesh checkedAndWelded(TriangleMesh mesh) {
     for (const auto& t : mesh.triangles)
         for (const auto v : t)

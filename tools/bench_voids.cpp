@@ -28,7 +28,7 @@ constexpr double kVoxel = 0.3, kLong = 1.5, kShort = 0.5;
 constexpr int kRuns = 3;
 constexpr std::size_t kVoids = 100000, kOneByOne = 200;
 
-/// Ellipsoids with centers at random places of a domain, sizes within a fifth, in all directions.
+/// Ellipsoids at random positions in a domain, of random directions and sizes within 20 %.
 std::vector<Ellipsoid<3>> ellipsoidsIn(const Domain<3>& domain) {
     const Box<3> box = domain.bounds();
     const auto sampler = domain.sampler();
@@ -72,12 +72,12 @@ void benchStamp(const Domain<3>& domain, const std::vector<Ellipsoid<3>>& voids)
     const double single = cutting / static_cast<double>(kOneByOne);
     fmt::print(
         "{} ellipsoids of about {} x {} mm in voxels of {} mm: {:.2f} s, {:.1f} us each; "
-        "{:.4f} of the mesh is left\n",
+        "{:.4f} of the mesh remains\n",
         voids.size(), kLong, kShort, kVoxel, stamp, 1e6 * each,
         1 - stamped->volume() / domain.volume());
     fmt::print(
-        "csgDifference of {} of them one by one: {:.0f} us each, {:.0f} times as much ({:.0f} us "
-        "with making the level set of each)\n",
+        "csgDifference of {} of them one by one: {:.0f} us each, {:.0f} times as slow ({:.0f} us "
+        "with the level set of each)\n",
         kOneByOne, 1e6 * single, single / each,
         1e6 * (single + making / static_cast<double>(kOneByOne)));
 }
@@ -113,7 +113,7 @@ void benchVoids(const std::string& mesh, int threads, double targetCount) {
     carving.voids.method = "list:" + list;
     carving.voids.voxelSize = kVoxel;
     carving.threads = threads;
-    // The best of some runs each, in turn: what else the machine does comes and goes.
+    // The best of several runs, in turn: other load on the machine varies.
     Report packed, carved;
     for (int run = 0; run < kRuns; ++run) {
         const Report p = runPack(packing).report, c = runCarve(carving).report;
@@ -121,10 +121,10 @@ void benchVoids(const std::string& mesh, int threads, double targetCount) {
         if (run == 0 || c.seconds.voids < carved.seconds.voids) carved = c;
     }
     const auto &p = packed.seconds, &c = carved.seconds;
-    fmt::print("packing {} spheres: {:.2f} s (with mesh, field, measuring {:.2f} s)\n",
+    fmt::print("packing {} spheres: {:.2f} s (with mesh, field and measures {:.2f} s)\n",
                packed.count, p.pack, p.total - p.write);
     fmt::print(
-        "carving that pack: {:.2f} s, {:.2f} of packing (with mesh, field, measuring {:.2f} "
+        "carving the pack: {:.2f} s, {:.2f} of packing (with mesh, field and measures {:.2f} "
         "s); {} spheres culled, BV/TV {:.4f}\n",
         c.voids, c.voids / p.pack, c.total - c.write, carved.voids->culled, *carved.voids->bvtv);
     std::filesystem::remove_all(folder);

@@ -1,7 +1,7 @@
-// What writing a pack costs beside packing.
+// Time of writing a pack, compared with packing.
 #pragma once
 
-/// Packs a box and prints what writing its spheres to each format takes beside packing it with
-/// normal effort.
+/// Packs a box, writes its spheres to each format and prints the time of each, compared with the
+/// time of packing it with normal effort.
 /// @param side  of the box, mm; radii are uniform from 1 to 2 mm.
 void benchWrite(int threads, double side);

@@ -1,4 +1,4 @@
-// Makes the bundled meshes: the same files, byte for byte, on every run.
+// Makes the bundled meshes; every run gives the same files, byte for byte.
 
 #include "assets/catalog.h"
 #include "assets/surfacing.h"

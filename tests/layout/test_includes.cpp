@@ -1,4 +1,4 @@
-// Includes of the library point one way: down the list of rooms below.
+// Checks that files of the library include only rooms listed before their own.
 #include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
@@ -25,8 +25,8 @@ const std::vector<std::string> kRooms{
     "core",    "io",    "mesh",   "image",   "field",   "mesh/repair", "domain",  "pack",
     "densify", "voids", "verify", "measure", "formats", "report",      "preview", "run"};
 
-/// What `verify` may include besides itself: plain values and triangles, nothing that finds,
-/// places or accepts spheres.
+/// The files that `verify` may include besides its own: plain values and triangles, nothing that
+/// finds, places or accepts spheres.
 const std::set<std::string> kForVerify{
     "core/box.h",      "core/error.h",  "core/half_space.h", "core/pack.h", "core/parallel.h",
     "core/progress.h", "core/sphere.h", "core/units.h",      "core/vec.h",  "mesh/triangle_mesh.h"};
@@ -49,7 +49,8 @@ Includes includesOf(const std::string& root) {
     return includes;
 }
 
-/// Index of a file's room in kRooms; the number of rooms for files at the root and in others.
+/// Index of a file's room in kRooms; the number of rooms for files at the root and in other
+/// folders.
 std::size_t rankOf(const std::string& file) {
     std::size_t found = kRooms.size(), length = 0;
     for (std::size_t i = 0; i < kRooms.size(); ++i)

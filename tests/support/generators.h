@@ -1,4 +1,4 @@
-// Meshes with known answers, made by formula.
+// Meshes by formula, with known properties.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -38,7 +38,7 @@ inline TriangleMesh rotated(TriangleMesh mesh, const Vec<3>& axis, double angle)
     });
 }
 
-/// The same surface with its faces turned round.
+/// The same surface with its faces reversed.
 inline TriangleMesh flipped(TriangleMesh mesh) {
     for (auto& t : mesh.triangles) std::swap(t[1], t[2]);
     return mesh;
@@ -53,7 +53,7 @@ inline TriangleMesh merged(TriangleMesh a, const TriangleMesh& b) {
     return a;
 }
 
-/// Every triangle cut into four at the middles of its sides; the surface stays as it is.
+/// Every triangle split into four at the middles of its sides; the surface does not change.
 inline TriangleMesh subdivided(const TriangleMesh& mesh) {
     TriangleMesh fine;
     fine.vertices = mesh.vertices;
@@ -92,7 +92,7 @@ inline TriangleMesh boxMesh(const Vec<3>& lo, const Vec<3>& hi) {
     return mesh;
 }
 
-/// A ball made from an icosahedron whose triangles are cut into four `levels` times:
+/// A ball made from an icosahedron whose triangles are split into four `levels` times:
 /// 20 * 4^levels triangles, vertices on the sphere. Its volume is smaller than the sphere's by
 /// about 1.2 / 4^levels of it.
 inline TriangleMesh ballMesh(double radius, int levels, const Vec<3>& center = {}) {
@@ -161,8 +161,8 @@ inline TriangleMesh torusMesh(double major, double minor, int around, int across
     return mesh;
 }
 
-/// A ball with a concentric cavity. The cavity's faces look into it (`cavityFacesInward`, as an
-/// oriented surface of the solid does) or the other way.
+/// A ball with a concentric cavity. The cavity's normals point into it (`cavityFacesInward`, as for
+/// an oriented surface of the solid) or out of it.
 inline TriangleMesh hollowBallMesh(double radius, double cavityRadius, int levels,
                                    bool cavityFacesInward = true) {
     TriangleMesh cavity = ballMesh(cavityRadius, levels);

@@ -1,4 +1,4 @@
-// The program itself, with what it took of time and memory.
+// Runs vdb_pack within a time limit and measures its time and memory.
 #pragma once
 
 #include "support/paths.h"
@@ -16,14 +16,14 @@
 namespace vdbpack::test {
 
 struct Measured {
-    int code = -1;  ///< -1: ended by a signal, or by the limit of time
+    int code = -1;  ///< -1: ended by a signal or the time limit
     std::string text;
     double seconds = 0;
     double peakBytes = 0;
 };
 
-/// Runs vdb_pack with these arguments, each as it is, for no longer than `seconds`; its output and
-/// errors together.
+/// Runs vdb_pack with these arguments (without a shell) for at most `seconds`; `text` is its output
+/// and errors together.
 inline Measured vdbPackWithin(unsigned seconds, const std::vector<std::string>& arguments) {
     int ends[2];
     REQUIRE(::pipe2(ends, O_CLOEXEC) == 0);
@@ -38,7 +38,7 @@ inline Measured vdbPackWithin(unsigned seconds, const std::vector<std::string>& 
     if (child == 0) {
         ::dup2(ends[1], STDOUT_FILENO);
         ::dup2(ends[1], STDERR_FILENO);
-        ::alarm(seconds);  // stays through exec; ends the program
+        ::alarm(seconds);  // survives exec; ends the program
         ::execv(argv[0], argv.data());
         ::_exit(126);
     }

@@ -5,7 +5,8 @@
 
 namespace vdbpack::test {
 
-/// The message of the `Failure` that `work` throws; empty if it throws none. Other exceptions pass.
+/// The message of the `Failure` that `work` throws; empty if it throws nothing. Other exceptions
+/// are not caught.
 template <class Failure, class Work>
 std::string messageOf(const Work& work) {
     try {

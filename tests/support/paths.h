@@ -1,11 +1,11 @@
-// Where the program and the bundled files are that tests use.
+// Paths of the program and of the bundled files that tests use.
 #pragma once
 
 #include <string>
 
 namespace vdbpack::test {
 
-/// vdb_pack as it was built.
+/// The vdb_pack of this build.
 extern const std::string kTool;
 /// The folder of the bundled meshes, without a slash at its end.
 extern const std::string kMeshes;

@@ -1,4 +1,4 @@
-// The program as a process of its own, to be interrupted and killed by tests.
+// Runs vdb_pack in the background, so that tests can interrupt and kill it.
 #pragma once
 
 #include "support/paths.h"
@@ -20,8 +20,7 @@ inline void sleepFor(double seconds) {
     std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
 
-/// vdb_pack with some arguments, in the background; what it prints is dropped. Killed where a test
-/// ends without waiting for it.
+/// vdb_pack in the background, without output. It is killed if a test ends without waiting for it.
 class Process {
 public:
     explicit Process(const std::vector<std::string>& arguments) {
@@ -52,7 +51,7 @@ public:
     }
     pid_t id() const { return id_; }
     void signal(int number) { ::kill(id_, number); }
-    /// @return the exit code; that of a shell, 128 + number, where a signal ended it.
+    /// @return the exit code; 128 + number, as in a shell, if a signal ended the process.
     int wait() {
         int status = 0;
         REQUIRE(::waitpid(id_, &status, 0) == id_);

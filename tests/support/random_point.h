@@ -1,4 +1,4 @@
-// Points at random places.
+// Random points.
 #pragma once
 
 #include "vdbpack/core/rng.h"

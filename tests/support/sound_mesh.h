@@ -1,4 +1,4 @@
-// What a surface around a solid keeps to.
+// The properties of a valid surface of a solid.
 #pragma once
 
 #include "vdbpack/mesh/mesh_check.h"
@@ -7,7 +7,8 @@
 
 namespace vdbpack::test {
 
-/// Closed, every shell faces outward (cavities into themselves), and no shell encloses twice.
+/// Closed, every component facing out of the solid, and no component enclosing the same volume
+/// twice.
 inline void requireSound(const TriangleMesh& mesh) {
     const MeshHealth health = checkMesh(mesh);
     CAPTURE(toText(health));

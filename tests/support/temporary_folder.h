@@ -1,4 +1,4 @@
-// A folder of its own for a test that writes files.
+// A temporary folder for a test that writes files.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace vdbpack::test {
 
-/// An empty folder that is removed with everything in it at the end of the test.
+/// An empty folder that is removed, with its content, at the end of the test.
 class TemporaryFolder {
 public:
     TemporaryFolder() {
@@ -27,7 +27,7 @@ public:
 
     const std::string& path() const { return path_; }
     std::string file(const std::string& name) const { return path_ + "/" + name; }
-    /// The number of its files and folders.
+    /// The number of files and folders in it.
     std::size_t files() const {
         return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_),
                                                       std::filesystem::directory_iterator()));

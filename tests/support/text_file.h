@@ -15,8 +15,9 @@ inline std::string contentOf(const std::string& path) {
     return {std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
 }
 
-/// Writes a whole file. A former one is removed first: file systems push a file that is truncated
-/// and written again to the disk at once, which takes most of the time for thousands of variants.
+/// Writes a whole file. An existing file is removed first: file systems flush a file that is
+/// truncated and rewritten to the disk at once, which would dominate the time of thousands of
+/// variants.
 inline void putContent(const std::string& path, const std::string& content) {
     std::filesystem::remove(path);
     std::ofstream(path, std::ios::binary) << content;

@@ -1,4 +1,4 @@
-// The program itself, run by tests.
+// Runs vdb_pack and commands of the shell.
 #pragma once
 
 #include "support/paths.h"
@@ -16,7 +16,7 @@ struct Output {
     std::string text;
 };
 
-/// Runs a command of the shell; its output and errors together.
+/// Runs a command of the shell; `text` is its output and errors together.
 inline Output shell(const std::string& command) {
     std::FILE* pipe = ::popen((command + " 2>&1").c_str(), "r");
     REQUIRE(pipe);

@@ -1,4 +1,4 @@
-// Whether text is well-formed XML, as far as pages of HTML go.
+// Checks that a page of HTML is well-formed XML.
 #pragma once
 
 #include <cctype>
@@ -13,7 +13,7 @@ class PageReader {
 public:
     explicit PageReader(const std::string& page) : page_(page) {}
 
-    /// What is wrong with the page, with what comes there; empty if nothing is.
+    /// The first error of the page, with the text that follows; empty if there is none.
     std::string flaw() {
         take("<!DOCTYPE html>");
         std::vector<std::string> open;
@@ -69,7 +69,7 @@ private:
         return takeAll([](char c) { return std::isspace(static_cast<unsigned char>(c)) != 0; })
             .size();
     }
-    /// The rest of an attribute's value, its opening quote read.
+    /// The rest of an attribute's value, after its opening quote.
     bool readValue(char quote) {
         while (at_ < page_.size() && page_[at_] != quote) {
             if (page_[at_] == '<') return false;
@@ -101,8 +101,8 @@ private:
     std::size_t at_ = 0;
 };
 
-/// What is wrong with a page, with what comes there; empty if nothing is. Knows elements, quoted
-/// attributes, a doctype and the five entities; no comments, no CDATA.
+/// The first error of a page, with the text that follows; empty if there is none. Accepts elements,
+/// quoted attributes, a doctype and the five entities, but no comments and no CDATA.
 inline std::string flawIn(const std::string& page) {
     return PageReader(page).flaw();
 }

@@ -302,7 +302,7 @@ void addIschiumAndPubis(Sculpture& s) {
 
 /// The cavity of the joint.
 void cutSocket(Sculpture& s, const V& facing, const Frame& cup) {
-    // With its rough floor, and the gap in the lower rim.
+    // With its rough floor and the gap in the lower rim.
     s.cut(ellipsoid({{0, 0, 0}}, {{26.5, 26.5, 26.5}}), 2.5);
     const V down = normalized(-1.0 * (kZ - facing * dot(kZ, facing)) - 0.25 * kY);
     s.cut(ellipsoid(-13.0 * facing + 3.0 * down, {{15, 15, 15.5}}, cup), 3);
@@ -345,7 +345,7 @@ struct Orbit {
     Frame gaze = Frame::of(socket - apex, kX);
 };
 
-/// The brain's room: the vault less its wall, and less the bone of the base.
+/// The cavity of the brain: the vault minus its wall and minus the bone of the base.
 std::shared_ptr<Sculpture> brainCavity(const std::shared_ptr<Sculpture>& vault,
                                        const Orbit& orbit) {
     const auto& [apex, socket, gaze] = orbit;

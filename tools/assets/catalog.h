@@ -13,10 +13,10 @@ struct Asset {
     std::string what;  ///< one line for the file's header
     Sculpture (*sculpt)();
     double voxelSize;  ///< mm
-    long eulerNumber;  ///< the body's own: 2 - 2 x tunnels
+    long eulerNumber;  ///< of the body: 2 - 2 x tunnels
 };
 
-/// Each with the voxel size its mesh is made at.
+/// With the voxel sizes of their meshes.
 const std::vector<Asset>& assets();
 
 }  // namespace vdbpack

@@ -16,10 +16,10 @@ struct Octave {
     double height;
 };
 constexpr Octave kOctaves[] = {{21, 9}, {10, 3.6}, {6, 1.2}};
-// The bumps' slopes add to the ball's own: a bound of the sum, by which values become distances.
+// An upper bound of the slope of ball and bumps together, which turns values into distances.
 constexpr double kSteepest = 2;
 
-// Even in -1 .. 1, from the corner of a lattice and the octave.
+// Uniform in -1 .. 1, determined by the corner of a lattice and the octave.
 double valueAt(std::int64_t x, std::int64_t y, std::int64_t z, std::uint64_t octave) {
     std::uint64_t h = 0x9e3779b97f4a7c15u * (octave + 1);
     for (const std::int64_t c : {x, y, z}) {
@@ -84,7 +84,7 @@ private:
 Sculpture irregular() {
     Sculpture s;
     s.add(std::make_shared<LumpyBall>(28.0), 0);
-    // A bite that a ball of a third of the body leaves, and two pits narrower than deep.
+    // A bite of a third of the size of the body, and two pits narrower than deep.
     s.cut(ellipsoid({{19, -17, 12}}, {{12, 12, 12}}), 5);
     s.cut(roundTube({{{{-34, -8, 12}}, 6.5}, {{{-18, -5, 7}}, 5}, {{{-10, -4, 3}}, 4}}), 4);
     s.cut(roundTube({{{{-6, -36, -14}}, 7}, {{{-4, -20, -10}}, 5.5}, {{{2, -10, -8}}, 4}}), 4);

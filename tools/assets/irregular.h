@@ -1,4 +1,4 @@
-// A body of no particular kind, with bumps and hollows.
+// An irregular body with bumps and hollows.
 #pragma once
 
 #include "sculpture.h"

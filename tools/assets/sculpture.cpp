@@ -14,7 +14,7 @@ namespace {
 // Pieces a spline's span is cut into; finer makes no visible difference at the voxels used.
 constexpr int kPiecesPerSpan = 8;
 // A mirrored solid is rounded over this distance from the mirror plane, mm: shapes that reach
-// it at an angle would leave a crease.
+// it at an angle would otherwise leave a crease.
 constexpr double kMirrorRounding = 1.5;
 
 double square(double x) {
@@ -144,8 +144,8 @@ public:
                 }
             }
         }
-        // The foot of the perpendicular, by tangents that turn evenly along the spline: chords
-        // alone would leave their corners on the surface.
+        // The foot of the perpendicular, by tangents that turn evenly along the spline: with chords
+        // only, their corners would show on the surface.
         const auto ahead = [&](std::size_t i) { return dot(p - nodes_[i].center, tangents_[i]); };
         for (int i = 0; i < 3; ++i) {
             if (ahead(best) < 0 && best > 0)
@@ -175,7 +175,7 @@ public:
             normalized(tangents_[best] + bestT * (tangents_[best + 1] - tangents_[best]));
         const Frame f = Frame::of(along, a.across + bestT * (b.across - a.across));
         const bool end = (best == 0 && bestT == 0) || (best + 2 == nodes_.size() && bestT == 1);
-        // Inside the tube what is left along it stems from the interpolation.
+        // Inside the tube a remainder along its axis is an error of the interpolation.
         const double u = dot(d, f.x), v = dot(d, f.y), w = end ? dot(d, f.z) : 0.0;
         const double cap = std::min(width, depth);
         if (profile_ == Profile::kEllipse)

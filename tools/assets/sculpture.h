@@ -12,9 +12,9 @@
 namespace vdbpack {
 
 /// A solid by its signed distance, negative inside. Away from the surface the value may differ
-/// from the true distance; its sign and its zero set are what counts.
+/// from the true distance; only its sign and its zero set must be exact.
 ///
-/// Only +, -, *, / and square roots are used, so that every processor makes the same bits.
+/// Only +, -, *, / and square roots are used, so that every processor computes the same bits.
 class Shape {
 public:
     virtual ~Shape() = default;
@@ -51,8 +51,7 @@ enum class Profile {
     kStadium,  ///< a strip with round edges; for flat parts
 };
 
-/// Sections joined along a Catmull-Rom spline, with round ends.
-/// One section gives a ball-like end piece only; two or more are needed.
+/// Sections joined along a Catmull-Rom spline, with round ends; two or more are needed.
 ShapePtr tube(const std::vector<Section>& sections, Profile profile = Profile::kEllipse);
 
 /// A round tube.
@@ -72,7 +71,7 @@ struct Plate {
 };
 ShapePtr plate(const Plate& plate);
 
-/// What to do with a shape that a sculpture is extended by.
+/// How a shape changes a sculpture.
 enum class Join { kAdd, kCut };
 
 /// Shapes added to and cut from one another in order, each with a rounded seam.

@@ -20,8 +20,8 @@ namespace vdbpack {
 namespace {
 
 constexpr double kHalfWidth = 3;      // voxels, as OpenVDB's own level sets
-constexpr int kRelaxations = 5;       // more of them even out little
-constexpr double kGridUnit = 1024.0;  // steps a mm that vertices are rounded to
+constexpr int kRelaxations = 5;       // more of them have little effect
+constexpr double kGridUnit = 1024.0;  // vertices are rounded to 1 / this, mm
 
 using Triangle = std::array<std::uint32_t, 3>;
 
@@ -42,8 +42,8 @@ openvdb::FloatGrid::Ptr levelSetOf(const Sculpture& sculpture, double voxelSize)
             for (int z = int(lo[2]); z <= int(hi[2]); ++z)
                 origins.emplace_back(x * kDim, y * kDim, z * kDim);
 
-    // A leaf further from the surface than its half diagonal holds none of it. The factor is
-    // for the values being distances to first order only.
+    // A leaf farther from the surface than its half diagonal does not contain any of it. The factor
+    // allows for values that are distances to first order only.
     const double reach = 2.0 * (0.5 * std::sqrt(3.0) * kDim * voxelSize + band);
     std::vector<std::unique_ptr<Leaf>> leaves(origins.size());
     tbb::parallel_for(std::size_t(0), origins.size(), [&](std::size_t i) {
@@ -84,7 +84,7 @@ double signedVolume(const TriangleMesh& m) {
     return v;
 }
 
-// The least of the three angles' sines, squared: tells flat triangles apart.
+// The squared sine of the smallest angle: small for flat triangles.
 double squaredLeastSine(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
     const double ab = squaredLength(b - a), bc = squaredLength(c - b), ca = squaredLength(a - c);
     // sin of the angle at a = |cross| / (|ab| |ac|); the least belongs to the two longest edges.
@@ -130,7 +130,7 @@ Vec<3> onto(const Sculpture& sculpture, Vec<3> p, double voxelSize, int steps) {
     return p;
 }
 
-// Vertices slide to the middle of their neighbors along the surface: even triangles.
+// Moves vertices to the middle of their neighbors along the surface, for even triangles.
 void relax(TriangleMesh& mesh, const Sculpture& sculpture, double voxelSize) {
     std::vector<Vec<3>> moved(mesh.vertices.size());
     for (int round = 0; round < kRelaxations; ++round) {
@@ -221,7 +221,7 @@ void flipEdges(TriangleMesh& mesh) {
     }
 }
 
-// Rounds the vertices and brings vertices and triangles into an order of their own.
+// Rounds the vertices and sorts vertices and triangles.
 TriangleMesh canonical(const TriangleMesh& mesh) {
     std::vector<std::pair<Vec<3>, std::uint32_t>> order;
     for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {

@@ -14,7 +14,7 @@ namespace vdbpack {
 /// seen from outside, the same bytes for any number of threads.
 ///
 /// Vertices lie on multiples of 2^-10 mm, which a float holds exactly, and on the sculpture's
-/// surface to that rounding; a few at sharp creases miss it by up to a voxel.
+/// surface up to this rounding; a few at sharp creases are off by up to a voxel.
 ///
 /// @param voxelSize  mm, > 0; parts thinner than two voxels are lost.
 TriangleMesh surfaceOf(const Sculpture& sculpture, double voxelSize);
@@ -23,7 +23,7 @@ struct SurfaceCheck {
     std::size_t vertices = 0;
     std::size_t triangles = 0;
     std::size_t badEdges = 0;     ///< not shared by exactly two triangles in opposite directions
-    std::size_t badVertices = 0;  ///< whose triangles are not one fan, or that no triangle uses
+    std::size_t badVertices = 0;  ///< unused, or their triangles are not a single fan
     std::size_t slivers = 0;      ///< triangles with an angle under one degree
     std::size_t pieces = 0;
     long eulerNumber = 0;  ///< vertices - edges + triangles: 2 - 2 x tunnels for one piece
