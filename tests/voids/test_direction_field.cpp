@@ -135,7 +135,7 @@ TEST_CASE("stresses at one point are averaged, zero stresses are ignored", "[voi
               {{0, 1, 0}}) < 1e-9);
     CHECK(degreesBetween(fieldOf(header + "0,0,0,0,0,0,0,0,0\n" + far)->at({{0, 0, 0}}),
                          {{0, 0, 1}}) < 1e-9);
-    // Where tension and compression cancel, a neighbor tells.
+    // Where tension and compression cancel, the direction is that of a neighbor.
     const Vec<3> between =
         fieldOf(header + "0,0,0,0,1,0,0,0,0\n2,0,0,0,-1,0,0,0,0\n")->at({{1, 0, 0}});
     CHECK(degreesBetween(between, {{0, 1, 0}}) < 1e-9);

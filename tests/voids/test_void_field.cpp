@@ -49,8 +49,8 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][f
                        ((int Dim), Dim), 2, 3) {
     const double share = GENERATE(0.05, 0.15, 0.36);
     const auto seed = GENERATE(1u, 2u, 3u);
-    // One realization scatters by about sqrt(p (1 - p) v / V): in a cube of 40 half-axes 0.002, in
-    // a square of 40 it would be 0.015, more than what is to be told. There it takes 400.
+    // One realization scatters by about sqrt(p (1 - p) v / V): 0.002 in a cube of 40 half-axes. A
+    // square of 40 would give 0.015, too much for this test; hence 400 in the plane.
     const double halfAxis = 1, side = (Dim == 3 ? 40 : 400) * halfAxis;
     const auto domain = boxDomain<Dim>(cube<Dim>(side / 2));
     const auto shape = shapeOf<Dim>("constant:0.5", "constant:2", domain->bounds());

@@ -26,10 +26,11 @@ namespace {
 
 static_assert(LevelSetTile::kSide == kTileSide);
 
-/// Voids at tiles that are sorted together, on average.
+/// Mean number of entries that are sorted together.
 constexpr std::size_t kEntriesPerPart = 64;
 
-/// A void at a tile it reaches: sorted by tile, then the nearest first, since it spares the others.
+/// A void and a tile that it reaches: sorted by tile, then the nearest void first, after which most
+/// others can be skipped.
 struct Entry {
     std::uint64_t tile;
     float lower;
@@ -41,7 +42,7 @@ struct Entry {
     }
 };
 
-/// How far below the domain's wall points lie, as far as it matters to voids.
+/// Distances to the part of the domain deeper than the shell (the core), as accurate as voids need.
 template <int Dim>
 class Core {
 public:
@@ -52,21 +53,22 @@ public:
           error_(domain.facts().voxelSize),
           deepest_(-domain.fieldDepth() * (1 - 1e-9)) {}
 
-    /// How the part deeper than the shell lies to the points within `radius` of `middle`.
-    /// @param inside   as deep inside it nothing is cut, mm.
-    /// @param outside  as far outside of it nothing matters, mm.
-    /// @param apart    set: they all lie farther outside. @param cut  set: its end may pass there.
+    /// Locates the ball of `radius` about `middle` relative to the core.
+    /// @param inside   no void is cut deeper than this inside the core, mm.
+    /// @param outside  distances farther outside of the core are not needed, mm.
+    /// @param apart    set to whether the ball lies farther outside.
+    /// @param cut      set to whether the boundary of the core may meet the ball.
     void look(const Vec<Dim>& middle, double radius, double inside, double outside, bool& apart,
               bool& cut) {
         const double field = sampler_->signedDistance(middle);
         const bool deep = field <= deepest_;
         apart = !deep && field + shell_ - radius - error_ > outside;
-        // Where the field ends, the wall tells.
+        // Below the field, ask the wall.
         cut = deep ? sampler_->isWallCloser(middle, shell_ + radius + inside)
                    : field + shell_ + radius + error_ > -inside;
     }
-    /// Distance to the part deeper than the shell, negative in it. From the wall itself where the
-    /// field does not reach, and where a void could come too near to the wall for it.
+    /// Distance to the core, negative inside; by the exact distance to the wall below the field,
+    /// and where a void may come closer to the wall than the field can resolve.
     double operator()(const Vec<Dim>& x, double toVoid) {
         const double field = sampler_->signedDistance(x);
         const double outside = field + shell_;
@@ -87,7 +89,7 @@ private:
     double shell_, h_, error_, deepest_;
 };
 
-/// Which voids reach which tiles, sorted.
+/// All pairs of voids and tiles that they reach, sorted.
 template <int Dim>
 std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
                                const TileLattice<Dim>& lattice, double outside) {
@@ -104,7 +106,7 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
                             {tile, static_cast<float>(lower), static_cast<std::uint32_t>(i)});
                 });
     });
-    // Into parts of the lattice, in any order, and there sorted.
+    // Distributes entries to parts of the lattice, in any order, and sorts each part.
     std::size_t count = 0;
     for (const auto& part : found) count += part.size();
     const std::size_t parts = count / kEntriesPerPart + 1;
@@ -123,7 +125,7 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
     forEachFound([&](const Entry& e, std::atomic<std::size_t>& at) {
         all[at.fetch_add(1, std::memory_order_relaxed)] = e;
     });
-    // Now each ends where the next one began.
+    // next[part] is now the end of the part.
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts), [&](const auto& range) {
         for (std::size_t part = range.begin(); part < range.end(); ++part) {
             const auto from = static_cast<std::ptrdiff_t>(part == 0 ? 0 : next[part - 1].load());
@@ -134,17 +136,17 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
     return all;
 }
 
-/// What stamping made of one tile.
+/// The result of stamping one tile.
 struct Stamped {
-    LevelSetTile leaf;         ///< none: uniform
+    LevelSetTile leaf;         ///< empty if the tile is uniform
     bool inside = false;       ///< uniform and inside
-    std::uint32_t voxels = 0;  ///< with centers in the domain's core and in voids
+    std::uint32_t voxels = 0;  ///< whose centers lie in the core and in voids
 };
 
 template <int Dim>
 LevelSetTile makeLeaf(const VoxelIndex& at, const Tile<Dim>& tile, float outside) {
     LevelSetTile leaf(at, outside);
-    // 2D: the plane of the leaf's first voxels.
+    // 2D: the first layer of the leaf.
     constexpr std::size_t kStride = Dim == 3 ? 1 : kTileSide;
     std::bitset<kTileVoxels<Dim>> band;
     tile.copyTo(leaf.values(), kStride, band);
@@ -154,7 +156,7 @@ LevelSetTile makeLeaf(const VoxelIndex& at, const Tile<Dim>& tile, float outside
     return leaf;
 }
 
-/// Counts the voxels in voids and in the core, and takes the others out of the voids, if asked.
+/// Counts the voxels in voids and in the core; `takeOut` removes the others from the voids.
 template <int Dim>
 std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
     std::uint32_t voxels = 0;
@@ -167,6 +169,51 @@ std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
         voxels += depth < 0;
     }
     return voxels;
+}
+
+/// Width of the band outside of voids, mm.
+template <int Dim>
+double outsideOf(const StampOptions<Dim>& options) {
+    return std::max(kStampBand * options.voxelSize, options.reach);
+}
+
+/// Stamps one tile with the voids of its entries.
+/// @param near  a buffer.
+template <int Dim>
+Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries, std::size_t count,
+                  const TileLattice<Dim>& lattice, Core<Dim>& core,
+                  const StampOptions<Dim>& options, std::vector<NearVoid<Dim>>& near) {
+    const double inside = kStampBand * options.voxelSize, outside = outsideOf(options);
+    const double radius = lattice.radius();
+    const std::uint64_t at = entries[0].tile;
+    const Vec<Dim> middle = lattice.middleOf(at);
+    Stamped result;
+    bool apart = false, cut = false;
+    // Without a shell, the core only decides which voxels are counted.
+    core.look(middle, radius, options.shell > 0 ? inside : 0, outside, apart, cut);
+    if (apart) return result;
+    Tile<Dim> tile(lattice.firstCenterOf(at), options.voxelSize, inside, outside);
+    near.clear();
+    bool filled = false;
+    for (std::size_t i = 0; i < count && !filled; ++i) {
+        const auto& e = voids[entries[i].ellipsoid];
+        filled =
+            std::min(e.a, e.b) > inside + radius && boundsAt(e, middle, radius).upper < -inside;
+        near.push_back({&e, static_cast<double>(entries[i].lower)});
+    }
+    if (filled)
+        tile.fillInside();
+    else
+        tile.stamp(near);
+    if (cut)
+        result.voxels = cutAtCore(tile, core, options.shell > 0);
+    else
+        result.voxels = static_cast<std::uint32_t>(tile.countInside());
+    if (tile.isOutside()) return result;
+    result.inside = tile.isInside();
+    if (!result.inside)
+        result.leaf = makeLeaf(lattice.firstVoxelOf(at), tile, static_cast<float>(outside));
+    return result;
 }
 
 template <int Dim>
@@ -198,8 +245,8 @@ struct StampedVoids<Dim>::Impl {
     double volume = 0;
     double inside = 0, outside = 0;  // widths of the band, mm
     std::optional<TileLattice<Dim>> lattice;
-    std::vector<std::uint64_t> tiles;  // that voids reach into, rising
-    std::vector<std::size_t> starts;   // of each in `ellipsoids`, and the end
+    std::vector<std::uint64_t> tiles;  // tiles that voids reach into, sorted
+    std::vector<std::size_t> starts;   // start of each in `ellipsoids`, and the end
     std::vector<std::uint32_t> ellipsoids;
 };
 
@@ -233,11 +280,10 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     impl.voxelSize = h;
     impl.origin = options.origin;
     impl.inside = kStampBand * h;
-    impl.outside = std::max(kStampBand * h, options.reach);
+    impl.outside = outsideOf(options);
     const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
 
     const TileLattice<Dim> lattice(domain.bounds(), options.voxelSize, options.origin);
-    const double radius = lattice.radius();
     callbacks.report("voids", 0, 0);
     StopRequest request(callbacks.cancelled);
     request.stop();
@@ -254,42 +300,15 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
         request.stop();
         Core<Dim>& core = cores.local();
         std::vector<NearVoid<Dim>> near;
-        for (std::size_t n = range.begin(); n < range.end(); ++n) {
-            const std::uint64_t at = entries[starts[n]].tile;
-            const Vec<Dim> middle = lattice.middleOf(at);
-            bool apart = false, cut = false;
-            // Without a shell the wall only tells which voxels count.
-            core.look(middle, radius, options.shell > 0 ? impl.inside : 0, impl.outside, apart,
-                      cut);
-            if (apart) continue;
-            Tile<Dim> tile(lattice.firstCenterOf(at), h, impl.inside, impl.outside);
-            near.clear();
-            bool filled = false;
-            for (std::size_t i = starts[n]; i < starts[n + 1] && !filled; ++i) {
-                const auto& e = voids[entries[i].ellipsoid];
-                filled = std::min(e.a, e.b) > impl.inside + radius &&
-                         boundsAt(e, middle, radius).upper < -impl.inside;
-                near.push_back({&e, static_cast<double>(entries[i].lower)});
-            }
-            if (filled)
-                tile.fillInside();
-            else
-                tile.stamp(near);
-            Stamped& result = made[n];
-            if (cut)
-                result.voxels = cutAtCore(tile, core, options.shell > 0);
-            else
-                result.voxels = static_cast<std::uint32_t>(tile.countInside());
-            if (tile.isOutside()) continue;
-            result.inside = tile.isInside();
-            if (!result.inside) result.leaf = makeLeaf(lattice.firstVoxelOf(at), tile, outside);
-        }
+        for (std::size_t n = range.begin(); n < range.end(); ++n)
+            made[n] = stampTile(voids, &entries[starts[n]], starts[n + 1] - starts[n], lattice,
+                                core, options, near);
     });
 
     impl.lattice.emplace(lattice);
     impl.starts.push_back(0);
     for (std::size_t n = 0; n < tiles; ++n) {
-        // A point can lie half a voxel beyond the centers of its tile.
+        // A point may lie half a voxel beyond the centers of its tile.
         for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
             if (static_cast<double>(entries[i].lower) < h)
                 impl.ellipsoids.push_back(entries[i].ellipsoid);
@@ -330,8 +349,8 @@ bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec
 template <int Dim>
 std::shared_ptr<const VdbGrid> StampedVoids<Dim>::grid() const {
     static_assert(Dim == 2 || Dim == 3);
-    if (Dim == 2) throw ParameterError("voids of a plane are no level set of space; write .svg");
-    // As wide outside as inside.
+    if (Dim == 2) throw ParameterError("voids of a plane have no level set in space; write .svg");
+    // The same width outside as inside.
     return impl_->outside <= impl_->inside ? impl_->grid : narrowed(*impl_->grid, impl_->inside);
 }
 

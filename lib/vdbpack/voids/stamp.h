@@ -1,4 +1,4 @@
-// Many ellipsoids as one narrow-band level set.
+// Stamps many ellipsoids into one narrow-band level set.
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
@@ -17,15 +17,16 @@ class VdbGrid;
 template <int Dim>
 struct StampOptions {
     double voxelSize = 0;  ///< mm
-    Vec<Dim> origin;       ///< center of a voxel, mm: fixes the lattice
-    /// Distances outside of voids must be known up to this, mm; three voxels at the least.
+    Vec<Dim> origin;       ///< center of a voxel, mm; positions the lattice
+    /// Distances outside of voids are computed up to this, mm; at least three voxels.
     double reach = 0;
-    /// Voids stay deeper than this below the wall, mm; 0: they may open it.
+    /// Thickness of the layer below the wall that is kept free of voids, mm; 0: voids may cut the
+    /// wall.
     double shell = 0;
 };
 
-/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), and with a
-/// shell cut back to what lies deeper. Immutable.
+/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), with a shell
+/// limited to the part of the domain below it. Immutable.
 template <int Dim>
 class StampedVoids {
 public:
@@ -35,23 +36,23 @@ public:
     StampedVoids& operator=(const StampedVoids&) = delete;
 
     double voxelSize() const;
-    /// Volume (2D: area) of the voids inside the domain and deeper than the shell, mm^Dim: the
-    /// voxels whose centers lie there. Shares of voxels would make too little of thin walls.
+    /// Volume (2D: area) of the voids inside the domain and deeper than the shell, mm^Dim, counted
+    /// by voxel centers: fractions of voxels would underestimate thin walls.
     double volume() const;
-    /// Voxels in the band.
+    /// The number of voxels in the band.
     std::uint64_t activeVoxels() const;
-    /// Whether a point lies in one of the ellipsoids, by their own inequality. Those that may hold
-    /// it are known by tile: about as cheap as a lookup.
-    /// @param voids  as they were stamped.
+    /// Whether a point lies in one of the ellipsoids, by their inequality. The ellipsoids near it
+    /// are listed by tile: this costs about as much as a lookup.
+    /// @param voids  the ellipsoids that were stamped.
     bool isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) const;
-    /// 3D: the band cut to three voxels on both sides, class level set, named `voids`.
+    /// 3D: the level set `voids` with a band of three voxels on both sides.
     std::shared_ptr<const VdbGrid> grid() const;
 
-    /// Looks distances up; one per thread.
+    /// Looks up distances; one per thread.
     class Sampler {
     public:
         explicit Sampler(const StampedVoids& voids);
-        /// Linear in each direction between the voxels, mm; clamped to the band.
+        /// The trilinearly (2D: bilinearly) interpolated distance, mm; clamped to the band.
         double operator()(const Vec<Dim>& x) { return sample_(x); }
 
     private:
@@ -69,17 +70,18 @@ private:
     std::unique_ptr<Impl> impl_;
 };
 
-/// Stamps all ellipsoids at once: tile by tile in parallel, each voxel taking the least of the
-/// distances to the ellipsoids that reach it, which is what unions one by one would give.
+/// Stamps all ellipsoids at once, tile by tile in parallel: each voxel takes the minimum of the
+/// distances to the ellipsoids that reach it, as successive unions would give.
 ///
-/// Outside of all voids the distances are exact to 4e-4 of the shorter half-axis up to ratios of
-/// 10; inside overlapping ones they are those to the farther of the surfaces. With a shell the wall
-/// itself decides which voxels lie deeper, not the field alone.
+/// Outside of all voids the error of the distances is below 4e-4 of the shorter half-axis up to
+/// ratios of 10; inside overlapping voids they are the distances to the farther surface. With a
+/// shell, the exact distance to the wall decides which voxels lie deeper.
 ///
-/// @param domain  what the voids are cut into; tiles beyond it are left out. Fast where its field
-///                is as deep as the shell and ten voxels: beyond it the wall itself is asked.
+/// @param domain  the domain that voids are cut into; tiles beyond it are skipped. Faster if its
+///                field is deeper than the shell plus ten voxels: below the field the distance to
+///                the wall is searched.
 /// @throws ParameterError for a voxel size, shell or half-axis that is not positive and finite
-/// (the shell may be 0); ResourceError if the memory it would take is not there.
+/// (the shell may be 0); ResourceError if there is not enough memory.
 /// The same for any number of threads.
 template <int Dim>
 std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& voids,

@@ -13,10 +13,10 @@ namespace vdbpack {
 
 namespace {
 
-/// Bytes of a leaf in a tree, of a void listed at a tile, and level sets made from one.
+/// Bytes of a leaf of a tree, of an entry (a void listed at a tile), and the number of level sets.
 constexpr double kBytesPerLeaf = 2300, kBytesPerEntry = 24, kLevelSets = 4;
 
-/// Tiles that the box of a void meets.
+/// The number of tiles that the box of a void meets.
 template <int Dim>
 double entriesOf(const Ellipsoid<Dim>& e, const Box<Dim>& within, double reach, double side) {
     const Box<Dim> box = intersection(e.bounds().grown(reach), within);
@@ -26,14 +26,14 @@ double entriesOf(const Ellipsoid<Dim>& e, const Box<Dim>& within, double reach, 
     return tiles;
 }
 
-/// @param entries(within, reach, side)  voids listed at tiles, all together.
+/// @param entriesIn(within, reach, side)  returns the number of entries.
 template <int Dim, class Entries>
 double bytesFor(const Domain<Dim>& domain, const StampOptions<Dim>& options,
                 const Entries& entriesIn) {
     const double side = kTileSide * options.voxelSize, tile = std::pow(side, Dim);
     const double reach = std::max(kStampBand * options.voxelSize, options.reach);
     const double entries = entriesIn(domain.bounds().grown(reach), reach, side);
-    // No more leaves than the domain has.
+    // At most the leaves that the domain covers.
     const double leaves =
         std::min(entries, domain.volume() / tile + 2 * domain.wallArea() * side / tile + 27);
     return entries * kBytesPerEntry + leaves * kBytesPerLeaf * kLevelSets;

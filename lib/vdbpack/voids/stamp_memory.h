@@ -1,4 +1,4 @@
-// Memory that stamping voids takes, before it is taken.
+// Estimates the memory of stamping voids.
 #pragma once
 
 #include "vdbpack/voids/stamp.h"
@@ -7,17 +7,17 @@
 
 namespace vdbpack {
 
-/// Bytes that stamping takes at most, and the level sets `voids` and `solid` with it.
+/// Upper estimate of the bytes of stamping, including the level sets `voids` and `solid`.
 template <int Dim>
 double stampBytes(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
                   const StampOptions<Dim>& options);
 
-/// @throws ResourceError with the numbers if there is not as much memory.
+/// @throws ResourceError with the numbers if not enough memory is available.
 template <int Dim>
 void requireStampMemory(const std::vector<Ellipsoid<Dim>>& voids, const Domain<Dim>& domain,
                         const StampOptions<Dim>& options);
 
-/// The same for `count` voids like one, known before they are drawn.
+/// The same for `count` voids like `one`, before they are drawn.
 template <int Dim>
 void requireStampMemory(double count, const Ellipsoid<Dim>& one, const Domain<Dim>& domain,
                         const StampOptions<Dim>& options);

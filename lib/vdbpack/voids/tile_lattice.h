@@ -18,7 +18,7 @@ namespace vdbpack {
 
 /// Half-width of the band of stamped voids, voxels.
 inline constexpr double kStampBand = 3;
-/// Tiles along each axis that fit a key.
+/// Tiles along each axis, so that a key fits 64 bits.
 inline constexpr std::int64_t kMostTiles = std::int64_t{1} << 21;
 
 /// The tiles that cover a domain.
@@ -43,16 +43,16 @@ public:
         }
     }
 
-    /// From the middle of a tile to its farthest voxel center, mm.
+    /// Distance from the middle of a tile to its farthest voxel center, mm.
     double radius() const { return 0.5 * (kTileSide - 1) * h_ * std::sqrt(double{Dim}); }
     double tiles() const {
         double n = 1;
         for (std::size_t d = 0; d < Dim; ++d) n *= static_cast<double>(count_[d]);
         return n;
     }
-    /// Which of `parts` parts of the lattice a tile lies in; rises with the tile.
+    /// The index of the part, of `parts` parts of the lattice, that contains a tile; rises with it.
     std::size_t partOf(std::uint64_t tile, std::size_t parts) const {
-        const auto t = placeOf(tile);
+        const auto t = indexOf(tile);
         double n = 0;
         for (std::size_t d = 0; d < Dim; ++d)
             n = n * static_cast<double>(count_[d]) + static_cast<double>(t[d]);
@@ -65,38 +65,38 @@ public:
         for (int d = 0; d < Dim; ++d) {
             const auto at = static_cast<std::size_t>(d);
             const double last = static_cast<double>(count_[at] - 1);
-            const auto place = [&](double x) {
+            const auto index = [&](double x) {
                 return static_cast<std::int64_t>(
                     std::clamp(tileOf(x, d) - static_cast<double>(first_[at]), -1.0, last + 1));
             };
-            lo[at] = std::max<std::int64_t>(place(box.lo[d]), 0);
-            hi[at] = std::min(place(box.hi[d]), count_[at] - 1);
+            lo[at] = std::max<std::int64_t>(index(box.lo[d]), 0);
+            hi[at] = std::min(index(box.hi[d]), count_[at] - 1);
         }
         std::array<std::int64_t, 3> t{};
         for (t[0] = lo[0]; t[0] <= hi[0]; ++t[0])
             for (t[1] = lo[1]; t[1] <= hi[1]; ++t[1])
                 for (t[2] = lo[2]; t[2] <= hi[2]; ++t[2]) visit(key(t), middle(t));
     }
-    /// The tile that holds a point; false if none does.
+    /// The tile that contains a point; false if there is none.
     bool find(const Vec<Dim>& x, std::uint64_t& tile) const {
         std::array<std::int64_t, 3> t{};
         for (int d = 0; d < Dim; ++d) {
             const auto at = static_cast<std::size_t>(d);
-            const double place = tileOf(x[d], d) - static_cast<double>(first_[at]);
-            if (!(place >= 0 && place < static_cast<double>(count_[at]))) return false;
-            t[at] = static_cast<std::int64_t>(place);
+            const double index = tileOf(x[d], d) - static_cast<double>(first_[at]);
+            if (!(index >= 0 && index < static_cast<double>(count_[at]))) return false;
+            t[at] = static_cast<std::int64_t>(index);
         }
         tile = key(t);
         return true;
     }
-    Vec<Dim> middleOf(std::uint64_t tile) const { return middle(placeOf(tile)); }
+    Vec<Dim> middleOf(std::uint64_t tile) const { return middle(indexOf(tile)); }
     Vec<Dim> firstCenterOf(std::uint64_t tile) const {
         Vec<Dim> x = middleOf(tile);
         for (int d = 0; d < Dim; ++d) x[d] -= 0.5 * (kTileSide - 1) * h_;
         return x;
     }
     VoxelIndex firstVoxelOf(std::uint64_t tile) const {
-        const auto t = placeOf(tile);
+        const auto t = indexOf(tile);
         VoxelIndex at{};
         for (std::size_t d = 0; d < Dim; ++d)
             at[d] = static_cast<int>((first_[d] + t[d]) * kTileSide);
@@ -113,7 +113,7 @@ private:
             k = k * static_cast<std::uint64_t>(kMostTiles) + static_cast<std::uint64_t>(t[d]);
         return k;
     }
-    std::array<std::int64_t, 3> placeOf(std::uint64_t tile) const {
+    std::array<std::int64_t, 3> indexOf(std::uint64_t tile) const {
         std::array<std::int64_t, 3> t{};
         for (std::size_t d = Dim; d-- > 0;) {
             t[d] = static_cast<std::int64_t>(tile % static_cast<std::uint64_t>(kMostTiles));

@@ -24,7 +24,7 @@ constexpr const char* kPaperTilt = "phi=uniform:-0.358,0.358";
 /// Holes of the paper's Figure 10, in largest radii of the spheres.
 constexpr double kDefaultHole[2] = {1.5, 2.5};
 
-/// Radii of large spheres pending at a time, as a share of those that fit and at least and most.
+/// Radii of large spheres pending at a time: a share of those that fit, within limits.
 constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 
 }  // namespace
@@ -93,7 +93,7 @@ VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
 template <int Dim>
 VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
     const VoidShape<Dim> shape = voidShapeOf(s, chosen);
-    // Balls that hold the ellipsoids touch one another; those lie apart from the shell as well.
+    // The ellipsoids lie in balls that touch one another and stay clear of the shell.
     PackOptions options(shape.radius.scaled(std::max(1.0, shape.aspect.mean())));
     options.seed = s.seed;
     std::unique_ptr<Domain<Dim>> inset;
@@ -126,7 +126,7 @@ VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s) {
     if (!s.recipe.matrix.empty())
         matrix = std::make_shared<VoidMatrix>(readVoidMatrix(s.recipe.matrix));
     if (Dim == 2 && matrix && matrix->size[2] > 1)
-        throw InputError(fmt::format("{}: holds {} layers, and the domain is a plane; keep one",
+        throw InputError(fmt::format("{}: has {} layers, but the domain is a plane; keep one layer",
                                      s.recipe.matrix, matrix->size[2]));
     const auto lattice = voidLattice(s.domain.bounds(), s.recipe.cell, matrix.get());
     VoidFamily<Dim> family;

@@ -1,4 +1,4 @@
-// Lists of voids by method, as a function of their amount.
+// Void families: the list of voids of each method, as a function of their amount.
 #pragma once
 
 #include "vdbpack/core/progress.h"
@@ -13,14 +13,14 @@
 
 namespace vdbpack {
 
-/// What voids are cut into, and for which spheres.
+/// The domain that voids are cut into, and the spheres around them.
 template <int Dim>
 struct VoidSetting {
     const VoidRecipe& recipe;
     const Domain<Dim>& domain;
     double sliceHeight = 0;  ///< mm
     std::uint64_t seed = 1;
-    double largestRadius = 0;  ///< of the spheres there are or will be, mm; 0: none
+    double largestRadius = 0;  ///< of the spheres of the run, mm; 0: none
     const Callbacks& callbacks;
 };
 
@@ -29,11 +29,11 @@ template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& setting);
 
 /// SPEC of the shorter half-axis b: that of the recipe, or holes of 1.5 to 2.5 largest spheres.
-/// @param chosen  gets a sentence on each default; null: none.
+/// @param chosen  receives a sentence on each default; may be null.
 template <int Dim>
 std::string voidRadiusSpec(const VoidSetting<Dim>& setting, std::vector<std::string>* chosen);
 
-/// Sizes and directions of the voids. @param chosen  as that of `voidRadiusSpec`.
+/// Sizes and directions of the voids. @param chosen  as for `voidRadiusSpec`.
 template <int Dim>
 VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& setting,
                            std::vector<std::string>* chosen = nullptr);
@@ -42,16 +42,16 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& setting,
 /// (boolean), their number (overlay), or the probability that a box has one (grid).
 template <int Dim>
 struct VoidFamily {
-    double most = 0;   ///< the largest amount; infinite where there is no end
-    double guess = 0;  ///< of the amount for the target
+    double most = 0;   ///< the largest amount
+    double guess = 0;  ///< amount for the target, estimated
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
 };
 
 /// @param setting  must outlive the family.
-/// @param bvtv     aimed at; for the first guess.
-/// @param chosen   as that of `voidRadiusSpec`.
+/// @param bvtv     the target, for the first guess.
+/// @param chosen   as for `voidRadiusSpec`.
 /// @throws ParameterError, InputError, Interrupted
 template <int Dim>
 VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& setting, double bvtv,
