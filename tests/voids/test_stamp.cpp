@@ -46,7 +46,7 @@ double volumeOf(const Box<Dim>& box) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest of all voids", "[voids][stamp]",
+TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[voids][stamp]",
                        ((int Dim), Dim), 2, 3) {
     const Scene<Dim> scene(0.2);
     const double h = scene.options.voxelSize;
@@ -65,8 +65,8 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest of all voids"
     CHECK(worst < 2e-3);
 }
 
-TEMPLATE_TEST_CASE_SIG("between voxels distances err by the square of the voxel", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in the voxel size",
+                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
     const auto domain = boxDomain<Dim>(cube<Dim>(10));
     Ellipsoid<Dim> e;
     e.a = 6;
@@ -92,7 +92,7 @@ TEMPLATE_TEST_CASE_SIG("between voxels distances err by the square of the voxel"
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("next to the interface distances rise by one a millimeter", "[voids][stamp]",
+TEMPLATE_TEST_CASE_SIG("next to the interface the gradient of distances is one", "[voids][stamp]",
                        ((int Dim), Dim), 2, 3) {
     const Scene<Dim> scene(0.1);
     const double h = scene.options.voxelSize;
@@ -191,7 +191,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
           Approx(share).margin(4 * error + 5e-4));
 }
 
-TEMPLATE_TEST_CASE_SIG("voids that touch no voxel, or lie outside, measure nothing",
+TEMPLATE_TEST_CASE_SIG("voids that contain no voxel, or lie outside, have no volume",
                        "[voids][stamp]", ((int Dim), Dim), 2, 3) {
     const auto domain = ballDomain<Dim>(5);
     Ellipsoid<Dim> far, none;
@@ -209,13 +209,13 @@ TEMPLATE_TEST_CASE_SIG("voids that touch no voxel, or lie outside, measure nothi
     const auto refuse = [&](const Ellipsoid<Dim>& e, const StampOptions<Dim>& o) {
         return messageOf<ParameterError>([&] { stampVoids<Dim>({far, e}, *domain, o); });
     };
-    CHECK_THAT(refuse(none, options), Contains("void 1 has half-axes 0 and 0 mm"));
+    CHECK_THAT(refuse(none, options), Contains("void 1") && Contains("0 and 0 mm"));
     auto negative = far;
     negative.b = -1;
-    CHECK_THAT(refuse(negative, options), Contains("must be positive"));
+    CHECK_THAT(refuse(negative, options), Contains("void 1") && Contains("-1 mm"));
     auto lost = far;
     lost.center[0] = std::nan("");
-    CHECK_THAT(refuse(lost, options), Contains("center finite"));
+    CHECK_THAT(refuse(lost, options), Contains("void 1") && Contains("center"));
     auto bad = options;
     bad.voxelSize = 0;
     CHECK_THAT(refuse(far, bad), Contains("`voids.voxelSize` 0 mm"));
@@ -313,7 +313,7 @@ TEST_CASE("no voxel of a void lies in the shell of a mesh", "[voids][stamp]") {
     checkShell<2>(*sliceDomain(ball, 1.2), 0.1, shell);
 }
 
-TEST_CASE("a shell is whole at edges that the field is too coarse for", "[voids][stamp]") {
+TEST_CASE("a shell is complete at edges that the field is too coarse for", "[voids][stamp]") {
     // Around the cavity distances bend most: the field takes points for deeper than they are.
     const auto mesh = test::merged(test::boxMesh({{-5, -5, -5}}, {{5, 5, 5}}),
                                    test::flipped(test::boxMesh({{-2, -2, -2}}, {{2, 2, 2}})));
@@ -322,7 +322,7 @@ TEST_CASE("a shell is whole at edges that the field is too coarse for", "[voids]
     checkShell<3>(*domain, 0.08, 0.35, 0.45);
 }
 
-TEST_CASE("voids have their full band, however shallow the field of the bone", "[voids][stamp]") {
+TEST_CASE("voids have their full band even if the field of the bone is shallow", "[voids][stamp]") {
     const auto domain = fieldOf(test::ballMesh(6, 4), 0.25, 1.1 * 1.5);
     CAPTURE(domain->fieldDepth());
     checkShell<3>(*domain, 0.3, 1.5);
@@ -366,12 +366,12 @@ TEST_CASE("the shell stays solid to the last voxel", "[voids][stamp]") {
     }
 }
 
-TEST_CASE("voids of the plane are no level set of space", "[voids][stamp]") {
+TEST_CASE("voids of a plane have no level set in space", "[voids][stamp]") {
     const auto domain = ballDomain<2>(5);
     CHECK_THROWS_AS(stampVoids<2>({}, *domain, stampOptions(*domain, 0.2))->grid(), ParameterError);
 }
 
-TEST_CASE("a wide reach for culling leaves the level set as it is", "[voids][stamp]") {
+TEST_CASE("a wide reach for culling does not change the level set", "[voids][stamp]") {
     const Scene<3> scene(0.25);
     auto wide = scene.options;
     wide.reach = 3;
