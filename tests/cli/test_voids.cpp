@@ -648,13 +648,13 @@ TEST_CASE_METHOD(RefusedVoids,
         },
         "everything is cortical");
     refuse(
-        parameter, "boolean", [](R& r) { r.voids.shell = -1; }, "--shell -1");
+        parameter, "boolean", [](R& r) { r.voids.shell = -1; }, "`voids.shell` -1");
     refuse(
-        parameter, "boolean", [](R& r) { r.voids.shell = std::nan(""); }, "--shell nan");
+        parameter, "boolean", [](R& r) { r.voids.shell = std::nan(""); }, "`voids.shell` nan");
     refuse(
-        parameter, "boolean", [](R& r) { r.voids.voxelSize = -0.1; }, "--void-voxel");
+        parameter, "boolean", [](R& r) { r.voids.voxelSize = -0.1; }, "`voids.voxelSize` -0.1");
     refuse(
-        parameter, "boolean", [](R& r) { r.voids.count = 0; }, "--void-count");
+        parameter, "boolean", [](R& r) { r.voids.count = 0; }, "`voids.count` 0");
 }
 
 TEST_CASE_METHOD(RefusedVoids, "files of voids that cannot be used are refused", "[run][voids]") {
@@ -715,7 +715,7 @@ TEST_CASE_METHOD(RefusedVoids, "settings without effect on the method are refuse
     refuse(
         parameter, "threshold", [](R& r) { r.voids.voxelSize = 0.1; }, "`voids.voxelSize`");
     refuse(
-        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`targetBvtv`");
+        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "no voids are requested");
 }
 
 TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are refused",
@@ -754,7 +754,8 @@ TEST_CASE_METHOD(RefusedVoids, "voids that a plane has no room for are refused",
     plane = methodRecipe<2>("grid");
     plane.voids.cell.clear();
     plane.voids.matrix = layers;
-    CHECK_THAT(messageOf<InputError>([&] { runPack(plane); }), Contains("holds 2 layers"));
+    CHECK_THAT(messageOf<InputError>([&] { runPack(plane); }),
+               Contains("layers.txt") && Contains("2 layers"));
 }
 
 namespace {
