@@ -138,7 +138,7 @@ TEST_CASE("pictures that cannot be are refused before the work", "[preview][run]
     CHECK_THROWS_WITH(runPack(small), Catch::Contains("160x3"));
     auto flat = drawn("rect:30,20", folder.file("a.png"));
     flat.preview.cut = PreviewCut{0, 0};
-    CHECK_THROWS_WITH(runPack(flat), Catch::Contains("flat"));
+    CHECK_THROWS_WITH(runPack(flat), Catch::Contains("`preview.cut`"));
     auto unseen = drawn("ball:10", "");
     unseen.preview.cut = PreviewCut{0, 0};
     CHECK_THROWS_WITH(runPack(unseen), Catch::Contains("`preview.file`"));
