@@ -2,20 +2,8 @@
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
-# These and all that they include.
-set(entry_headers
-    run/dry_run.h run/library_versions.h run/report_file.h run/run.h run/run_convert.h run/run_mesh.h run/study.h
-    domain/analytic_domain.h domain/clipped_domain.h domain/function_domain.h domain/mesh_domain.h
-    domain/slice_domain.h field/voxel_image.h
-    formats/contact_file.h formats/pack_file.h
-    measure/attached.h measure/density.h measure/morphometry/morphometry.h measure/pair_correlation.h
-    report/report_page.h measure/structure.h verify/verify.h
-    mesh/mesh_check.h mesh/formats/mesh_io.h
-    pack/packer.h
-    preview/preview.h
-    voids/cull.h voids/stamp.h voids/void_field.h voids/void_list.h
-)
-list(TRANSFORM entry_headers PREPEND "vdbpack/")
+# What users include, and all that it includes.
+set(entry_headers vdbpack/vdbpack.h)
 set(headers)
 while(entry_headers)
     list(POP_FRONT entry_headers header)

@@ -1,4 +1,5 @@
 #include "measure/packs.h"
+#include "support/generators.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/verify/verify.h"
@@ -217,6 +218,21 @@ TEST_CASE("checks give the same for any number of threads", "[measure]") {
     for (std::size_t k = 0; k < many.worst.size(); ++k) {
         REQUIRE(alone.worst[k].i == many.worst[k].i);
         REQUIRE(alone.worst[k].j == many.worst[k].j);
+    }
+}
+
+TEST_CASE("a pack is verified against its wall in one call", "[verify]") {
+    Pack<3> pack;
+    pack.spheres = {{{{0, 0, 0}}, 1}, {{{2.5, 0, 0}}, 1}};
+    const Vec<3> lo{{-1, -1, -1}}, hi{{3.5, 1, 1}}, tight{{3.4, 1, 1}};
+    CHECK(verifyPack(pack, boxMesh(lo, hi)).passed());
+    CHECK(verifyPack(pack, WallShape<3>::ofBox({lo, hi})).passed());
+    for (const auto& result : {verifyPack(pack, boxMesh(lo, tight)),
+                               verifyPack(pack, WallShape<3>::ofBox({lo, tight}))}) {
+        CHECK_FALSE(result.passed());
+        REQUIRE(result.protrusion);
+        CHECK(result.protrusion->spheres == 1);
+        CHECK(result.protrusion->max == Approx(0.1));
     }
 }
 

@@ -6,10 +6,17 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
+#include <algorithm>
 #include <memory>
 #include <string>
 
 namespace vdbpack {
+
+/// Radius that the field is made for, mm: in wide distributions the smallest spheres follow the
+/// triangles anyway, and a field as fine as them would cost more than the pack.
+inline double fieldDetail(double smallest, double mean) {
+    return std::max(smallest, 0.5 * mean);
+}
 
 struct FieldOptions {
     /// Edge of a voxel, mm; 0: chosen by `defaultVoxelSize`.
@@ -23,6 +30,15 @@ struct FieldOptions {
     std::string name = "mesh";
     /// What was done to the mesh before, for `facts`.
     std::shared_ptr<const RepairReport> repair;
+
+    /// What a pack of such radii (mm) needs of the field.
+    /// @param mean  0: halfway between the two.
+    static FieldOptions forRadii(double smallest, double largest, double mean = 0) {
+        FieldOptions options;
+        options.detail = fieldDetail(smallest, mean > 0 ? mean : 0.5 * (smallest + largest));
+        options.depth = 3 * largest;
+        return options;
+    }
 };
 
 /// A domain that has both a level set and the triangles of its wall.

@@ -51,24 +51,23 @@ struct PackWriteOptions {
 /// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
 /// radius, id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture:
 /// y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
-/// attributes are left out. The unit is recorded in every format but .csv, which has no metadata. 2D: z = `sliceHeight`.
+/// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
+/// 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
 /// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. If the
 /// smallest id is 0, ids are one more in the file; if some are negative, equal or beyond 2^31 - 1,
-/// atoms are numbered from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si), g/cm³
-/// (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and pressures in
-/// MPa. The title records all that, and `readPack` undoes it. lammps-bonds adds a bond of type 1
-/// for each touching pair; it is for atom style hybrid sphere bond: `id type x y z diameter density
-/// molecule`.
+/// atoms are numbered from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si),
+/// g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and
+/// pressures in MPa. The title records all that, and `readPack` undoes it. lammps-bonds adds a bond
+/// of type 1 for each touching pair; it is for atom style hybrid sphere bond: `id type x y z
+/// diameter density molecule`.
 ///
 /// @throws ParameterError (unknown format; spheres as .svg; attributes of the wrong length; a
 /// sphere that is not finite or has no positive radius; an empty frame), IoError
 template <int Dim>
-void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options);
-
-extern template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
-extern template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
+void writePack(const Pack<Dim>& pack, const std::string& file,
+               const PackWriteOptions& options = {});
 
 /// Writes the level sets of `options` alone as a .vdb file. Whole or absent. @throws IoError
 void writeLevelSets(const std::string& file, const PackWriteOptions& options);
@@ -83,7 +82,8 @@ void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteO
 /// @throws ParameterError if not, with the list of formats.
 void checkPackFormat(const std::string& file, int dim = 0);
 
-/// The path in a name: what follows the prefix of a format ("yade:f.txt"), else all of it. @throws ParameterError for a prefix without a file
+/// The path in a name: what follows the prefix of a format ("yade:f.txt"), else all of it. @throws
+/// ParameterError for a prefix without a file
 std::string packPath(const std::string& file);
 
 struct PackReadOptions {

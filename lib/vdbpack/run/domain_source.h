@@ -124,12 +124,6 @@ const std::shared_ptr<const Domain<Dim>>& ofDim(const DomainSource::Built& built
         return built.plane;
 }
 
-/// Radius that the field is made for, mm: in wide distributions the smallest spheres follow the
-/// triangles anyway, and a field as fine as them would cost more than the pack.
-inline double fieldDetail(double smallest, double mean) {
-    return std::max(smallest, 0.5 * mean);
-}
-
 /// Warns of settings that mean nothing to such a domain: units of shapes, grids of meshes.
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks);

@@ -36,6 +36,12 @@ struct VerifyResult {
 template <int Dim>
 VerifyResult verifyPack(const Pack<Dim>& pack);
 
+/// The same with its protrusion from the inside of a mesh, or of a shape.
+/// @throws InputError as `checkOverlap` and `checkProtrusion`.
+VerifyResult verifyPack(const Pack<3>& pack, const TriangleMesh& wall);
+template <int Dim>
+VerifyResult verifyPack(const Pack<Dim>& pack, const WallShape<Dim>& wall);
+
 /// Keys as in the report; the worst pairs and spheres with ids, positions and radii under `worst`.
 template <int Dim>
 nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack);

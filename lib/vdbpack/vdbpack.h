@@ -1,0 +1,71 @@
+// Everything that users of the library include. The library itself never includes it.
+//
+// Values in memory, by what one does with them:
+//   domains   meshDomain, levelSetDomain, boxDomain, ballDomain, cylinderDomain, functionDomain;
+//             cut by clippedDomain and sliceDomain
+//   pack      packSpheres, packToCount, largestPlace; sizes by SizeDistribution
+//   densify   densify: denser, or free of overlaps
+//   voids     booleanVoids, latticeVoids, voidsAtSpheres, readVoidList; stampVoids, cutVoids,
+//             spheresOutside and keepOnly
+//   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
+//   measure   solidFraction, interiorFraction, densityProfile, contactNetwork, pairCorrelation,
+//   ...;
+//             measureMorphometry of a solid
+//   meshes    readMesh, checkMesh, repairMesh, writeStl
+//   files     readPack, writePack, writeContacts
+//   pictures  renderPreview
+// and whole runs, as the command line makes them: runPack, runVoids, runCarve, runDensify,
+// runVerify, runMeasure, runMesh, runConvert, each from a recipe.
+//
+// Lengths are millimeters, distances negative inside. Options are structures whose fields are set
+// by name. Callbacks carry progress, warnings and the wish to stop. Errors are exceptions
+// (core/error.h) that say what, where, the value and a remedy.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/core/units.h"
+#include "vdbpack/core/vec.h"
+#include "vdbpack/densify/densify.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/function_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/slice_domain.h"
+#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/field/solid.h"
+#include "vdbpack/field/voxel_image.h"
+#include "vdbpack/formats/contact_file.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/measure/attached.h"
+#include "vdbpack/measure/bond_order.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/measure/pair_correlation.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/pack/packer.h"
+#include "vdbpack/preview/preview.h"
+#include "vdbpack/report/report_page.h"
+#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/library_versions.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/run/run_convert.h"
+#include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/study.h"
+#include "vdbpack/verify/verify.h"
+#include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/orientation.h"
+#include "vdbpack/voids/stamp.h"
+#include "vdbpack/voids/void_field.h"
+#include "vdbpack/voids/void_list.h"
