@@ -8,8 +8,8 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/outputs.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/verify/verify.h"
 
 #include <nlohmann/json.hpp>

@@ -6,9 +6,10 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/run_convert.h"
 #include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>

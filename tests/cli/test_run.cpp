@@ -158,7 +158,8 @@ TEST_CASE("ids that several spheres share are warned of", "[run]") {
         << "id,x,y,z,radius\n9,0,0,0,1\n7,5,0,0,1\n7,0,5,0,1\n9,0,0,5,1\n-1,5,5,5,1\n";
     const auto warnings = runMeasure(measure).run.report.warnings;
     REQUIRE(warnings.size() == 1);
-    CHECK_THAT(warnings[0], Catch::Contains("5 spheres have 3 different ids, 7 among those"));
+    CHECK_THAT(warnings[0], Catch::Contains("5 spheres") && Catch::Contains("3 different ids") &&
+                                Catch::Contains("7"));
 }
 
 TEST_CASE("verify fails and names the sphere that was tampered with", "[run]") {
@@ -258,9 +259,8 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
     refuse(recipeFor(folder.file("open.obj"), "uniform:0.5,1"), [](const PackRecipe& r) {
         CHECK_THROWS_WITH(runPack(r), Catch::Contains("not closed") && Catch::Contains("vertex"));
     });
-    refuse(recipeFor("ball:3", "uniform:4,5"), [](const PackRecipe& r) {
-        CHECK_THROWS_WITH(runPack(r), Catch::Contains("radius"));
-    });
+    refuse(recipeFor("ball:3", "uniform:4,5"),
+           [](const PackRecipe& r) { CHECK_THROWS_WITH(runPack(r), Catch::Contains("radius")); });
     refuse(recipeFor("ball:10", "uniform:2"), parameter);
     refuse(recipeFor("ball:10", "uniform:1e-9,1"), parameter);
     refuse(recipeFor("ball:10", "uniform:2,x"), parameter);

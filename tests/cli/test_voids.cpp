@@ -243,7 +243,7 @@ TEMPLATE_TEST_CASE_SIG("the shell of a pack with voids stays whole", "[run][void
     CHECK(compact(kept) == before);
 }
 
-TEMPLATE_TEST_CASE_SIG("voids are the same for any number of threads", "[run][voids]",
+TEMPLATE_TEST_CASE_SIG("voids of a run are the same for any number of threads", "[run][voids]",
                        ((int Dim), Dim), 2, 3) {
     const TemporaryFolder folder;
     for (const std::string method : kMethods) {
