@@ -39,8 +39,8 @@ struct SimulationBox {
     std::array<Vec<3>, 3> edge;
 };
 
-/// Names of the columns of a position, best first: wrapped into the box before unwrapped ones, which
-/// continue across periodic boundaries.
+/// Names of the columns of a position, best first: wrapped into the box before unwrapped ones,
+/// which continue across periodic boundaries.
 struct PositionColumns {
     std::array<const char*, 3> names;
     bool scaled;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kLeaf = 8;  ///< ranges of at most so many nodes are searched linearly
 constexpr std::size_t kParallel = 1 << 15;  ///< ranges of more nodes are built in parallel
 constexpr double kReach = 1.001;            ///< cutoff, per distance of the farthest neighbor
-constexpr double kRidge = 0.01;   ///< per spread; limits slopes across flat layers of points
+constexpr double kRidge = 0.01;  ///< per spread; limits slopes across flat layers of points
 
 }  // namespace
 
