@@ -1,25 +1,24 @@
 // Everything that users of the library include. The library itself never includes it.
 //
-// Values in memory, by what one does with them:
-//   domains   meshDomain, levelSetDomain, boxDomain, ballDomain, cylinderDomain, functionDomain;
-//             cut by clippedDomain and sliceDomain
-//   pack      packSpheres, packToCount, largestPlace; sizes by SizeDistribution
-//   densify   densify: denser, or free of overlaps
+// Functions on values in memory, by task:
+//   domains   meshDomain, levelSetDomain, boxDomain, ballDomain, cylinderDomain, functionDomain,
+//             implicitDomain; cut by clippedDomain and sliceDomain
+//   pack      packSpheres, packToCount, largestBall; sizes by SizeDistribution
+//   densify   densify: makes a pack denser, or removes its overlaps
 //   voids     booleanVoids, latticeVoids, voidsAtSpheres, readVoidList; stampVoids, cutVoids,
 //             spheresOutside and keepOnly
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
-//   measure   solidFraction, interiorFraction, densityProfile, contactNetwork, pairCorrelation,
-//   ...;
-//             measureMorphometry of a solid
+//   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
+//             pairCorrelation; measureMorphometry of a solid
 //   meshes    readMesh, checkMesh, repairMesh, writeStl
 //   files     readPack, writePack, writeContacts
 //   pictures  renderPreview
-// and whole runs, as the command line makes them: runPack, runVoids, runCarve, runDensify,
-// runVerify, runMeasure, runMesh, runConvert, each from a recipe.
+// Whole runs, as the command line makes them, each from a recipe: runPack, runVoids, runCarve,
+// runDensify, runVerify, runMeasure, runMesh, runConvert.
 //
-// Lengths are millimeters, distances negative inside. Options are structures whose fields are set
-// by name. Callbacks carry progress, warnings and the wish to stop. Errors are exceptions
-// (core/error.h) that say what, where, the value and a remedy.
+// Lengths are millimeters, distances are negative inside. Options are structures whose fields are
+// set by name. Callbacks report progress and warnings, and ask whether to stop. Errors are
+// exceptions (core/error.h) that state what is wrong, where, the value and a remedy.
 #pragma once
 
 #include "vdbpack/core/box.h"

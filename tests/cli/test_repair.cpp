@@ -70,8 +70,8 @@ TEST_CASE("the mesh command repairs, tells of it and writes the surface", "[cli]
     test::writeObj(dirtyMesh(), mesh);
     const auto told = vdbPack("mesh " + mesh + " --repair -o " + surface);
     CHECK(told.code == 0);
-    CHECK_THAT(told.text, Contains("volume in doubt") && Contains("after the repair") &&
-                              Contains("watertight") && Contains("surface made anew"));
+    CHECK_THAT(told.text, Contains("ambiguous volume") && Contains("after the repair") &&
+                              Contains("watertight") && Contains("surface remeshed"));
     const auto health = jsonOf(vdbPack("mesh " + surface + " --json"));
     CHECK(health["watertight"] == true);
     CHECK(health["shells"] == 1);

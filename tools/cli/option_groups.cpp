@@ -16,11 +16,10 @@ const char* const kDomainHelp =
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
     "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz .npz, .data or lammps:FILE or "
-    "liggghts:FILE, lammps-bonds:FILE (with touching pairs as bonds), yade:FILE.txt, "
-    "points:FILE.vdb "
-    "(no level sets), .svg (circles). Solids: .stl (surface:, voids: or solid:FILE.stl chooses), "
-    "levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: "
-    "contacts:FILE.csv (touching pairs), list:FILE.csv (voids)";
+    "liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), yade:FILE.txt, points:FILE.vdb "
+    "(no level sets), .svg (circles). Solids: .stl (surface:FILE.stl, voids:FILE.stl or "
+    "solid:FILE.stl selects one), levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that "
+    "shows the spheres. Lists: contacts:FILE.csv (pairs in contact), list:FILE.csv (voids)";
 
 const char* const kPackHelp =
     ".vdb (point grid), .csv, .vtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), LAMMPS or "
@@ -129,7 +128,7 @@ void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std:
 void addContactTolerance(CLI::App& command, double& tolerance) {
     command
         .add_option("--contact-tol", tolerance,
-                    "gap up to which spheres count as touching, in smaller radii")
+                    "two spheres are in contact if their gap is at most T times the smaller radius")
         ->capture_default_str()
         ->option_text("T [0.001]")
         ->check(notNegative())
@@ -157,9 +156,9 @@ void addMemoryLimit(CLI::App& command, double& bytes) {
         .add_option_function<std::string>(
             "--memory-limit",
             [&bytes](const std::string& text) { bytes = parseBytes(text, "--memory-limit"); },
-            "memory that the run may take: 8G, 500M, 1.5GiB; a run that would take more is "
-            "refused beforehand, or stopped (exit code 5)")
-        ->option_text("SIZE [what is free]")
+            "memory that the run may use: 8G, 500M, 1.5GiB. A run predicted to exceed it is "
+            "refused, a run that exceeds it stops (exit code 5)")
+        ->option_text("SIZE [free memory]")
         ->group("Run");
 }
 
@@ -177,13 +176,13 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->expected(1);
     command
         .add_option("--clip", domain.clips,
-                    "cut the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (n.x <= d stays); "
-                    "may be repeated")
+                    "keep only a part of the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d "
+                    "(where n.x <= d); may be repeated")
         ->option_text("CLIP")
         ->group("Domain")
         ->take_all();
-    command.add_option("--voxel", domain.voxelSize, "edge of a voxel of the distance field, mm")
-        ->option_text("H [chosen]")
+    command.add_option("--voxel", domain.voxelSize, "voxel size of the distance field, mm")
+        ->option_text("H [automatic]")
         ->check(positive())
         ->group("Domain");
     addRepairOptions(command, domain);
@@ -192,21 +191,21 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
 void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
     command
         .add_flag("--repair", domain.repair,
-                  "repair a mesh with holes, inverted triangles, duplicates, overlapping or "
-                  "loose pieces; -o FILE.stl writes it")
+                  "repair a mesh that has holes, inverted or duplicate triangles, or overlapping "
+                  "or loose components; -o FILE.stl writes the repaired mesh")
         ->group("Domain");
     command
-        .add_option("--repair-voxel", domain.repairVoxel,
-                    "edge of a voxel where --repair rebuilds the surface, mm; finer keeps "
-                    "thinner walls")
-        ->option_text("H [chosen]")
+        .add_option(
+            "--repair-voxel", domain.repairVoxel,
+            "voxel size where --repair remeshes the surface, mm; smaller voxels keep thinner walls")
+        ->option_text("H [automatic]")
         ->check(positive())
         ->group("Domain");
     command
         .add_option("--shells", domain.shells,
-                    "closed shells inside others: cavity keeps them hollow, solid fills them; or "
-                    "the inside of one mesh without another's: inner=FILE (of DOMAIN) or "
-                    "outer=FILE,inner=FILE (instead of DOMAIN)")
+                    "closed surface components inside others: cavity keeps them empty, solid fills "
+                    "them. inner=FILE removes the inside of a second mesh from DOMAIN; "
+                    "outer=FILE,inner=FILE replaces DOMAIN")
         ->option_text("cavity|solid|[outer=FILE,]inner=FILE [cavity]")
         ->group("Domain");
 }
@@ -217,7 +216,9 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
         ->option_text("SPEC")
         ->check(notEmpty())
         ->group("Spheres");
-    addChoice(command, "--weight-by", weightBy, kWeights, "what the weights of table:FILE count")
+    addChoice(
+        command, "--weight-by", weightBy, kWeights,
+        "whether the weights of table:FILE are shares of the number or of the volume of spheres")
         ->option_text("count|volume [count]")
         ->group("Spheres");
 }
@@ -225,8 +226,8 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
 void addDensityOption(CLI::App& command, std::string& density) {
     command
         .add_option("--density", density,
-                    "of the spheres in DEM files, kg/m3; bulk:D: such that all of them weigh what "
-                    "the domain weighs at D")
+                    "density of the spheres in DEM files, kg/m3; bulk:D: all spheres together "
+                    "weigh as much as the domain at density D")
         ->option_text("D|bulk:D [1000]")
         ->check(notEmpty())
         ->group("Spheres");
@@ -239,17 +240,17 @@ void addInputPack(CLI::App& command, InputPack& input, const char* name, const s
         ->group("Domain");
     addDomainOptions(command, input.domain);
     addUnit(command, "--pack-unit", input.packUnit,
-            "unit of " + std::string(name) + ", if it says none");
+            "unit of " + std::string(name) + ", if the file states none");
     addSizeOptions(command, input.radius, input.weightBy,
-                   "; to compare the radii of the pack with");
+                   "; the radii of the pack are compared with it");
     addContactTolerance(command, input.contactTolerance);
-    addThreads(command, input.threads, "threads");
+    addThreads(command, input.threads, "number of threads");
     addMemoryLimit(command, input.memoryLimit);
 }
 
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
                    PrintOptions& print) {
-    command.add_option("--seed", seed, "another seed, other voids")
+    command.add_option("--seed", seed, "seed of the random numbers")
         ->option_text("S [1]")
         ->transform(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()))
         ->group("Run");
@@ -265,18 +266,19 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
 void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
     command
         .add_option("--preview", preview.file,
-                    "draw what was made; with a report page, also the picture in it")
+                    "write a picture of the result; a report page contains it too")
         ->option_text("FILE.png")
         ->check(notEmpty())
         ->group("Run");
     command
         .add_option_function<std::string>(
             "--preview-cut", [&](const std::string& text) { preview.cut = parsePreviewCut(text); },
-            "cut the picture open at a plane, mm; lower x and z stay, and higher y")
+            "cut the picture open at a plane, mm; lower x, lower z or higher y remains")
         ->option_text("x=V|y=V|z=V")
         ->group("Run");
     addChoice(command, "--preview-color", preview.color, kPreviewColors,
-              "what spheres are colored by, from dark (small, outside, early) to light")
+              "color of the spheres by radius, region, depth or order: from dark (small, outside, "
+              "early) to light")
         ->option_text("NAME [radius]")
         ->group("Run");
     command
@@ -325,19 +327,19 @@ void VoidOptions::addMethod() const {
     if (front) methods.insert(methods.end(), {"mixed", "ellipses"});
     setWords(*command.get_option("--voids"), methods);
     option("--shell", voids.shell,
-           "thickness of the layer along the wall that voids leave whole, mm" +
-               orElse(spheres, "; alone it only sets the region of each sphere", ""),
+           "thickness of the layer along the wall that stays without voids, mm" +
+               orElse(spheres, "; without --voids it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
     auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
-                           "centre: spheres with centers in voids go; touch: all that reach into "
-                           "one")
+                           "spheres that voids remove. centre: those with centers in a void; "
+                           "touch: all that reach into one")
                      ->option_text("centre|touch [centre]")
                      ->group("Voids");
     command
         .add_flag("--keep-connected", voids.keepConnected,
-                  "remove what is not connected with the shell (without a shell: with the "
-                  "largest component)")
+                  "remove what is not connected to the shell; without a shell, all but the largest "
+                  "component")
         ->group("Voids");
     if (!spheres) cull->group("");  // accepted, without effect
 }
@@ -345,16 +347,16 @@ void VoidOptions::addMethod() const {
 void VoidOptions::addTargets() const {
     const std::string packed = front ? ", mixed, ellipses" : "";
     option("--target-bvtv", voids.targetBvtv,
-           "as many voids (boolean, overlay)" +
+           "BV/TV to reach in the part deeper than the shell. It sets the number of voids "
+           "(boolean, overlay)" +
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
-               ")" + orElse(spheres, " or D (concentric, threshold)", "") +
-               " that leave this BV/TV deeper than the shell",
+               ")" + orElse(spheres, " or D (concentric, threshold)", ""),
            "F");
-    option("--target-tbth", voids.targetTbth,
-           "with --target-bvtv: voids of such a size that the mean thickness Tb.Th is this, mm "
-           "(boolean)",
-           "T");
-    option("--void-voxel", voids.voxelSize, "edge of a voxel of the level sets of voids, mm",
+    option(
+        "--target-tbth", voids.targetTbth,
+        "with --target-bvtv: mean thickness Tb.Th to reach by the size of the voids, mm (boolean)",
+        "T");
+    option("--void-voxel", voids.voxelSize, "voxel size of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());
 }
@@ -363,31 +365,32 @@ void VoidOptions::addShapes() const {
     option("--void-radius", voids.radius,
            "shorter half-axis b of the voids, written as --radius, mm (" +
                orElse(front, "mixed: radius of the holes; ", "") +
-               "overlay: spheres of b times aspect are packed)",
+               "overlay: voids are placed by packing spheres of radius b times aspect)",
            orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
         ->check(notEmpty());
     option("--void-aspect", voids.aspect, "ratio of the half-axes a / b, written as --radius",
            "SPEC [constant:2]")
         ->check(notEmpty());
-    option("--void-count", voids.count,
-           "number of voids: with centers deeper than the shell, on average, and as densely around "
-           "it (boolean); overlay: of all that fit, which is the default",
-           "N");
+    option(
+        "--void-count", voids.count,
+        "number of voids. boolean: mean number with centers deeper than the shell; voids of the "
+        "same density lie around that part. overlay: number taken of all that fit (default: all)",
+        "N");
     option("--void-probability", voids.probability,
-           "that a box holds a void (grid)" +
+           "probability that a box contains a void (grid)" +
                orElse(front, ", that a sphere is a hole (mixed, ellipses)", ""),
            orElse(front, "P [1; 0.02]", "P [1]"));
-    auto* share =
-        option("--delete-fraction", voids.deleteFraction,
-               "density relation D: concentric removes this share of the spheres, those that meet "
-               "balls of radius Rmin/D to Rmax/D around random ones; threshold removes those with "
-               "radii above Rmax - D (Rmax - Rmin)",
-               "D");
-    option("--void-matrix", voids.matrix, "0 and 1 for the boxes of grid, top row first", "FILE")
+    auto* share = option("--delete-fraction", voids.deleteFraction,
+                         "D of method concentric: share of the spheres that is removed, in balls "
+                         "of radius Rmin/D to Rmax/D around random spheres. D of method threshold: "
+                         "spheres with radii above Rmax - D (Rmax - Rmin) are removed",
+                         "D");
+    option("--void-matrix", voids.matrix, "file with 0 or 1 for each box of grid, top row first",
+           "FILE")
         ->check(notEmpty());
     option("--void-cell", voids.cell,
-           "sides of a box of grid, mm: one, or one for each direction (default: as many boxes as "
-           "the matrix has)",
+           "sides of a box of grid, mm: one value, or one for each direction (default: as many "
+           "boxes as the matrix has)",
            "SIZE")
         ->check(notEmpty());
     if (!spheres) share->group("");  // accepted, without effect
@@ -395,20 +398,19 @@ void VoidOptions::addShapes() const {
 
 void VoidOptions::addDirections() const {
     option("--void-angles", voids.orientation.angles,
-           "\"tz=SPEC;tx=SPEC\": long axes turned from z by tx about x, then by tz about z; "
-           "\"phi=SPEC\" (2D): from x by phi; isotropic. SPEC: V, uniform:A,B or "
-           "normal:MEAN,SD,A,B, in rad or with suffix deg. With --void-axis or --void-field: "
-           "scatter about that (default without those: isotropic for boolean, else up to 0.358 "
-           "about z, 2D: x)",
+           "directions of the long axes. \"tz=SPEC;tx=SPEC\": along z, rotated by tx about x, then "
+           "by tz about z. \"phi=SPEC\" (2D): along x, rotated by phi. isotropic: no preferred "
+           "direction. SPEC is V, uniform:A,B or normal:MEAN,SD,A,B, in rad or with suffix deg. "
+           "With --void-axis or --void-field: scatter about that direction. Default without those: "
+           "isotropic for boolean, else within 0.358 rad of z (2D: of x)",
            "ANGLES")
         ->check(notEmpty());
     option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")
         ->check(notEmpty());
-    option(
-        "--void-field", voids.orientation.field,
-        "direction of the long axes by position: .vdb (vectors, or a tensor's main axis) or .csv "
-        "(x, y, z and a direction or six stress components), in mm",
-        "FILE")
+    option("--void-field", voids.orientation.field,
+           "direction of the long axes at each position: .vdb (vectors, or the main axis of a "
+           "tensor) or .csv (x, y, z and a direction or six stress components), in mm",
+           "FILE")
         ->check(notEmpty());
 }
 

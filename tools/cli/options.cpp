@@ -63,8 +63,8 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
                    " (default: uniform with ratio 1:2, about 100,000 spheres)");
     command
         ->add_option("--target-count", job.targetCount,
-                     "scale the radii so that about N spheres fill the domain (beside those of "
-                     "--existing)")
+                     "scale the radii so that about N spheres fill the domain; spheres of "
+                     "--existing do not count")
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
@@ -73,57 +73,56 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
         ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
     addChoice(*command, "--effort", job.effort, kEfforts,
-              "fast: first position found; normal: the tightest first; dense: more pending radii")
+              "fast: positions in the order of the sweep; normal: the tightest position first; "
+              "dense: the same with more pending radii to choose from")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
-    addChoice(
-        *command, "--order", job.order, kOrders,
-        "which position is filled next: the lowest along a diagonal, the nearest to the wall or "
-        "to the middle, the one found first; all but sweep run on one thread, for "
-        "comparison")
+    addChoice(*command, "--order", job.order, kOrders,
+              "position that is filled next. sweep: the lowest along a diagonal; wall: nearest to "
+              "the wall; centre: nearest to the middle; fifo: the first found. All but sweep run "
+              "on one thread, for comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
     command
         ->add_option("--gap", job.gap,
-                     "least distance between spheres, and of spheres to the wall, mm")
+                     "least distance between spheres, and between spheres and the wall, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
     addDensify(*command, job.densify,
-               "go on beyond the front, radii untouched: add and move spheres until the solid "
-               "fraction is F, or as dense as it gets");
+               "after packing, move and add spheres until the solid fraction is F, or as high as "
+               "possible (max); radii do not change");
     command
-        ->add_option(
-            "--existing", job.existing,
-            "pack around the spheres of a pack file (as verify reads it); they are written "
-            "again, before the others")
+        ->add_option("--existing", job.existing,
+                     "pack around the spheres of a file in any pack format; outputs contain these "
+                     "spheres first, unchanged")
         ->option_text("FILE")
         ->check(notEmpty())
         ->group("Spheres");
-    addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if it says none");
+    addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if the file states none");
     addDensityOption(*command, job.density);
     addVoidOptions(*command, job.voids, VoidsIn::pack);
     command
         ->add_option_function<std::string>(
             "--seed", [&job](const std::string& text) { job.seeds = parseSeeds(text); },
-            "another seed, another pack; a range 1..50 or a list 1,4,9 makes one pack "
-            "each from one field ({seed} in names of outputs)")
+            "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one pack for each "
+            "seed from one field ({seed} in names of outputs)")
         ->option_text("S [1]")
         ->group("Run");
-    command->add_option("--table", job.table, "write a row for each seed")
+    command->add_option("--table", job.table, "write a table with one row for each seed")
         ->option_text("FILE.csv")
         ->group("Run");
-    addThreads(*command, job.threads, "threads; the pack does not depend on it");
+    addThreads(*command, job.threads, "number of threads; the pack does not depend on it");
     addMemoryLimit(*command, job.memoryLimit);
     command
         ->add_flag("--dry-run", job.dryRun,
-                   "print the expected count, solid fraction, time and memory; write nothing")
+                   "predict count, solid fraction, time, memory and sizes of files; write nothing")
         ->group("Run");
     addContactTolerance(*command, job.contactTolerance);
     command
         ->add_option("--report", job.reportFile,
                      "write the report: .json for programs, .html as a page with charts for the "
-                     "browser (measures more, as measure does)")
+                     "browser (with the values of measure)")
         ->option_text("FILE.json|FILE.html")
         ->group("Run");
     addPreviewOptions(*command, job.preview);
@@ -135,18 +134,19 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
 
 CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
     CLI::App* command =
-        app.add_subcommand("voids", "the voids and the solid alone, without a pack")->fallthrough();
+        app.add_subcommand("voids", "make voids and the remaining solid, without spheres")
+            ->fallthrough();
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
-    addOutputs(*command, job.outputs,
-               "file to write: .vdb (level sets surface, voids, solid), .stl (of solid; "
-               "surface: or voids:FILE.stl chooses), fog:FILE.vdb, list:FILE.csv for the "
-               "list of voids; may be repeated");
+    addOutputs(
+        *command, job.outputs,
+        "file to write; may be repeated: .vdb (level sets surface, voids, solid), .stl (of solid; "
+        "surface:FILE.stl or voids:FILE.stl selects another), fog:FILE.vdb, list:FILE.csv (voids)");
     addDomainOptions(*command, job.domain);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addVoidOptions(*command, job.voids, VoidsIn::nothing);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
-    addThreads(*command, job.threads, "threads");
+    addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
     return command;
 }
@@ -173,11 +173,11 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
     addDensify(*command, job.fraction,
-               "add and move spheres until the solid fraction is F, or as dense as it gets; left "
-               "out, none is added and overlaps alone are removed");
+               "move and add spheres until the solid fraction is F, or as high as possible (max). "
+               "Without this option only overlaps are removed, and no sphere is added");
     command
         ->add_option("--gap", job.gap,
-                     "least distance between spheres, and of spheres to the wall, mm")
+                     "least distance between spheres, and between spheres and the wall, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
@@ -187,53 +187,55 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("verify", "check any pack with code of its own")->fallthrough();
+    CLI::App* command = app.add_subcommand("verify",
+                                           "check a pack of any program for overlaps and "
+                                           "protrusions, with code independent of the packer")
+                            ->fallthrough();
     addInputPack(*command, job, "PACK", kPackHelp);
-    command->add_option("--gap", job.gap, "least distance that spheres must keep, mm")
+    command->add_option("--gap", job.gap, "least distance required between spheres, mm")
         ->option_text("G [0]")
         ->check(notNegative())
         ->group("Spheres");
     command
         ->add_option("--places", job.placeSamples,
-                     "search N points of the domain for room for a sphere of 1.02 mean radii")
+                     "search N points of the domain for vacancies that have room for a sphere of "
+                     "1.02 mean radii")
         ->option_text("N")
         ->transform(wholeNumber(1, kMostPlaces))
         ->group("Run");
-    command->add_flag("--json", print.json, "print the certificate as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print the result as JSON")->group("Run");
     return command;
 }
 
 CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("measure",
-                           "density, contacts, sizes and structure of any pack; morphometry of a "
-                           "level set or a mesh")
-            ->fallthrough();
+    CLI::App* command = app.add_subcommand("measure",
+                                           "measure density, contacts, sizes and structure of any "
+                                           "pack; morphometry of a level set or a mesh")
+                            ->fallthrough();
     addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
                      "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)");
-    addOutputs(*command, job.outputs, "contacts:FILE.csv: the list of touching pairs");
+    addOutputs(*command, job.outputs, "contacts:FILE.csv: the pairs in contact");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     command
         ->add_option("--shell", job.shell,
-                     "measure the layer of this thickness along the wall apart, mm")
+                     "measure the layer of this thickness along the wall separately, mm")
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
     command
-        ->add_option("--report", job.reportFile,
-                     "write all figures: .json for programs, .html as a page with charts for the "
-                     "browser")
+        ->add_option(
+            "--report", job.reportFile,
+            "write all values: .json for programs, .html as a page with charts for the browser")
         ->option_text("FILE.json|FILE.html")
         ->group("Run");
-    command->add_flag("--json", print.json, "print all figures as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print all values as JSON")->group("Run");
     return command;
 }
 
 CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     CLI::App* command =
-        app.add_subcommand("convert", "between formats: packs, level sets and meshes")
+        app.add_subcommand("convert", "convert packs, level sets and meshes to other formats")
             ->fallthrough();
     command
         ->add_option("PACK", job.pack,
@@ -249,21 +251,21 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
         ->group("Domain");
     command
         ->add_option("--domain", job.domain.source,
-                     std::string("written as level set or surface too, and what a bulk density is "
-                                 "of: ") +
+                     std::string("domain whose level set or surface can be written too, and to "
+                                 "which --density bulk:D refers: ") +
                          kDomainHelp)
         ->option_text("DOMAIN")
         ->group("Domain");
     command
         ->add_option("--voxel", job.domain.voxelSize,
-                     "edge of a voxel of the level set made of a mesh, mm")
-        ->option_text("H [chosen]")
+                     "voxel size of the level set made from a mesh, mm")
+        ->option_text("H [automatic]")
         ->check(positive())
         ->group("Domain");
     addContactTolerance(*command, job.contactTolerance);
     addDensityOption(*command, job.density);
     addPreviewOptions(*command, job.preview);
-    addThreads(*command, job.threads, "threads");
+    addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
     command->add_flag("--json", print.json, "print what was converted as JSON")->group("Run");
     command->add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
@@ -271,12 +273,14 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
-    CLI::App* command = app.add_subcommand("mesh", "health report of a mesh, and its repair");
+    CLI::App* command =
+        app.add_subcommand("mesh", "report whether a mesh can be packed, and repair it");
     command->add_option("FILE", job.domain.source, "mesh (.stl .obj .ply .off)")->required();
-    command->add_option("-o", job.outputs, "write the mesh, repaired if asked for: .stl")
+    command
+        ->add_option("-o", job.outputs, "write the mesh as .stl; with --repair, the repaired mesh")
         ->option_text("FILE.stl");
     addRepairOptions(*command, job.domain);
-    addThreads(*command, job.threads, "threads");
+    addThreads(*command, job.threads, "number of threads");
     addUnit(*command, "--unit", job.domain.unit, "unit of the file");
     command->add_option("--scale", job.domain.scale, "further factor on its lengths")
         ->option_text("F [1]")
@@ -321,9 +325,9 @@ void describe(CLI::App& app) {
         "failed, 5 not enough memory or space, 130 interrupted.");
     app.formatter(std::make_shared<HelpPage>(columnsOf(1), hasColor(1)));
     app.set_config("--config", "",
-                   "read options of the command from a TOML file (the same names); the command "
-                   "line wins; runs leave one beside their first output, NAME.recipe.toml, that "
-                   "repeats them")
+                   "read options of the command from a TOML file, by the same names; the command "
+                   "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
+                   "its first output: it repeats the run")
         ->option_text("FILE")
         ->check(CLI::ExistingFile);
     app.config_formatter(std::make_shared<RecipeFormat>(app));
@@ -351,14 +355,14 @@ void complete(const Command& command, const std::vector<std::string>& arguments)
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode) {
     CliOptions options;
     CLI::App app(
-        "vdb_pack fills bones with spheres: a mesh becomes a signed distance field in OpenVDB, an "
-        "advancing front packs it densely without overlap, and the result is checked and written "
-        "for Houdini, Blender, ParaView and DEM programs.");
+        "vdb_pack fills bones with spheres. It converts a mesh to a signed distance field "
+        "(OpenVDB), packs it densely and without overlaps by an advancing front, checks the pack, "
+        "and writes files for Houdini, Blender, ParaView and DEM programs.");
     describe(app);
     const std::vector<Command> commands = addCommands(app, options.print);
     std::string shell;
     CLI::App* completion = app.add_subcommand(
-        "completion", "what a shell needs to complete options: source <(vdb_pack completion bash)");
+        "completion", "complete options in a shell: source <(vdb_pack completion bash)");
     setWords(*completion->add_option("SHELL", shell, "bash, zsh or fish")->required(),
              {"bash", "zsh", "fish"});
 

@@ -44,7 +44,7 @@ std::string summary(const MeshResult& result) {
     if (result.repair) {
         const RepairReport& r = *result.repair;
         text += toText(r.before) + "\n" + row("repair", describe(r));
-        text += row("volume in doubt",
+        text += row("ambiguous volume",
                     fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume", r.doubtfulVolume,
                                 100 * r.doubtfulVolume / r.volume));
         if (r.overlapVolume > 0)

@@ -32,7 +32,7 @@ constexpr double kAgreement = 0.995;
 /// Buried triangles of no more than this share of the area stay: what a surface that is folded in
 /// a few places has.
 constexpr double kFolded = 1e-4;
-/// Most triangles of a surface made anew, about, by two a voxel.
+/// Most triangles of a remeshed surface, estimated as two per voxel.
 constexpr double kMostTriangles = 8e5;
 /// Pieces of it below this many voxels are crumbs.
 constexpr double kCrumb = 10;
@@ -354,7 +354,7 @@ std::string describe(const RepairReport& report) {
         add(report.dropped, "buried triangle taken out", "buried triangles taken out");
         return text.empty() ? "sheets parted at their common edges" : text;
     }
-    text += fmt::format("{}surface made anew in voxels of {:.3g} mm", text.empty() ? "" : ", ",
+    text += fmt::format("{}surface remeshed with voxels of {:.3g} mm", text.empty() ? "" : ", ",
                         report.voxelSize);
     if (report.bridgedShare > 0)
         text += fmt::format(", {:.2g} % of it over holes", 100 * report.bridgedShare);
