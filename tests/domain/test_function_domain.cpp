@@ -1,4 +1,5 @@
 // Domains from a function: the same as shapes for their distances, and exact for packs.
+#include "support/cube.h"
 #include "support/message_of.h"
 
 #include "vdbpack/core/error.h"
@@ -17,13 +18,9 @@
 #include <limits>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
-
-template <int Dim>
-Box<Dim> cube(double side) {
-    return {Box<Dim>::filled(-side / 2), Box<Dim>::filled(side / 2)};
-}
 
 template <int Dim>
 std::function<double(const Vec<Dim>&)> ball(double radius) {

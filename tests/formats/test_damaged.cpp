@@ -175,35 +175,34 @@ const Open kCoordinates[] = {
      "type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 ",
      " 0</DataArray></Points></Piece></PolyData></VTKFile>"}};
 
-}  // namespace
-
-TEST_CASE("counts that no file of its size can hold are refused", "[formats]") {
+/// Each of these numbers in the open place makes the file an InputError.
+void requireRefused(const Open& open, const std::vector<std::string>& numbers) {
     const TemporaryFolder scratch;
     const std::string path = scratch.file("p.dat");
-    for (const Open& open : kCounts) {
-        const std::string file = prefixed(open.format, path);
-        for (const std::string count :
-             {"10000000000", "-1", "-9223372036854775808", "9223372036854775807",
-              "9223372036854775808", "18446744073709551615", "1e18", "1e999", "nan", ""}) {
-            CAPTURE(open.format, count);
-            putContent(path, open.with(count));
-            REQUIRE_THROWS_AS(readPack(file), InputError);
-        }
+    const std::string file = prefixed(open.format, path);
+    for (const std::string& number : numbers) {
+        CAPTURE(open.format, number);
+        putContent(path, open.with(number));
+        REQUIRE_THROWS_AS(readPack(file), InputError);
     }
 }
 
+}  // namespace
+
+TEST_CASE("counts that no file of its size can hold are refused", "[formats]") {
+    for (const Open& open : kCounts)
+        requireRefused(open,
+                       {"10000000000", "-1", "-9223372036854775808", "9223372036854775807",
+                        "9223372036854775808", "18446744073709551615", "1e18", "1e999", "nan", ""});
+}
+
 TEST_CASE("coordinates that are not finite are refused with their place", "[formats]") {
-    const TemporaryFolder scratch;
-    const std::string path = scratch.file("p.dat");
     for (const Open& open : kCoordinates) {
-        const std::string file = prefixed(open.format, path);
+        const TemporaryFolder scratch;
+        const std::string path = scratch.file("p.dat");
         putContent(path, open.with("2"));
-        REQUIRE(readPack(file).spheres.size() == 1);
-        for (const std::string number : {"nan", "-nan", "inf", "-inf", "1e999", "0x1p3", "1,5"}) {
-            CAPTURE(open.format, number);
-            putContent(path, open.with(number));
-            REQUIRE_THROWS_AS(readPack(file), InputError);
-        }
+        REQUIRE(readPack(prefixed(open.format, path)).spheres.size() == 1);
+        requireRefused(open, {"nan", "-nan", "inf", "-inf", "1e999", "0x1p3", "1,5"});
     }
 }
 

@@ -1,3 +1,5 @@
+#include "support/cube.h"
+
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
@@ -13,13 +15,9 @@
 #include <map>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
-
-template <int Dim>
-Box<Dim> cube(double side) {
-    return {Box<Dim>::filled(-side / 2), Box<Dim>::filled(side / 2)};
-}
 
 template <int Dim>
 std::map<std::string, std::shared_ptr<const Domain<Dim>>> domains() {

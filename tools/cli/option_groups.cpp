@@ -135,6 +135,15 @@ void addContactTolerance(CLI::App& command, double& tolerance) {
         ->group("Run");
 }
 
+void addGap(CLI::App& command, double& gap) {
+    command
+        .add_option("--gap", gap,
+                    "least distance between spheres, and between spheres and the wall, mm")
+        ->option_text("G [0]")
+        ->check(notNegative())
+        ->group("Spheres");
+}
+
 void addDensify(CLI::App& command, double& fraction, const std::string& help) {
     command
         .add_option_function<std::string>(

@@ -57,6 +57,8 @@ void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
              const std::string& help);
 void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help);
 void addContactTolerance(CLI::App& command, double& tolerance);
+/// --gap.
+void addGap(CLI::App& command, double& gap);
 void addDensify(CLI::App& command, double& fraction, const std::string& help);
 void addThreads(CLI::App& command, int& threads, const std::string& help);
 void addRepairOptions(CLI::App& command, vdbpack::DomainRecipe& domain);

@@ -83,12 +83,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
               "on one thread, for comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
-    command
-        ->add_option("--gap", job.gap,
-                     "least distance between spheres, and between spheres and the wall, mm")
-        ->option_text("G [0]")
-        ->check(notNegative())
-        ->group("Spheres");
+    addGap(*command, job.gap);
     addDensify(*command, job.densify,
                "after packing, move and add spheres until the solid fraction is F, or as high as "
                "possible (max); radii do not change");
@@ -173,14 +168,9 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
     addDensify(*command, job.fraction,
-               "move and add spheres until the solid fraction is F, or as high as possible (max). "
-               "Without this option only overlaps are removed, and no sphere is added");
-    command
-        ->add_option("--gap", job.gap,
-                     "least distance between spheres, and between spheres and the wall, mm")
-        ->option_text("G [0]")
-        ->check(notNegative())
-        ->group("Spheres");
+               "add and move spheres until the solid fraction is F, or as dense as it gets; left "
+               "out, none is added and overlaps alone are removed");
+    addGap(*command, job.gap);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
     return command;

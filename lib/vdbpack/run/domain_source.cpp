@@ -50,9 +50,13 @@ WallShape<3> spaceWall(const NamedShape& shape) {
             return WallShape<3>::ofBall(shape.radius);
         case NamedShape::Kind::cylinder:
             return WallShape<3>::ofCylinder(shape.radius, shape.height);
-        default:
+        case NamedShape::Kind::box:
             return WallShape<3>::ofBox(shape.box);
+        case NamedShape::Kind::rect:
+        case NamedShape::Kind::disc:
+            break;
     }
+    throw ParameterError("a shape of the plane has no wall in space");
 }
 
 WallShape<2> planeWall(const NamedShape& shape) {

@@ -151,9 +151,17 @@ VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
             return booleanFamily(s, bvtv, chosen);
         case VoidMethod::overlay:
             return overlayFamily(s, chosen);
-        default:
+        case VoidMethod::grid:
             return gridFamily(s);
+        case VoidMethod::none:
+        case VoidMethod::concentric:
+        case VoidMethod::threshold:
+        case VoidMethod::mixed:
+        case VoidMethod::ellipses:
+        case VoidMethod::list:
+            break;
     }
+    throw ParameterError("`voids` " + s.recipe.method + ": is no family of voids at random");
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                             \

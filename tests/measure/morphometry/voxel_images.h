@@ -5,6 +5,7 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/field/voxel_image.h"
 
+#include <catch2/catch.hpp>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -140,6 +141,21 @@ inline VoxelImage voidsImage(std::int64_t n, double voxelSize, const Voids& void
                 }
     }
     return image;
+}
+
+/// Relative tolerance alone.
+inline Approx within(double value, double share) {
+    return Approx(value).epsilon(share).margin(0);
+}
+
+/// A solid like trabecular bone: BV/TV 0.15, longer along z.
+inline Voids trabecular() {
+    Voids voids;
+    voids.semiAxes = {0.32, 0.25, 0.21};
+    voids.perVolume = -std::log(0.15) / voids.volume();
+    voids.stretch = 3;
+    voids.seed = 5;
+    return voids;
 }
 
 }  // namespace vdbpack::test
