@@ -25,7 +25,7 @@ CLI::Validator notNegative();
 CLI::Validator wholeNumber(std::uint64_t least, std::uint64_t most, const std::string& remedy = {});
 CLI::Validator notEmpty();
 
-/// Names of values, in the order in which they are told.
+/// Names of values, in the order in which they are listed.
 template <class Value>
 using Names = std::vector<std::pair<std::string, Value>>;
 

@@ -11,7 +11,7 @@ class VdbGrid;
 struct Solid {
     std::shared_ptr<const VdbGrid> grid;  ///< named `solid`
     std::uint64_t pieces = 0;             ///< that no voxel joins to one another
-    /// Share of its volume that hangs together with the wall of the bone: the pieces that hold a
+    /// Share of its volume that is connected with the wall of the bone: the pieces that contain a
     /// part of it. With voids that open the wall, the share of the largest piece.
     double attached = 0;
     double dropped = 0;  ///< volume of what was dropped, mm³
@@ -21,7 +21,7 @@ struct Solid {
 ///
 /// @param shell          thickness of the layer along the wall that voids leave alone, mm.
 /// @param keepConnected  drop the pieces that are not attached.
-/// Pieces hang together where voxels inside share a face.
+/// Voxels inside are connected where they share a face.
 /// @throws ParameterError if the lattices differ, ResourceError if memory does not suffice.
 Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected);
 

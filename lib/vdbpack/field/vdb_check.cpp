@@ -115,8 +115,7 @@ private:
         checkMetadata(&savedAsHalf);
         if (savedAsHalf != half)
             bytes_.fail(
-                "a grid of which it is told twice, but not alike, whether its values are "
-                "half floats");
+                "a grid whose type and metadata disagree on whether its values are half floats");
         checkMap(/*nested=*/false);
         const auto known = std::find_if(std::begin(kValueTypes), std::end(kValueTypes),
                                         [&type](const ValueType& t) { return type == t.tree; });

@@ -26,9 +26,4 @@ template <int Dim>
 void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
                    const std::string& file, Unit unit = Unit::millimeter);
 
-extern template void writeContacts<2>(const Pack<2>&, const std::vector<Contact>&,
-                                      const std::string&, Unit);
-extern template void writeContacts<3>(const Pack<3>&, const std::vector<Contact>&,
-                                      const std::string&, Unit);
-
 }  // namespace vdbpack

@@ -19,9 +19,6 @@ namespace vdbpack {
 template <int Dim>
 void checkPack(const Pack<Dim>& pack);
 
-extern template void checkPack<2>(const Pack<2>&);
-extern template void checkPack<3>(const Pack<3>&);
-
 /// Each writes into `out`, which the caller commits. @throws IoError
 void writeCsv(const PackView& pack, OutputFile& out);
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);

@@ -34,11 +34,4 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
                                       const PackWriteOptions& options,
                                       const std::string& volume = "");
 
-extern template std::vector<std::string> writeBlender<2>(const Pack<2>&, const std::string&,
-                                                         const PackWriteOptions&,
-                                                         const std::string&);
-extern template std::vector<std::string> writeBlender<3>(const Pack<3>&, const std::string&,
-                                                         const PackWriteOptions&,
-                                                         const std::string&);
-
 }  // namespace vdbpack

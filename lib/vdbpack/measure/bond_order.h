@@ -38,9 +38,4 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres);
 template <int Dim>
 double solidLikeShare(const std::vector<Sphere<Dim>>& spheres);
 
-extern template BondOrder<2> bondOrder(const std::vector<Sphere<2>>&);
-extern template BondOrder<3> bondOrder(const std::vector<Sphere<3>>&);
-extern template double solidLikeShare(const std::vector<Sphere<2>>&);
-extern template double solidLikeShare(const std::vector<Sphere<3>>&);
-
 }  // namespace vdbpack

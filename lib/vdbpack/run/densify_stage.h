@@ -28,9 +28,4 @@ template <int Dim>
 void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<Dim>& pack,
                  Report& report, const Callbacks& callbacks);
 
-extern template void densifyPack(const Domain<2>&, const DensifySetting&, Pack<2>&, Report&,
-                                 const Callbacks&);
-extern template void densifyPack(const Domain<3>&, const DensifySetting&, Pack<3>&, Report&,
-                                 const Callbacks&);
-
 }  // namespace vdbpack

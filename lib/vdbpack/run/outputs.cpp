@@ -202,7 +202,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                 throw ParameterError(files[i] + ": is named twice as output" +
                                      (files[i] == files[j] ? "" : ", once as " + files[j]));
     }
-    // What could not be written is told before the work, not after it.
+    // Refuses before the work what could not be written after it.
     for (const std::string& file : files) const OutputFile unwritten(file);
 }
 

@@ -92,11 +92,4 @@ template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks);
 
-extern template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
-extern template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
-extern template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
-                                                         const RunOutputs<2>&, const Callbacks&);
-extern template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
-                                                         const RunOutputs<3>&, const Callbacks&);
-
 }  // namespace vdbpack

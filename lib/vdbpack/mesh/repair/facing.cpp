@@ -55,7 +55,7 @@ public:
         }
         return {root, turned};
     }
-    /// Where the two hang together already and do not agree, no turning makes them (Moebius).
+    /// Where the two are connected already and disagree, no turning can orient them (Moebius).
     void join(std::uint32_t a, std::uint32_t b, bool against) {
         const auto [ra, ta] = find(a);
         const auto [rb, tb] = find(b);

@@ -16,9 +16,9 @@ enum class NestedShells {
 /// Turns triangles so that neighbors agree and the surface faces outward; cavities face into
 /// themselves, where nested shells bound any. `mesh` is welded, without collapsed triangles.
 ///
-/// Triangles that meet at edges of two hang together as patches; a patch takes the side that most
-/// of its area has in the file. At edges of more triangles a patch is turned where then more of
-/// its edges balance. What is nearly closed faces by the sign of its volume and by what lies
+/// Triangles connected by edges that join exactly two form patches; a patch takes the side that
+/// most of its area has in the file. At edges of more triangles a patch is turned where then more
+/// of its edges balance. What is nearly closed faces by the sign of its volume and by what lies
 /// around it; other pieces follow the surface near them, where the winding number of what is
 /// nearly closed changes across them, and the file where it does not.
 ///

@@ -15,7 +15,7 @@ namespace vdbpack {
 
 struct RepairOptions {
     NestedShells nested = NestedShells::cavity;
-    /// Edge of the lattice's cubes where the surface is made anew, mm; 0: `repairVoxelSize`.
+    /// Edge of the lattice's cubes where the surface is rebuilt, mm; 0: `repairVoxelSize`.
     double voxelSize = 0;
     std::string name = "mesh";  ///< in messages
 };
@@ -25,7 +25,7 @@ struct RepairReport {
     enum class Method {
         none,       ///< the surface was sound already
         triangles,  ///< its own triangles stay where they bound the inside; holes are filled
-        resurfaced  ///< made anew where the winding number is 1/2 (resurface.h)
+        resurfaced  ///< rebuilt where the winding number is 1/2 (resurface.h)
     };
     Method method = Method::none;
     MeshHealth before;
@@ -34,8 +34,8 @@ struct RepairReport {
     std::size_t holesFilled = 0;    ///< by triangles between the vertices of their rims
     double filledArea = 0;          ///< of those triangles, mm²
     std::size_t dropped = 0;        ///< triangles with the inside, or the outside, on both sides
-    std::size_t piecesDropped = 0;  ///< crumbs of a surface made anew, smaller than ten voxels
-    double voxelSize = 0;           ///< of a surface made anew
+    std::size_t piecesDropped = 0;  ///< pieces of a rebuilt surface, smaller than ten voxels
+    double voxelSize = 0;           ///< of a rebuilt surface
     double bridgedShare = 0;        ///< share of such a surface that lies over holes
     double thinArea = 0;            ///< of walls too thin for its voxels, mm²
     double volume = 0;              ///< that the repaired surface encloses, mm³
@@ -58,7 +58,7 @@ struct RepairedMesh {
 /// Triangles stay as they are if that suffices: copies go, wrong ones are turned, small holes are
 /// filled, triangles inside the solid are taken out. Where this leaves no closed surface that the
 /// winding number of the open one agrees with (large holes, pieces that cut through each other),
-/// the surface is made anew from a lattice, with vertices on the triangles of the file. A mesh that
+/// the surface is rebuilt from a lattice, with vertices on the triangles of the file. A mesh that
 /// is sound already comes back as it is.
 ///
 /// The same mesh for any number of threads. Deterministic, so that a pack can be verified later
@@ -74,7 +74,7 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options = {},
 TriangleMesh joinedAsCavity(TriangleMesh outer, const TriangleMesh& inner);
 
 /// The inside of `outer` without that of `inner`, both as by `repairMesh`, where they cut through
-/// each other: made anew (resurface.h). @throws as `repairMesh`
+/// each other: rebuilt (resurface.h). @throws as `repairMesh`
 RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
                           const RepairOptions& options = {}, const Callbacks& callbacks = {});
 
