@@ -222,7 +222,7 @@ TEST_CASE("packs to go on from that are none are refused, copies are not", "[cli
           folder.path());
 }
 
-TEST_CASE("files that are empty, missing, folders or locked are told apart", "[cli][bad]") {
+TEST_CASE("files that are empty, missing, folders or locked are distinguished", "[cli][bad]") {
     const TemporaryFolder folder;
     struct Kind {
         const char* command;    ///< what comes before the file

@@ -52,7 +52,7 @@ TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli]
     CHECK(pack.order.back() == static_cast<std::int64_t>(pack.spheres.size()) - 1);
 }
 
-TEST_CASE("what stands already stays while the others get denser", "[cli][densify]") {
+TEST_CASE("existing spheres stay while the others get denser", "[cli][densify]") {
     const TemporaryFolder folder;
     auto standing = recipeFor("ball:6", "uniform:1,2");
     standing.outputs = {folder.file("a.csv")};
@@ -175,7 +175,7 @@ TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]
     }
 }
 
-TEST_CASE("a pack that does not come apart is written as it was, with exit code 1",
+TEST_CASE("a pack that cannot be separated is written as it was, with exit code 1",
           "[cli][densify]") {
     const TemporaryFolder folder;
     std::string text = "x,y,z,radius\n";

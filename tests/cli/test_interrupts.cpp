@@ -49,8 +49,9 @@ bool isVerified(const std::string& file, const std::string& domain) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a pack of a single block stops within the block and keeps what stands",
-                       "[pack]", ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG(
+    "a pack of a single block stops within the block and keeps the completed spheres", "[pack]",
+    ((int Dim), Dim), 2, 3) {
     const auto domain = boxDomain<Dim>({{}, Box<Dim>::filled(Dim == 3 ? 60 : 250)});
     PackOptions options(SizeDistribution::parse("uniform:1,2", Dim));
     options.order = Order::wall;

@@ -145,7 +145,7 @@ TEST_CASE("measure needs no domain", "[run]") {
     CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("input itself"));
 }
 
-TEST_CASE("circles are told from spheres where no domain says so", "[run]") {
+TEST_CASE("circles are distinguished from spheres where no domain says so", "[run]") {
     const TemporaryFolder folder;
     PackRecipe pack = recipeFor("rect:40,40", "uniform:1,2");
     pack.outputs = {folder.file("p.csv")};

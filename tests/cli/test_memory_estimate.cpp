@@ -85,7 +85,7 @@ TEST_CASE("the spheres of a pack to come are about as many as told", "[needs]") 
     }
 }
 
-TEST_CASE("a clip leaves the volume that is told", "[needs]") {
+TEST_CASE("a clip leaves the volume that is reported", "[needs]") {
     const TemporaryFolder folder;
     test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
     DomainRecipe recipe;

@@ -176,7 +176,7 @@ TEST_CASE("a repaired bone is the same for any number of threads",
     test::writeObj(brokenBone("irregular"), recipe.domain.source);
     const auto holes = requireSameForAnyThreads(recipe);
     CHECK(holes.report.domain.repair != nullptr);
-    // Holes too large to fill: the surface is made anew.
+    // Holes too large to fill: the surface is rebuilt.
     test::writeObj(test::merged(test::ballMesh(10, 4), test::ballMesh(6, 4, {{9, 0, 0}})),
                    recipe.domain.source);
     requireSameForAnyThreads(recipe);

@@ -59,7 +59,7 @@ TEST_CASE("distances of words are those of their letters", "[cli]") {
     CHECK(mostLike("--thickness", {"--seed", "--radius"}) == "");
 }
 
-TEST_CASE("misuse is told with what was meant", "[cli]") {
+TEST_CASE("misuse is reported with what was meant", "[cli]") {
     const auto told = [](const std::string& arguments) {
         const auto out = vdbPack(arguments);
         CHECK(out.code == 2);
@@ -80,7 +80,7 @@ TEST_CASE("misuse is told with what was meant", "[cli]") {
     CHECK_THAT(told("mesh"), Contains("FILE is required") && Contains("vdb_pack mesh --help"));
 }
 
-TEST_CASE("a recipe that cannot be read is told by line and name", "[cli]") {
+TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("r.toml");
     const auto told = [&](const std::string& text) {
@@ -227,7 +227,7 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
     }
 }
 
-TEST_CASE("options without effect are told", "[cli]") {
+TEST_CASE("options without effect are reported", "[cli]") {
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --unit m").text,
                Contains("--unit has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --grid solid").text,

@@ -209,7 +209,7 @@ TEMPLATE_TEST_CASE_SIG("the shell of a pack with voids stays whole", "[run][void
     const auto before = compact(all), after = compact(run);
     CHECK(before == after);
     CHECK(packIn<Dim>(run).spheres.size() < packIn<Dim>(all).spheres.size());
-    // What stays can be told to hang together; what does not can be dropped.
+    // What stays can be reported as connected; the rest can be dropped.
     recipe.voids.keepConnected = true;
     const auto kept = runPack(recipe);
     CHECK(kept.report.voids->dropped > 0);
@@ -395,8 +395,8 @@ TEMPLATE_TEST_CASE_SIG("spheres that stood before stay whatever the voids", "[ru
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("steps too large for a target are told", "[run][voids]", ((int Dim), Dim), 2,
-                       3) {
+TEMPLATE_TEST_CASE_SIG("steps too large for a target are reported", "[run][voids]",
+                       ((int Dim), Dim), 2, 3) {
     VoidsRecipe recipe;
     recipe.domain.source = Dim == 3 ? "box:10,10,10" : "rect:10,10";
     recipe.voids.method = "grid";

@@ -192,7 +192,7 @@ TEST_CASE("every output survives a full disk", "[.slow][output]") {
     }
 }
 
-TEST_CASE("a read-only folder is told before the work, and nothing changes", "[output]") {
+TEST_CASE("a read-only folder is reported before the work, and nothing changes", "[output]") {
     if (!isAllowed(kApart)) return;
     const Given given;
     putContent(given.out() + "/p.csv", "former");
@@ -205,7 +205,7 @@ TEST_CASE("a read-only folder is told before the work, and nothing changes", "[o
     CHECK(namesIn(given.out()).size() == 1);
 }
 
-TEST_CASE("what cannot be written is told before the work", "[output]") {
+TEST_CASE("what cannot be written is reported before the work", "[output]") {
     const Given given;
     fs::create_directory(given.out() + "/folder.vtp");
     REQUIRE(::mkfifo((given.out() + "/pipe.csv").c_str(), 0600) == 0);
@@ -278,7 +278,7 @@ TEST_CASE("files that options and radii are read from are inputs as well", "[out
           0);
 }
 
-TEST_CASE("what a file cannot take along is told", "[output]") {
+TEST_CASE("what a file cannot take along is reported", "[output]") {
     const Given given;
     putContent(given.out() + "/i.csv", "id,x,y,z,radius\n5000000000,0,0,0,1\n7,3,0,0,1\n");
     const auto run = vdbPack("convert " + given.out() + "/i.csv -o " + given.out() + "/i.ply");
@@ -292,7 +292,7 @@ TEST_CASE("what a file cannot take along is told", "[output]") {
     CHECK(fs::exists(given.out() + "/" + name));
 }
 
-TEST_CASE("names that are no UTF-8 are told in JSON all the same", "[output]") {
+TEST_CASE("names that are no UTF-8 are reported in JSON all the same", "[output]") {
     const Given given;
     const std::string name = given.out() + "/n\xff.csv";
     putContent(name, contentOf(given.pack));
@@ -329,7 +329,7 @@ TEST_CASE("an output that is an input or another output by any name is refused",
     CHECK(namesIn(given.out()).size() == 3);
 }
 
-TEST_CASE("a broken pipe or a full one on standard output is told, and files are complete",
+TEST_CASE("a broken pipe or a full one on standard output is reported, and files are complete",
           "[output]") {
     const Given given;
     const std::string file = given.out() + "/p.csv";

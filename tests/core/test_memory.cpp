@@ -41,7 +41,7 @@ TEST_CASE("sizes of memory are read as people write them", "[memory]") {
     }
 }
 
-TEST_CASE("sizes of memory are told in numbers of three digits", "[memory]") {
+TEST_CASE("sizes of memory are reported in numbers of three digits", "[memory]") {
     CHECK(bytesText(12.0 * 1024) == "12 KiB");
     CHECK(bytesText(820.0 * (1 << 20)) == "820 MiB");
     CHECK(bytesText(1.5 * (1 << 30)) == "1.5 GiB");
@@ -49,7 +49,7 @@ TEST_CASE("sizes of memory are told in numbers of three digits", "[memory]") {
     CHECK(bytesText(1e30) == "9.09e+17 TiB");
 }
 
-TEST_CASE("what there is of memory and space is told", "[memory]") {
+TEST_CASE("what there is of memory and space is reported", "[memory]") {
     CHECK(residentMemory() > 1e6);
     CHECK(residentMemory() < 1e12);
     CHECK(availableMemory() > 0);

@@ -102,7 +102,7 @@ TEST_CASE("bodies of one cell lie side by side, by their numbers", "[densify]") 
     }
 }
 
-TEST_CASE("low bits that may deceive are told of", "[densify]") {
+TEST_CASE("low bits that may deceive are reported", "[densify]") {
     BodyCells cells;
     CHECK_FALSE(Bodies(100, {1 << 29, 1 << 29, 1 << 29}, 1e6f, 2e6f).sortInto(cells));
     CHECK(Bodies(100, {std::int64_t(1) << 33, 1, 1}, 1e6f, 2e6f).sortInto(cells));

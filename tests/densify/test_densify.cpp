@@ -128,8 +128,8 @@ TEMPLATE_TEST_CASE_SIG("a densified pack is the same for any number of threads",
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("overlaps are removed, whoever made them", "[densify]", ((int Dim), Dim), 2,
-                       3) {
+TEMPLATE_TEST_CASE_SIG("overlaps of packs of any origin are removed", "[densify]", ((int Dim), Dim),
+                       2, 3) {
     // Far off the origin, and in lengths of another size.
     const double unit = GENERATE(1e-3, 1.0, 1e3);
     CAPTURE(Dim, unit);
@@ -150,7 +150,7 @@ TEMPLATE_TEST_CASE_SIG("overlaps are removed, whoever made them", "[densify]", (
     checkSound(result.spheres, *domain);
 }
 
-TEST_CASE("a pack that YADE compressed comes apart", "[densify]") {
+TEST_CASE("the spheres of a pack that YADE compressed are separated", "[densify]") {
     const auto given = readPack("yade:" + test::kTests + "/densify/yade_pack.txt").spheres;
     const auto domain = boxDomain<3>({{}, Box<3>::filled(10)});
     REQUIRE(checkOverlap(given).max > 0.02);
@@ -171,7 +171,7 @@ TEST_CASE("a pack without overlaps is left as it is", "[densify]") {
     CHECK(result.spheres == before);
 }
 
-TEST_CASE("spheres on the same spot come apart", "[densify]") {
+TEST_CASE("spheres on the same spot are separated", "[densify]") {
     const auto domain = box<3>(20);
     std::vector<Sphere<3>> given(30, Sphere<3>{{{1, 2, 3}}, 1.0});
     const auto result = densify(*domain, given, {});
@@ -279,7 +279,7 @@ TEST_CASE("no sphere leaves a wall of triangles", "[densify]") {
     CHECK(checkProtrusion(result.spheres, mesh).max == 0);
 }
 
-TEST_CASE("what is not to be had is approached from below", "[densify]") {
+TEST_CASE("a fraction out of reach is approached from below", "[densify]") {
     const auto domain = box<3>(16);
     const auto before = front(*domain, "uniform:1,2");
     const auto result = densify(*domain, before, to<3>(0.8, "uniform:1,2"));
@@ -304,7 +304,7 @@ TEST_CASE("a pack that is interrupted while it gets denser is the last that was 
     CHECK(result.spheres == before);
 }
 
-TEST_CASE("more than a domain holds does not come apart, and is given back", "[densify]") {
+TEST_CASE("more spheres than fit cannot be separated, and are returned", "[densify]") {
     const auto domain = box<3>(6);
     const std::vector<Sphere<3>> given(40, Sphere<3>{{{1, 0, 0}}, 1.5});
     const auto result = densify(*domain, given, {});

@@ -27,7 +27,7 @@ struct Flood {
     std::vector<std::size_t> size{0};  ///< voxels of each
 };
 
-/// @param faces  voxels hang together by faces; else by edges as well.
+/// @param faces  voxels are connected by faces; else by edges as well.
 Flood floodOf(const VoxelImage& image, bool faces = true) {
     Flood flood;
     flood.piece.assign(image.voxels(), 0);

@@ -203,7 +203,7 @@ TEST_CASE("a level set with flipped bits is an error or another one", "[domain]"
     }
 }
 
-TEST_CASE("what is wrong with a .vdb file is told with its place", "[domain]") {
+TEST_CASE("what is wrong with a .vdb file is reported with its place", "[domain]") {
     const Files files;
     const std::string whole = contentOf(files.saveBall());
     SECTION("no file, a folder, an empty file, another format") {
@@ -262,7 +262,8 @@ TEST_CASE("what is wrong with a .vdb file is told with its place", "[domain]") {
     }
 }
 
-TEST_CASE("a grid that is told to be half floats and not to be is refused", "[domain]") {
+TEST_CASE("a grid that says both that it has half floats and that it has none is refused",
+          "[domain]") {
     // OpenVDB would take values of one kind for the other, and lose a node's memory on the way.
     const Files files;
     const bool asHalf = GENERATE(false, true);

@@ -103,7 +103,7 @@ TEST_CASE("what cannot be replaced by a file is refused", "[output]") {
     }
 }
 
-TEST_CASE("a folder that is gone before the file is complete is told, and nothing is left",
+TEST_CASE("a folder that is gone before the file is complete is reported, and nothing is left",
           "[output]") {
     const TemporaryFolder folder;
     fs::create_directory(folder.file("f"));

@@ -1,4 +1,4 @@
-// Bond order: crystals are told from random packs, however they are turned.
+// Bond order: crystals are distinguished from random packs, however they are turned.
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/bond_order.h"

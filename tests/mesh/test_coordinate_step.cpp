@@ -38,7 +38,7 @@ void writeText(const TriangleMesh& mesh, int digits, const std::string& path) {
 
 }  // namespace
 
-TEST_CASE("the step between coordinates is told", "[mesh][precision]") {
+TEST_CASE("the step between coordinates is reported", "[mesh][precision]") {
     const auto ball = test::ballMesh(10, 3);
     const auto at = [&](double far) { return test::translated(ball, {{far, -far, far}}); };
     CHECK(coordinateStep(at(1234.5), 1) == 0);  // double
@@ -54,7 +54,7 @@ TEST_CASE("the step between coordinates is told", "[mesh][precision]") {
     CHECK(medianEdge(ball) < 3);
 }
 
-TEST_CASE("a file that has lost its digits far from the origin is told", "[mesh][precision]") {
+TEST_CASE("a file that has lost its digits far from the origin is reported", "[mesh][precision]") {
     const TemporaryFolder folder;
     const auto warnings = [&](double far, int digits) {
         const std::string path = folder.file("b.obj");

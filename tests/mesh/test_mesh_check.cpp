@@ -40,7 +40,7 @@ TEST_CASE("health of a cube", "[mesh]") {
     CHECK_THAT(toText(health), Contains("watertight"));
 }
 
-TEST_CASE("a mesh folded flat is told to enclose nothing", "[mesh]") {
+TEST_CASE("a mesh folded flat is reported to enclose nothing", "[mesh]") {
     TriangleMesh mesh;
     mesh.vertices = {{{0, 0, 0}}, {{3, 0, 0}}, {{0, 4, 0}}};
     mesh.triangles = {{0, 1, 2}, {0, 2, 1}};

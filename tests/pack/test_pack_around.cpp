@@ -51,7 +51,7 @@ double smallestWallGap(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim
 
 }  // namespace
 
-TEST_CASE("beside what stands nothing is placed where nothing can fit", "[pack]") {
+TEST_CASE("nothing is placed beside existing spheres where nothing can fit", "[pack]") {
     PackOptions options(SizeDistribution::parse("constant:11", 3));
     const auto domain = box<3>(20);
     const auto result = packSpheres(*domain, options, {}, {{{{0, 0, 0}}, 1}});

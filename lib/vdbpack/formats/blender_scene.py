@@ -187,7 +187,7 @@ def choose_scale(data):
 
 
 def attribute_name(column):
-    """Points take what is called radius for their own, whatever Mesh to Points is told."""
+    """Points take what is called radius for their own, whatever radius is set in Mesh to Points."""
     return "radius_" + PACK["unit"] if column == "radius" else column
 
 

@@ -245,7 +245,7 @@ TEST_CASE("a file with any bytes changed is refused or gives a sound mesh", "[me
         }
 }
 
-TEST_CASE("binary and ASCII STL are told apart by content", "[mesh]") {
+TEST_CASE("binary and ASCII STL are distinguished by content", "[mesh]") {
     const Folder folder;
     const auto mesh = tetrahedron();
     CHECK(readMesh(folder.write("a.stl", binaryStl(mesh, "solid by name only"))).triangles.size() ==

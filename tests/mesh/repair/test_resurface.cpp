@@ -70,7 +70,7 @@ TEST_CASE("every case of a cube separates its inside corners", "[repair][resurfa
     }
 }
 
-TEST_CASE("a surface made anew lies on the old one", "[repair][resurface]") {
+TEST_CASE("a surface rebuilt lies on the old one", "[repair][resurface]") {
     const Vec<3> center = GENERATE(Vec<3>{{0, 0, 0}}, Vec<3>{{1e4, 1e4, -1e4}});
     const auto ball = test::ballMesh(10, 5, center);
     const auto made = resurfaced(ball, 0.5);
@@ -128,7 +128,7 @@ TEST_CASE("an opening is closed near its plane", "[repair][resurface]") {
     for (const auto& v : made.mesh.vertices) CHECK(std::fabs(v[2]) < 10.5);
 }
 
-TEST_CASE("a surface made anew is the same for any number of threads", "[repair][resurface]") {
+TEST_CASE("a surface rebuilt is the same for any number of threads", "[repair][resurface]") {
     auto mesh = test::merged(test::ballMesh(6, 4), test::ballMesh(4, 3, {{5, 1, 0}}));
     mesh.triangles.erase(mesh.triangles.begin() + 100, mesh.triangles.begin() + 130);
     const auto with = [&](int threads) {
@@ -139,7 +139,7 @@ TEST_CASE("a surface made anew is the same for any number of threads", "[repair]
     REQUIRE(one.triangles == three.triangles);
 }
 
-TEST_CASE("walls thinner than a voxel are told of", "[repair][resurface]") {
+TEST_CASE("walls thinner than a voxel are reported", "[repair][resurface]") {
     // A plate of 20 x 20 x 0.05 under a block.
     const auto mesh = test::merged(test::boxMesh({{0, 0, 0}}, {{20, 20, 0.05}}),
                                    test::boxMesh({{5, 5, -5}}, {{10, 10, 2}}));
