@@ -23,7 +23,8 @@ namespace {
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
 /// Diagonal below which voxels in 32-bit floats have no digits left, mm.
 constexpr double kSmallestExtent = 1e-6;
-/// Points by which the volume of a clipped mesh is estimated, to about 1 %, and the steps between them.
+/// Points by which the volume of a clipped mesh is estimated, to about 1 %, and the steps between
+/// them.
 constexpr std::size_t kVolumePoints = 20000;
 constexpr double kWeyl[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
 
