@@ -16,15 +16,6 @@ namespace {
 /// Facets that meet at a larger angle than of this cosine are not smoothed.
 constexpr float kCrease = 0.6f;
 
-RTCRay rayOf(const Float3& from, const Float3& along, float near, float far) {
-    RTCRay ray;
-    ray.org_x = from.x, ray.org_y = from.y, ray.org_z = from.z;
-    ray.dir_x = along.x, ray.dir_y = along.y, ray.dir_z = along.z;
-    ray.tnear = near, ray.tfar = far;
-    ray.time = 0, ray.mask = ~0u, ray.id = 0, ray.flags = 0;
-    return ray;
-}
-
 }  // namespace
 
 Device::Device() : device_(rtcNewDevice(nullptr)) {
@@ -133,34 +124,6 @@ void RayScene::commit(StopRequest& request) {
     if (monitor.failure) std::rethrow_exception(monitor.failure);
     request.stop();  // before the check: Embree reports it as an error
     device_.check();
-}
-
-Hit RayScene::first(const Float3& from, const Float3& along, float near, float far) const {
-    RTCRayHit r;
-    r.ray = rayOf(from, along, near, far);
-    r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
-    rtcIntersect1(scene_, &context, &r);
-    Hit hit;
-    if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
-    hit.t = r.ray.tfar;
-    hit.geometry = r.hit.geomID;
-    hit.primitive = r.hit.primID;
-    hit.u = r.hit.u;
-    hit.v = r.hit.v;
-    hit.normal = {r.hit.Ng_x, r.hit.Ng_y, r.hit.Ng_z};
-    return hit;
-}
-
-bool RayScene::blocked(const Float3& from, const Float3& along, float far) const {
-    RTCRay ray = rayOf(from, along, 0, far);
-    RTCIntersectContext context;
-    rtcInitIntersectContext(&context);
-    rtcOccluded1(scene_, &context, &ray);
-    return ray.tfar < 0;
 }
 
 void RayScene::attach(RTCGeometry g, unsigned id) {

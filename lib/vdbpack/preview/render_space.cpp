@@ -61,7 +61,7 @@ void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
     std::size_t next = 0;
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i)
-            for (int k = 0; k < kSamples; ++k) samples[next++] = tracer.trace(left + i, top + j, k);
+            for (int k = 0; k < kSamples; ++k) tracer.trace(left + i, top + j, k, samples[next++]);
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
             Color sum;

@@ -82,17 +82,23 @@ SpaceTracer::SpaceTracer(const SpacePreview& scene, const PreviewOptions& option
     }
 }
 
-Float3 SpaceTracer::rayAt(double x, double y) const {
-    return normalized(
-        single(camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1)));
+inline float SpaceTracer::freeWay(const Float3& from, const Float3& along) const {
+    if (!options_.cut) return std::numeric_limits<float>::infinity();
+    const double out = dot(along, cutNormal_);
+    if (!(out > 0)) return std::numeric_limits<float>::infinity();
+    const double depth = keptDepth(*options_.cut, local_.inMm(from)) * local_.scale;
+    return static_cast<float>(depth / out);
 }
 
-SpaceTracer::Start SpaceTracer::startOf(double x, double y) const {
+inline Vec<3> SpaceTracer::directionAt(double x, double y) const {
+    return camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1);
+}
+
+inline SpaceTracer::Start SpaceTracer::startOf(const Vec<3>& direction) const {
     Start start;
     if (!options_.cut) return start;
     const int axis = options_.cut->axis;
-    const Vec<3> along = vdbpack::normalized(
-        camera_.direction(2 * x / options_.width - 1, 2 * y / options_.height - 1));
+    const Vec<3> along = vdbpack::normalized(direction);
     const double speed = keptSide(*options_.cut) * along[axis];
     const double depth = keptDepth(*options_.cut, camera_.position);
     if (!(speed > 0)) {
@@ -107,23 +113,23 @@ SpaceTracer::Start SpaceTracer::startOf(double x, double y) const {
 }
 
 std::int32_t SpaceTracer::sphereAt(double x, double y) const {
-    const Start start = startOf(x, y);
+    const Vec<3> direction = directionAt(x, y);
+    const Start start = startOf(direction);
     if (!start.sees) return -1;
     if (discs_) {
         const auto found = discs_->at(CutAxes(options_.cut->axis).flat(start.at));
         if (found.index >= 0) return found.index;
     }
-    const Hit hit = bodies_.first(eye_, rayAt(x, y), start.t);
+    const Hit hit = bodies_.first(eye_, normalized(single(direction)), start.t);
     return hit.geometry == RayScene::kSpheres ? indexOf(hit.primitive) : -1;
 }
 
-Sample SpaceTracer::trace(int px, int py, int k) const {
-    Sample s;
+void SpaceTracer::trace(int px, int py, int k, Sample& s) const {
     const auto& offset = kInPixel[static_cast<std::size_t>(k)];
-    const double x = px + offset[0], y = py + offset[1];
-    const Start start = startOf(x, y);
-    if (!start.sees) return s;
-    const Float3 along = rayAt(x, y);
+    const Vec<3> direction = directionAt(px + offset[0], py + offset[1]);
+    const Start start = startOf(direction);
+    if (!start.sees) return;
+    const Float3 along = normalized(single(direction));
     Float3 origin;  // of further rays
     float reach = std::numeric_limits<float>::infinity();
     const auto cap = [&](const Color& color) {
@@ -138,14 +144,14 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
         const Vec<2> flat = CutAxes(options_.cut->axis).flat(start.at);
         if (lines_ && lines_->distance(flat) < kWallLine * mmPerPixel()) {
             cap(inkColor());
-            return s;
+            return;
         }
         if (discs_) {
             const auto found = discs_->at(flat);
             if (found.index >= 0) {
                 const Color color = colors_[static_cast<std::size_t>(found.index)];
                 cap(color * (found.rim < rimOf(found.index) ? kRimShade : 1));
-                return s;
+                return;
             }
         }
     }
@@ -162,7 +168,7 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
             // Hit from behind: by rounding, the ray started inside at the rim of a cut face.
             if (options_.cut && dot(s.normal, along) > 0) {
                 cap(s.albedo * kRimShade);
-                return s;
+                return;
             }
             s.at = center + s.normal * ball[3];
             origin = center + s.normal * (ball[3] * 1.0005f + 2e-6f);
@@ -172,7 +178,7 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
                 // The ray starts inside the body, at its cut face.
                 if (options_.cut) {
                     cap(boneCutColor());
-                    return s;
+                    return;
                 }
                 facet = -facet;
             }
@@ -184,7 +190,6 @@ Sample SpaceTracer::trace(int px, int py, int k) const {
     }
     if (wall_) addVeil(along, start.t, reach, s);
     if (s.hit) addLight(px, py, k, origin, s);
-    return s;
 }
 
 Color SpaceTracer::shade(const Sample& s) const {
@@ -220,14 +225,6 @@ void SpaceTracer::addSpheres(const Pack<3>& pack) {
 double SpaceTracer::rimOf(std::int32_t index) const {
     const Sphere<3>& s = scene_.pack->spheres[static_cast<std::size_t>(index)];
     return std::min(kRim * mmPerPixel(), kLargestRim * s.radius);
-}
-
-float SpaceTracer::freeWay(const Float3& from, const Float3& along) const {
-    if (!options_.cut) return std::numeric_limits<float>::infinity();
-    const double out = dot(along, cutNormal_);
-    if (!(out > 0)) return std::numeric_limits<float>::infinity();
-    const double depth = keptDepth(*options_.cut, local_.inMm(from)) * local_.scale;
-    return static_cast<float>(depth / out);
 }
 
 void SpaceTracer::addVeil(const Float3& along, float near, float far, Sample& s) const {

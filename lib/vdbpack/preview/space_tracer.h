@@ -21,11 +21,11 @@ inline constexpr int kSamples = 4;
 /// The result of one ray of a pixel.
 struct Sample {
     bool hit = false;
+    bool flat = false;  ///< on a cut face: drawn without light
     Float3 at, normal;  ///< the normal points to the camera's side
     Color albedo;
     float open = 1;     ///< visible share of the sky
     float lit = 1;      ///< visible share of the lamp
-    bool flat = false;  ///< on a cut face: drawn without light
     Color veil;         ///< light of the wall in front
     float through = 1;  ///< transmittance of the wall
 };
@@ -39,20 +39,12 @@ public:
 
     void colorBy(std::vector<Color> colors) { colors_ = std::move(colors); }
 
-    /// The start of a ray: at the cut face, or at the eye.
-    struct Start {
-        bool sees = true;  ///< false: the ray never reaches the part that is kept
-        float t = 0;
-        Vec<3> at;  ///< on the cut face, mm
-    };
-    /// The ray through a point of the picture, in pixels.
-    Float3 rayAt(double x, double y) const;
-    Start startOf(double x, double y) const;
-
     /// The sphere seen through a point of the picture; -1: none.
     std::int32_t sphereAt(double x, double y) const;
 
-    Sample trace(int px, int py, int k) const;
+    /// Casts ray `k` of a pixel.
+    /// @param s  empty; written in place: copying the samples takes a tenth of the time.
+    void trace(int px, int py, int k, Sample& s) const;
 
     Color shade(const Sample& s) const;
 
@@ -62,6 +54,16 @@ public:
     const Float3& eye() const { return eye_; }
 
 private:
+    /// The start of a ray: at the cut face, or at the eye.
+    struct Start {
+        bool sees = true;  ///< false: the ray never reaches the part that is kept
+        float t = 0;
+        Vec<3> at;  ///< on the cut face, mm
+    };
+    /// The direction of the ray through a point of the picture, in pixels.
+    inline Vec<3> directionAt(double x, double y) const;
+    inline Start startOf(const Vec<3>& direction) const;
+
     void addSpheres(const Pack<3>& pack);
     std::int32_t indexOf(unsigned primitive) const {
         return index_.empty() ? static_cast<std::int32_t>(primitive) : index_[primitive];
@@ -69,7 +71,7 @@ private:
     /// Width of the dark rim of a cut face, mm.
     double rimOf(std::int32_t index) const;
     /// The length of a ray within the part that a cut keeps.
-    float freeWay(const Float3& from, const Float3& along) const;
+    inline float freeWay(const Float3& from, const Float3& along) const;
     /// Adds the wall in front of the hit, or behind everything if the ray starts inside.
     void addVeil(const Float3& along, float near, float far, Sample& s) const;
     void addLight(int px, int py, int k, const Float3& origin, Sample& s) const;

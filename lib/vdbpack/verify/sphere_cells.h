@@ -53,7 +53,7 @@ public:
         return cell;
     }
 
-    /// Calls `visit(j)` for (at least) the spheres at positions `from` and later in the cells from
+    /// Calls `visit(sphere, j)`, j being its position, for (at least) the spheres in the cells from
     /// `first` to `last` of one row: the first numbers of the two differ at most. A sphere of
     /// another cell may come with them.
     template <typename Visit>
@@ -81,7 +81,9 @@ private:
     }
     template <typename Visit>
     void visitSlots(std::uint64_t first, std::uint64_t last, const Visit& visit) const {
-        for (std::uint32_t j = start_[first]; j < start_[last + 1]; ++j) visit(j);
+        const std::uint32_t end = start_[last + 1];
+        const Sphere<Dim>* const spheres = spheres_.data();
+        for (std::uint32_t j = start_[first]; j < end; ++j) visit(spheres[j], j);
     }
     void chooseSlots(const std::vector<Sphere<Dim>>& spheres,
                      const std::vector<std::uint32_t>& members);
@@ -152,9 +154,8 @@ struct RowSearch {
     /// Cells `first` to `last` of a row; in slots shared with other cells a sphere counts only for
     /// its own. `after`: positions above that alone.
     void operator()(const CellNumbers& first, std::int64_t last, std::int64_t after = -1) const {
-        const Sphere<Dim>& a = from.sphere(i);
-        through.forEachInRow(first, last, [&](std::uint32_t j) {
-            const Sphere<Dim>& b = through.sphere(j);
+        const Sphere<Dim> a = from.sphere(i);
+        through.forEachInRow(first, last, [&](const Sphere<Dim>& b, std::uint32_t j) {
             const double square = squaredLength(a.center - b.center);
             const double sum = a.radius + b.radius;
             if (!(square < sum * sum) || static_cast<std::int64_t>(j) <= after) return;
