@@ -51,15 +51,15 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
     const double longest = *std::max_element(size.c.begin(), size.c.end());
     if (!(voxelSize <= longest))
         throw ParameterError(fmt::format(
-            "{}: voxels of {:.4g} mm are larger than all of it, which is {:.4g} mm across; give "
-            "smaller ones, or check the unit of the mesh",
+            "{}: voxels of {:.4g} mm are larger than the mesh, which is {:.4g} mm across; give "
+            "smaller voxels, or check the unit of the mesh",
             name, voxelSize, longest));
     const double voxels = estimatedVoxels(area, voxelSize, depth);
     if (!(voxels < kMostVoxels) || !(longest / voxelSize < 1e6))
         throw ResourceError(fmt::format(
-            "{}: voxels of {:.4g} mm would take about {:.2g} of them for a surface of {:.4g} mm² "
-            "and {:.4g} mm across; give larger voxels, or check the unit of the mesh",
-            name, voxelSize, voxels, area, longest));
+            "{}: a surface of {:.4g} mm², {:.4g} mm across, takes about {:.2g} voxels of {:.4g} "
+            "mm; give larger voxels, or check the unit of the mesh",
+            name, area, longest, voxels, voxelSize));
 }
 
 void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
@@ -82,8 +82,8 @@ std::string flawsOf(const MeshHealth& health) {
         if (count > 0) text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, what);
     };
     if (!health.isClosed()) text = health.describeLeak();
-    add(health.nonManifoldEdges, "edges of more than two triangles");
-    add(health.inconsistentEdges, "edges between triangles that face opposite ways");
+    add(health.nonManifoldEdges, "edges with more than two triangles");
+    add(health.inconsistentEdges, "edges between triangles of opposite orientation");
     add(health.duplicateTriangles, "duplicate triangles");
     return text;
 }
@@ -98,10 +98,10 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
     throw InputError(fmt::format(
-        "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; separate or "
-        "join the pieces, or set `repair`",
+        "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
+        "or set `repair`",
         name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
-        health.shells > 1 ? "pieces that overlap" : "a surface that cuts through itself"));
+        health.shells > 1 ? "components that overlap" : "a surface that intersects itself"));
 }
 
 }  // namespace vdbpack

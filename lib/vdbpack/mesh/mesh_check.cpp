@@ -16,7 +16,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Height over longest side under which a triangle has no area but for rounding.
+/// A triangle whose height is below this share of its longest side has no area, except by rounding.
 constexpr double kFlat = 1e-9;
 
 std::string text(const Vec<3>& p) {
@@ -252,8 +252,8 @@ std::string toText(const MeshHealth& health) {
     };
     row("triangles", fmt::format("{}", health.triangles));
     row("vertices", fmt::format("{}", health.vertices));
-    row("pieces", fmt::format("{}", health.pieces));
-    row("shells", fmt::format("{}", health.shells));
+    row("components", fmt::format("{} connected by vertices, {} connected by edges", health.pieces,
+                                  health.shells));
     row("boundary edges", fmt::format("{}", health.boundaryEdges));
     row("non-manifold edges", fmt::format("{}", health.nonManifoldEdges));
     row("inconsistent edges", fmt::format("{}", health.inconsistentEdges));
@@ -270,16 +270,17 @@ std::string toText(const MeshHealth& health) {
     row("enclosed volume", fmt::format("{:.6g} mm³", health.enclosedVolume));
     for (std::size_t d = 0; d < health.shellsAtDepth.size(); ++d)
         row(d == 0 ? "nesting" : "",
-            d == 0 ? fmt::format("{} outermost", health.shellsAtDepth[d])
+            d == 0 ? fmt::format("{} outside all others", health.shellsAtDepth[d])
                    : fmt::format("{} inside {} ({})", health.shellsAtDepth[d], plural(d, "other"),
                                  d % 2 == 1 ? "bounding a cavity" : "solid in a cavity"));
-    if (health.invertedShells > 0) row("inverted shells", fmt::format("{}", health.invertedShells));
+    if (health.invertedShells > 0)
+        row("inverted components", fmt::format("{}", health.invertedShells));
     if (health.isClosed() && health.enclosesNothing())
-        row("verdict", "closed, but nothing is enclosed");
+        row("verdict", "closed, but encloses no volume");
     else if (health.isWatertight())
         row("verdict", "watertight");
     else if (health.isClosed())
-        row("verdict", "closed, but edges with more than two triangles");
+        row("verdict", "closed, but has edges with more than two triangles");
     else
         row("verdict", "open: " + health.describeLeak());
     return out;

@@ -28,34 +28,34 @@ struct MeshLeak {
     BoundaryLoop largest;
 };
 
-/// Counts and measures of a mesh. Edges and Euler number leave out triangles that name a vertex
-/// twice; they are counted as degenerate.
+/// Counts and measures of a mesh. Triangles that use a vertex twice count as degenerate; `edges`
+/// and `eulerNumber` leave them out.
 struct MeshHealth {
     std::size_t triangles = 0;
-    std::size_t vertices = 0;             ///< that a triangle names
+    std::size_t vertices = 0;             ///< used by a triangle
     std::size_t edges = 0;                ///< distinct
-    std::size_t pieces = 0;               ///< joined by shared vertices
-    std::size_t shells = 0;               ///< joined by shared edges (mesh_shells.h)
+    std::size_t pieces = 0;               ///< components connected by shared vertices
+    std::size_t shells = 0;               ///< components connected by shared edges (mesh_shells.h)
     std::size_t boundaryEdges = 0;        ///< with one triangle
     std::size_t nonManifoldEdges = 0;     ///< with three triangles or more
-    std::size_t inconsistentEdges = 0;    ///< with two triangles that face opposite ways
-    std::size_t duplicateTriangles = 0;   ///< with the three vertices of an earlier one
-    std::size_t degenerateTriangles = 0;  ///< without area: height under 1e-9 of the longest side
+    std::size_t inconsistentEdges = 0;    ///< with two triangles of opposite orientation
+    std::size_t duplicateTriangles = 0;   ///< with the same three vertices as an earlier one
+    std::size_t degenerateTriangles = 0;  ///< without area: height below 1e-9 of the longest side
     std::int64_t eulerNumber = 0;         ///< vertices - edges + triangles
     Box<3> bounds;                        ///< mm
     double area = 0;                      ///< mm²
-    double signedVolume = 0;    ///< divergence theorem over all shells, mm³; < 0: inside out
-    double enclosedVolume = 0;  ///< without cavities, facing either way, mm³ (mesh_shells.h)
+    double signedVolume = 0;    ///< divergence theorem over all shells, mm³; < 0: facing inward
+    double enclosedVolume = 0;  ///< without cavities, for any orientation, mm³ (mesh_shells.h)
     std::vector<std::size_t> shellsAtDepth;  ///< [d]: shells inside d closed ones
-    /// Closed shells that face the wrong way: outer ones inward, cavities outward.
+    /// Closed shells of wrong orientation: outer ones that face inward, cavities that face outward.
     std::size_t invertedShells = 0;
-    std::optional<MeshLeak> leak;  ///< none if no edge is a boundary
+    std::optional<MeshLeak> leak;  ///< none if there is no boundary edge
 
     /// No boundary edges: every shell has an inside.
     bool isClosed() const { return boundaryEdges == 0; }
     /// Closed, and no edge has more than two triangles.
     bool isWatertight() const { return boundaryEdges == 0 && nonManifoldEdges == 0; }
-    /// Whether the surface is folded flat, but for rounding.
+    /// Whether the surface is folded flat, within rounding.
     bool enclosesNothing() const {
         const double size = length(bounds.size());
         return !(enclosedVolume > 1e-9 * area * size);
@@ -68,14 +68,14 @@ struct MeshHealth {
 /// Examines a welded mesh (welding.h). Cost: linear in the triangles.
 MeshHealth checkMesh(const TriangleMesh& mesh);
 
-/// The mesh without triangles that name a vertex twice and without copies: of triangles with the
-/// same three vertices the first stays, so the surface as a set of points is the same. Vertices
-/// stay as they are.
+/// The mesh without duplicate triangles and without triangles that use a vertex twice. Of triangles
+/// with the same three vertices the first is kept, so the surface is the same set of points. The
+/// vertices do not change.
 ///
-/// Triangles without area but with three vertices stay: their neighbors meet at their edges, and
-/// without them a closed mesh would have a slit. An edge where only copies met is a boundary edge
-/// afterwards, and rays and volumes that counted right with both copies may not with one: for
-/// these questions call `checkMesh` and `analyzeShells` before.
+/// Triangles without area but with three different vertices are kept: their neighbors meet at their
+/// edges, and without them a closed mesh would have a slit. An edge where only duplicates met is a
+/// boundary edge afterwards, and parity of rays and volumes can change: call `checkMesh` and
+/// `analyzeShells` first where these matter.
 TriangleMesh withoutDuplicates(const TriangleMesh& mesh);
 
 /// All members by name, lengths in mm; `leak` is null for a closed mesh.

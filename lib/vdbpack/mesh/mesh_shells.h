@@ -1,4 +1,4 @@
-// The closed pieces of a mesh and which of them lies inside which.
+// The connected components of a mesh and their nesting.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -11,38 +11,39 @@ namespace vdbpack {
 
 class EdgeTable;
 
-/// One connected piece of a mesh (triangles joined by shared edges).
+/// A connected component of a mesh (triangles connected by shared edges).
 struct Shell {
     std::size_t triangles = 0;
-    std::size_t boundaryEdges = 0;  ///< 0 for a closed piece
-    double signedVolume = 0;  ///< divergence theorem, mm³; negative if the faces point inward
-    int depth = 0;            ///< closed pieces that enclose it; odd: it bounds a cavity
+    std::size_t boundaryEdges = 0;  ///< 0: closed
+    double signedVolume = 0;  ///< divergence theorem, mm³; negative if the triangles face inward
+    int depth = 0;            ///< number of closed shells that enclose it; odd: it bounds a cavity
 };
 
 struct ShellAnalysis {
     std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
-    std::vector<Shell> shells;                   ///< by falling |signedVolume|
+    std::vector<Shell> shells;                   ///< by decreasing |signedVolume|
 
-    /// Volume enclosed without cavities, whichever way the triangles face, mm³:
+    /// Enclosed volume without cavities, for any orientation of the triangles, mm³:
     /// the sum of (-1)^depth |signedVolume|.
     double enclosedVolume() const;
 };
 
-/// Splits a mesh into its pieces and finds their nesting. `mesh` is welded (welding.h). Duplicate
-/// triangles may stay: where every edge has an even number of triangles, rays count right.
+/// Splits a mesh into shells and finds their nesting. `mesh` is welded (welding.h). Duplicate
+/// triangles are allowed: where every edge has an even number of triangles, the parity of rays is
+/// right.
 ///
-/// Triangles at an edge shared by three or more are one piece; a piece that touches another in a
-/// vertex only is a piece of its own. A triangle that names a vertex twice belongs to a piece at
-/// one of its corners and changes nothing there. Only closed pieces enclose others; of pieces
-/// that cut through each other, the smaller counts as enclosed if most of up to five of its
-/// triangles lie inside the larger.
+/// All triangles at an edge belong to one shell, also where there are more than two; shells that
+/// share only a vertex are separate. A triangle that uses a vertex twice belongs to a shell at one
+/// of its corners and does not affect it. Only closed shells enclose others. Where two shells
+/// intersect, the smaller counts as enclosed if most of up to five of its triangles lie inside the
+/// larger.
 ///
-/// Cost: linear in the triangles, except for rays (along z) from five triangles of each piece.
-/// Volumes are computed about a point of their own piece and so keep their digits far from zero.
-/// The volume of an open piece is that of the piece with every hole closed by a cone to the middle
-/// of its edge (exact for plane holes), wherever the mesh lies.
+/// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell.
+/// Volumes are computed relative to a point of the shell, so they lose no digits far from the
+/// origin. The volume of an open shell is computed with every hole closed by a cone from the
+/// centroid of its boundary (exact for plane holes).
 ShellAnalysis analyzeShells(const TriangleMesh& mesh);
-/// The same where the table of the mesh's edges exists already.
+/// The same with an existing table of the edges of `mesh`.
 ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges);
 
 }  // namespace vdbpack

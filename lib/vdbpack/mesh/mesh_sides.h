@@ -10,12 +10,12 @@ namespace vdbpack {
 
 /// Inside tests by counting crossings along a line.
 ///
-/// Inside means an odd number of crossings, so nested shells bound cavities, whichever way they
-/// face. For a closed mesh whose edges all join two triangles the count along z is exact, lines
-/// through edges and vertices included. For others lines to both sides along the three axes vote,
-/// and a tie is outside. Immutable; shared between threads.
+/// Inside means an odd number of crossings, so nested shells bound cavities, for any orientation.
+/// For a closed mesh whose edges all join two triangles the count along z is exact, also for lines
+/// through edges and vertices. For other meshes lines to both sides along the three axes vote, and
+/// a tie is outside. Immutable; shared between threads.
 ///
-/// Cost: a few times the mesh's memory; a question passes the triangles over one small cell.
+/// Cost: a few times the mesh's memory; a query passes the triangles over one small cell.
 class MeshSides {
 public:
     /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h) and copied.

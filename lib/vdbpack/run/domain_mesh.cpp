@@ -14,7 +14,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Volumes in doubt above this share deserve a warning.
+/// Ambiguous volumes above this share of the repaired volume cause a warning.
 constexpr double kDoubtful = 0.01;
 
 TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, NestedShells nested,
@@ -32,15 +32,15 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, Nested
     const RepairReport& done = repaired.report;
     if (done.doubtfulVolume > kDoubtful * done.volume)
         callbacks.warn(fmt::format(
-            "{}: inside or outside is a judgement for {:.3g} mm³, {:.2g} % of the repaired volume, "
-            "next to holes; the worst: {}",
+            "{}: inside and outside are ambiguous for {:.3g} mm³, {:.2g} % of the repaired volume; "
+            "the cause: {}",
             file, done.doubtfulVolume, 100 * done.doubtfulVolume / done.volume,
-            done.before.leak ? done.before.describeLeak() : "pieces that end inside others"));
+            done.before.leak ? done.before.describeLeak() : "components that end inside others"));
     report = std::make_shared<const RepairReport>(done);
     return std::move(repaired.mesh);
 }
 
-/// Takes out what lies inside other closed shells.
+/// Removes the shells that lie inside other closed shells.
 TriangleMesh outermostOf(TriangleMesh mesh) {
     const ShellAnalysis shells = analyzeShells(mesh);
     TriangleMesh kept;
@@ -110,10 +110,10 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     if (!stray) return joinedAsCavity(mesh, inner);
     if (!recipe.repair)
         throw InputError(fmt::format(
-            "{}: leaves {}: the {} surface has a point at ({:.6g}, {:.6g}, {:.6g}) {} the other; "
-            "pass `repair` to take the inside of the one without that of the other",
+            "{}: protrudes from {}: the {} surface has a point at ({:.6g}, {:.6g}, {:.6g}) {} the "
+            "other; set `repair` to subtract the inner volume from the outer one",
             shells.inner, file, outside ? "inner" : "outer", (*stray)[0], (*stray)[1], (*stray)[2],
-            outside ? "outside of" : "inside"));
+            outside ? "outside" : "inside"));
     RepairOptions options;
     options.voxelSize = recipe.repairVoxel;
     options.name = shells.inner;

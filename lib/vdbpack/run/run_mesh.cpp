@@ -48,11 +48,12 @@ std::string summary(const MeshResult& result) {
                     fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume", r.doubtfulVolume,
                                 100 * r.doubtfulVolume / r.volume));
         if (r.overlapVolume > 0)
-            text += row("overlaps", fmt::format("{:.4g} mm³ lie inside twice", r.overlapVolume));
+            text += row("overlapping volume",
+                        fmt::format("{:.4g} mm³, enclosed more than once", r.overlapVolume));
         if (r.invertedVolume > 0)
-            text +=
-                row("inside out", fmt::format("{:.4g} mm³, taken for outside", r.invertedVolume));
-        text += "\nafter the repair\n";
+            text += row("inverted volume",
+                        fmt::format("{:.4g} mm³, treated as outside", r.invertedVolume));
+        text += "\nrepaired mesh\n";
     }
     text += toText(result.health);
     for (const auto& file : result.files) text += row("written", file);

@@ -21,17 +21,17 @@ struct MeshRecipe : RunSettings {
 };
 
 struct MeshResult {
-    MeshHealth health;                   ///< of the mesh, after the repair if one was asked for
-    std::optional<RepairReport> repair;  ///< with the health before
+    MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
+    std::optional<RepairReport> repair;  ///< contains the health before the repair
     std::vector<std::string> files;
 };
 
-/// Examines a mesh, repairs it if the recipe says so, and writes it.
+/// Checks a mesh, repairs it if `domain.repair` is set, and writes it.
 /// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
 /// ResourceError
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
-/// As of the health alone; with `repair` and `files` where there are any.
+/// The members of the health, and `repair` and `files` where there are any.
 nlohmann::json toJson(const MeshResult& result);
 std::string summary(const MeshResult& result);
 

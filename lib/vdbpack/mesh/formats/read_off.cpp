@@ -104,10 +104,10 @@ void readOffMesh(MeshReader& reader) {
     for (std::int64_t i = 0; i < counts.faces; ++i)
         readFace(reader, takeLine(i, counts.faces, "faces"), i, counts.vertices);
     if (takeOffLine(file, line))
-        file.failAtLine(
-            fmt::format("the file goes on after the {} vertices and {} faces announced; its counts "
-                        "are wrong",
-                        counts.vertices, counts.faces));
+        file.failAtLine(fmt::format(
+            "the file continues after the {} vertices and {} faces announced; its counts "
+            "are wrong",
+            counts.vertices, counts.faces));
     reader.facts.vertices = vertices.size();
     reader.facts.faces = static_cast<std::size_t>(counts.faces);
 }

@@ -192,7 +192,7 @@ void readPlyMesh(MeshReader& reader) {
         }
     }
     if (!values.atEnd())
-        values.fail("the file goes on after what its header announces; its counts are wrong");
+        values.fail("the file continues after what its header announces; its counts are wrong");
     reader.facts.vertices = reader.mesh.vertices.size();
 }
 

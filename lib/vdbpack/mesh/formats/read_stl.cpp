@@ -21,7 +21,8 @@ void readBinaryStl(MeshReader& reader, Welder& welder) {
         header != nullptr ? loadLittleEndian<std::uint32_t>(header + kStlHeader - 4) : 0;
     if (header == nullptr || kStlHeader + kStlTriangle * count != file.size())
         file.fail(fmt::format(
-            "is no whole STL file: {} bytes, where a binary one with the {} triangles announced "
+            "is not a complete STL file: {} bytes, where a binary one with the {} triangles "
+            "announced "
             "has {}, and an ASCII one begins with 'solid'; it may be truncated, export it again",
             file.size(), count, kStlHeader + kStlTriangle * count));
     reader.facts.format = "binary STL";

@@ -14,15 +14,14 @@ namespace vdbpack {
 
 namespace {
 
-/// A piece faces by its volume where cones over its holes have less than this share of its area.
+/// A shell is nearly closed if cones over its holes have less than this share of its area.
 constexpr double kNearlyClosed = 0.25;
-/// And a surface around it must change the winding number by more than this across a piece that
-/// follows it.
+/// An open shell is flipped if the winding number changes against it by more than this.
 constexpr double kClearChange = 0.02;
-/// A nearly closed piece bounds a cavity where this share of it lies inside others: a tooth in its
-/// socket lies half inside.
+/// A nearly closed shell bounds a cavity if more than this share of it lies inside others: a tooth
+/// lies half inside its socket.
 constexpr double kEnclosed = 0.95;
-/// Triangles of a piece that are asked, about.
+/// About the number of triangles sampled per shell.
 constexpr std::size_t kVotes = 64;
 
 double areaOf(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
@@ -30,13 +29,13 @@ double areaOf(const TriangleMesh& mesh, const std::array<std::uint32_t, 3>& t) {
     return 0.5 * length(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
 }
 
-/// Union-find over triangles that knows whether a triangle agrees with the first of its patch.
+/// Union-find over triangles, with the orientation of each relative to the root of its patch.
 class Patches {
 public:
     explicit Patches(std::size_t n) : parent_(n), turned_(n, 0) {
         std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
     }
-    /// Root of a patch, and whether `i` faces against it.
+    /// Root of the patch of `i`, and whether `i` has the opposite orientation.
     std::pair<std::uint32_t, bool> find(std::uint32_t i) {
         std::uint32_t root = i;
         bool turned = false;
@@ -55,7 +54,8 @@ public:
         }
         return {root, turned};
     }
-    /// Where the two are connected already and disagree, no turning can orient them (Moebius).
+    /// Joins the patches of two neighbors. @param against  whether they have opposite orientations.
+    /// Two triangles of one patch stay as they are: a Moebius band has no consistent orientation.
     void join(std::uint32_t a, std::uint32_t b, bool against) {
         const auto [ra, ta] = find(a);
         const auto [rb, tb] = find(b);
@@ -69,7 +69,7 @@ private:
     std::vector<char> turned_;
 };
 
-/// Balances the edges of more than two triangles by turning whole patches.
+/// Balances the edges with more than two triangles by flipping whole patches, small ones first.
 void balance(const TriangleMesh& mesh, const EdgeTable& edges,
              const std::vector<std::uint32_t>& patchOf, std::vector<char>& turn,
              const std::vector<double>& areas) {
@@ -123,21 +123,21 @@ void balance(const TriangleMesh& mesh, const EdgeTable& edges,
         if (patchTurned[patchOf[i]] != 0) turn[i] = !turn[i];
 }
 
-/// What each shell must know to face outward.
+/// What decides the orientation of a shell.
 struct ShellFacing {
     double area = 0;
-    double coneArea = 0;  // over its holes
-    bool settled = false;
+    double coneArea = 0;   // of cones over its holes
+    bool settled = false;  // nearly closed: its volume decides
 };
 
-/// Turns whole shells by their volumes; the others by the surface near them.
+/// Orients nearly closed shells by their volumes, and the others by the surface around them.
 void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turned) {
     const ShellAnalysis shells = analyzeShells(mesh);
     std::vector<ShellFacing> facing(shells.shells.size());
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
         facing[shells.shellOfTriangle[i]].area += areaOf(mesh, mesh.triangles[i]);
 
-    // Cones from the middle of each hole close a shell for its volume (mesh_shells.h).
+    // The volume of a shell includes a cone from the middle of each hole (mesh_shells.h).
     std::vector<std::array<std::uint32_t, 2>> open;
     std::vector<std::uint32_t> shellOfEdge;
     const EdgeTable edges(mesh);
@@ -189,7 +189,7 @@ void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turn
             settled.triangles.push_back(mesh.triangles[i]);
     if (settled.triangles.empty()) return;
     const WindingNumber winding(settled);
-    // Triangles of each shell vote, by their areas.
+    // Sampled triangles of each shell vote, weighted by area.
     struct Vote {
         double area = 0, enclosed = 0, change = 0;
     };
@@ -207,7 +207,7 @@ void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turn
         const Vec<3> center = (a + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3);
         votes[s].area += twice;
         if (facing[s].settled) {
-            // Behind the triangle its own shell counts once.
+            // Just behind the triangle, the shell itself adds 1 to the winding number.
             const double behind = winding(center - n * (1e-3 / std::sqrt(twice)));
             if (std::lround(behind - 1) % 2 == 1) votes[s].enclosed += twice;
         } else {
@@ -236,7 +236,7 @@ std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested) {
             const bool against = edges.isForward(first[0]) == edges.isForward(first[1]);
             patches.join(first[0].triangle(), first[1].triangle(), against);
         });
-        // By areas: the side that most of a patch has in the file.
+        // A patch keeps the orientation that most of its area has in the file.
         std::vector<std::uint32_t> patchOf(n);
         std::vector<std::uint32_t> number(n, 0);
         std::vector<double> with, against;

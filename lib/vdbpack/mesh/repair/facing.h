@@ -1,4 +1,4 @@
-// Triangles turned so that a surface faces outward everywhere.
+// Consistent outward orientation of the triangles of a mesh.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -7,23 +7,25 @@
 
 namespace vdbpack {
 
-/// What closed surfaces inside others mean.
+/// The meaning of closed shells inside others.
 enum class NestedShells {
-    cavity,  ///< they bound cavities, and what is nested in those is solid again
-    solid    ///< nothing: all inside the outermost is solid
+    cavity,  ///< they bound cavities; shells inside a cavity are solid again
+    solid    ///< they are ignored: everything inside the outermost shell is solid
 };
 
-/// Turns triangles so that neighbors agree and the surface faces outward; cavities face into
-/// themselves, where nested shells bound any. `mesh` is welded, without collapsed triangles.
+/// Orients triangles so that neighbors agree and normals point out of the solid: outward, and into
+/// the cavities that nested shells bound. `mesh` is welded, without collapsed triangles.
 ///
-/// Triangles connected by edges that join exactly two form patches; a patch takes the side that
-/// most of its area has in the file. At edges of more triangles a patch is turned where then more
-/// of its edges balance. What is nearly closed faces by the sign of its volume and by what lies
-/// around it; other pieces follow the surface near them, where the winding number of what is
-/// nearly closed changes across them, and the file where it does not.
+/// 1. Triangles connected by edges with exactly two triangles form patches. A patch gets the
+///    orientation that most of its area has in the file.
+/// 2. At edges with more triangles, a patch is flipped if this balances more of its edges.
+/// 3. A nearly closed shell is oriented by the sign of its volume and, as a cavity, by the shells
+///    around it.
+/// 4. An open shell is oriented by the change of the winding number of the nearly closed shells
+///    across it; where that hardly changes, its orientation stays.
 ///
-/// Cost: linear in the triangles, but for winding numbers at the pieces that are open.
-/// @return how many triangles face the other way now.
+/// Cost: linear in the triangles, plus winding numbers at up to about 64 triangles per shell.
+/// @return number of flipped triangles.
 std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested = NestedShells::cavity);
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-// Holes of a surface closed by triangles between the vertices of their rims.
+// Closes holes of a surface by triangles between the vertices of their boundary.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -8,20 +8,20 @@
 namespace vdbpack {
 
 struct HoleFilling {
-    std::size_t filled = 0;     ///< holes
-    std::size_t triangles = 0;  ///< that close them
-    double area = 0;            ///< of those triangles, mm²
-    double largest = 0;         ///< longest rim of a filled hole, mm
-    std::size_t left = 0;       ///< holes that stay: rims of more than 1000 edges, or tangled ones
+    std::size_t filled = 0;     ///< number of filled holes
+    std::size_t triangles = 0;  ///< added
+    double area = 0;            ///< of the added triangles, mm²
+    double largest = 0;         ///< longest boundary of a filled hole, mm
+    std::size_t left = 0;       ///< holes not filled: more than 1000 edges, or a tangled boundary
 };
 
-/// Adds triangles that close the holes of a mesh whose triangles face alike (facing.h).
+/// Adds triangles that close the holes of a consistently oriented mesh (facing.h).
 ///
-/// A rim that touches itself is parted there into holes of their own, the surface at the vertex
-/// being taken for flat. Each hole gets the triangles of least area that its rim allows (Barequet
-/// and Sharir 1995, doi:10.1016/0167-8396(94)00011-G), which face as their neighbors do.
+/// A boundary that touches itself in a vertex is split there into several holes, as if the surface
+/// at that vertex were flat. Each hole is filled by the triangulation of least area (Barequet and
+/// Sharir 1995, doi:10.1016/0167-8396(94)00011-G), oriented as its neighbors.
 ///
-/// Cost: the third power of the edges of a rim.
+/// Cost: the third power of the number of edges of a boundary.
 HoleFilling fillHoles(TriangleMesh& mesh);
 
 }  // namespace vdbpack

@@ -24,28 +24,28 @@ namespace vdbpack {
 
 namespace {
 
-/// Points that doubtful and overlapping volumes are counted at, about.
+/// About the number of points at which ambiguous and overlapping volumes are counted.
 constexpr double kVolumePoints = 2e5;
-/// Triangles of the file stay where holes are filled if the winding numbers without and with the
-/// filling agree on at least this share of the area.
+/// The triangles of the file are kept if the winding numbers with and without filled holes agree on
+/// at least this share of the area.
 constexpr double kAgreement = 0.995;
-/// Buried triangles of no more than this share of the area stay: what a surface that is folded in
-/// a few places has.
+/// Buried triangles are kept if their share of the area is no more than this: a surface folded in a
+/// few positions has some.
 constexpr double kFolded = 1e-4;
 /// Most triangles of a remeshed surface, estimated as two per voxel.
 constexpr double kMostTriangles = 8e5;
-/// Pieces of it below this many voxels are crumbs.
-constexpr double kCrumb = 10;
+/// Components of a remeshed surface with a smaller volume are removed, in voxels.
+constexpr double kLeastComponent = 10;
 
-/// Which triangles of a mesh lie with the same side before and behind them.
+/// Which triangles of a mesh are buried: both their sides are inside, or both outside.
 struct Buried {
     std::vector<char> is;
     double area = 0, buriedArea = 0;
-    double agreeing = 0, checked = 0;  // areas where the winding number of the open mesh says alike
+    double agreeing = 0, checked = 0;  // areas; agreeing: as the winding number of the open mesh
 };
 
-/// Asks for winding numbers on both sides of each triangle of `filled`. `open` has the first `own`
-/// triangles alone; null: it has all.
+/// Computes winding numbers on both sides of each triangle of `filled`. `open` has only the first
+/// `own` triangles; null: it has all.
 Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumber& winding,
                   const WindingNumber* open) {
     const std::size_t n = filled.triangles.size();
@@ -67,7 +67,7 @@ Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumb
             const double longest =
                 std::max({squaredLength(b - a), squaredLength(c - b), squaredLength(a - c)});
             if (!(twice > 1e-6 * longest)) continue;  // flat: part of its neighbors' edges
-            // Near against the triangle's height, far against rounding.
+            // Close compared with the triangle's height, far compared with rounding.
             const Vec<3> aside = normal * (1e-3 / std::sqrt(longest));
             const Vec<3> center = (a + b + c) * (1.0 / 3);
             const bool back = winding(center - aside) >= 0.5;
@@ -99,7 +99,7 @@ bool isBalanced(const TriangleMesh& mesh) {
     return balanced;
 }
 
-/// The vertices that triangles name, and only those.
+/// Removes vertices that no triangle uses.
 void dropUnusedVertices(TriangleMesh& mesh) {
     constexpr auto kUnused = static_cast<std::uint32_t>(-1);
     std::vector<std::uint32_t> number(mesh.vertices.size(), kUnused);
@@ -115,7 +115,7 @@ void dropUnusedVertices(TriangleMesh& mesh) {
     mesh.vertices = std::move(kept);
 }
 
-/// The triangles of `filled` that are not buried; nothing unless they close by themselves.
+/// The triangles of `filled` that are not buried; nothing if they form no closed surface.
 std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& buried,
                                     std::size_t& dropped) {
     TriangleMesh mesh;
@@ -137,7 +137,7 @@ std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& bu
     return mesh;
 }
 
-/// Volumes by what the winding number says, on a lattice.
+/// Measures the ambiguous, overlapping and inverted volumes by winding numbers on a lattice.
 void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, RepairReport& report) {
     const Box<3> box = mesh.bounds();
     const Vec<3> size = box.size();
@@ -171,10 +171,10 @@ void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, Repair
     }
 }
 
-/// Takes out pieces, and cavities, of a few voxels.
-std::size_t dropCrumbs(TriangleMesh& mesh, double voxelSize) {
+/// Removes components, and cavities, of a few voxels.
+std::size_t dropSmallComponents(TriangleMesh& mesh, double voxelSize) {
     const ShellAnalysis shells = analyzeShells(mesh);
-    const double least = kCrumb * voxelSize * voxelSize * voxelSize;
+    const double least = kLeastComponent * voxelSize * voxelSize * voxelSize;
     std::size_t dropped = 0;
     for (const Shell& shell : shells.shells) dropped += std::fabs(shell.signedVolume) < least;
     if (dropped == 0) return 0;
@@ -196,20 +196,20 @@ double median(std::vector<double> values) {
 }
 
 [[noreturn]] void nothingInside(const std::string& name, const MeshHealth& health) {
-    throw InputError(fmt::format(
-        "{}: nothing is inside: the winding number of its {} triangles is nowhere 1/2 or more{}{}; "
-        "this is no surface around a volume",
-        name, health.triangles, health.leak ? "; " : "", health.describeLeak()));
+    throw InputError(
+        fmt::format("{}: encloses no volume: the winding number of its {} triangles is below 1/2 "
+                    "everywhere{}{}; give a surface around a volume",
+                    name, health.triangles, health.leak ? "; " : "", health.describeLeak()));
 }
 
-/// The surface where the winding number of `mesh` is 1/2.
-void makeAnew(const TriangleMesh& mesh, const WindingNumber& winding, const RepairOptions& options,
-              const Callbacks& callbacks, RepairedMesh& result) {
+/// Remeshes the surface where the winding number of `mesh` is 1/2.
+void remesh(const TriangleMesh& mesh, const WindingNumber& winding, const RepairOptions& options,
+            const Callbacks& callbacks, RepairedMesh& result) {
     RepairReport& report = result.report;
     report.method = RepairReport::Method::resurfaced;
     report.voxelSize = options.voxelSize > 0 ? options.voxelSize : repairVoxelSize(mesh);
     Resurfaced made = resurface(mesh, winding, report.voxelSize, callbacks);
-    report.piecesDropped = dropCrumbs(made.mesh, report.voxelSize);
+    report.piecesDropped = dropSmallComponents(made.mesh, report.voxelSize);
     report.thinArea = made.thinArea;
     report.bridgedShare = made.bridgedShare;
     if (made.mesh.triangles.empty()) nothingInside(options.name, report.before);
@@ -227,7 +227,8 @@ double repairVoxelSize(const TriangleMesh& mesh) {
         const Vec<3> ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
         const double twice = length(cross(ab, ac));
         area += 0.5 * twice;
-        // The side of an equilateral triangle of that area: slivers do not count as fine.
+        // The side of an equilateral triangle of the same area, so that slivers do not count as
+        // small triangles.
         lengths.push_back(std::sqrt(twice * (2 / std::sqrt(3.0))));
     }
     const double wanted = 0.3 * median(std::move(lengths));
@@ -278,7 +279,7 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
             report.dropped = 0;
         }
     }
-    if (result.mesh.triangles.empty()) makeAnew(turned, winding, options, callbacks, result);
+    if (result.mesh.triangles.empty()) remesh(turned, winding, options, callbacks, result);
     report.volume = analyzeShells(result.mesh).enclosedVolume();
     if (!(report.volume > 0)) nothingInside(options.name, report.before);
     callbacks.report("repair", 1, static_cast<double>(result.mesh.triangles.size()));
@@ -298,7 +299,7 @@ RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
     RepairedMesh result;
     const TriangleMesh both = joinedAsCavity(outer, inner);
     result.report.before = checkMesh(both);
-    makeAnew(both, WindingNumber(both), options, callbacks, result);
+    remesh(both, WindingNumber(both), options, callbacks, result);
     result.report.volume = analyzeShells(result.mesh).enclosedVolume();
     return result;
 }
@@ -339,29 +340,31 @@ nlohmann::json toJson(const RepairReport& report) {
 }
 
 std::string describe(const RepairReport& report) {
-    if (report.method == RepairReport::Method::none) return "sound already, left as it is";
+    if (report.method == RepairReport::Method::none) return "not needed, the mesh is unchanged";
     std::string text;
     const auto add = [&](std::size_t count, const char* one, const char* many) {
         if (count > 0)
             text +=
                 fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
     };
-    add(report.duplicates, "copy of a triangle taken out", "copies of triangles taken out");
-    add(report.turned, "triangle turned", "triangles turned");
+    add(report.duplicates, "duplicate triangle removed", "duplicate triangles removed");
+    add(report.turned, "triangle flipped", "triangles flipped");
     if (report.method == RepairReport::Method::triangles) {
         add(report.holesFilled, "hole filled", "holes filled");
         if (report.holesFilled > 0) text += fmt::format(" ({:.3g} mm²)", report.filledArea);
-        add(report.dropped, "buried triangle taken out", "buried triangles taken out");
-        return text.empty() ? "sheets parted at their common edges" : text;
+        add(report.dropped, "triangle inside the solid removed",
+            "triangles inside the solid removed");
+        return text.empty() ? "surface split at edges with more than two triangles" : text;
     }
     text += fmt::format("{}surface remeshed with voxels of {:.3g} mm", text.empty() ? "" : ", ",
                         report.voxelSize);
     if (report.bridgedShare > 0)
         text += fmt::format(", {:.2g} % of it over holes", 100 * report.bridgedShare);
-    add(report.piecesDropped, "crumb dropped", "crumbs dropped");
+    add(report.piecesDropped, "component below ten voxels removed",
+        "components below ten voxels removed");
     if (report.thinArea > 0)
         text +=
-            fmt::format(", about {:.3g} mm² of walls thinner than a voxel lost", report.thinArea);
+            fmt::format(", walls thinner than a voxel lost (about {:.3g} mm²)", report.thinArea);
     return text;
 }
 

@@ -1,4 +1,4 @@
-// A sound surface from one with holes, turned triangles, overlaps or copies.
+// A watertight surface from a mesh with holes, inverted or duplicate triangles, or overlaps.
 #pragma once
 
 #include "vdbpack/core/progress.h"
@@ -15,7 +15,7 @@ namespace vdbpack {
 
 struct RepairOptions {
     NestedShells nested = NestedShells::cavity;
-    /// Edge of the lattice's cubes where the surface is rebuilt, mm; 0: `repairVoxelSize`.
+    /// Voxel size where the surface is remeshed, mm; 0: `repairVoxelSize`.
     double voxelSize = 0;
     std::string name = "mesh";  ///< in messages
 };
@@ -23,69 +23,68 @@ struct RepairOptions {
 /// What was done to a mesh, lengths in mm.
 struct RepairReport {
     enum class Method {
-        none,       ///< the surface was sound already
-        triangles,  ///< its own triangles stay where they bound the inside; holes are filled
-        resurfaced  ///< rebuilt where the winding number is 1/2 (resurface.h)
+        none,       ///< the mesh needed no repair
+        triangles,  ///< triangles that bound the inside are kept, holes are filled
+        resurfaced  ///< remeshed where the winding number is 1/2 (resurface.h)
     };
     Method method = Method::none;
     MeshHealth before;
-    std::size_t duplicates = 0;     ///< copies and collapsed triangles taken out
-    std::size_t turned = 0;         ///< triangles that faced the wrong way
-    std::size_t holesFilled = 0;    ///< by triangles between the vertices of their rims
+    std::size_t duplicates = 0;     ///< removed triangles: duplicates, or with a vertex used twice
+    std::size_t turned = 0;         ///< triangles whose orientation was inverted
+    std::size_t holesFilled = 0;    ///< by triangles between the vertices of their boundary
     double filledArea = 0;          ///< of those triangles, mm²
-    std::size_t dropped = 0;        ///< triangles with the inside, or the outside, on both sides
-    std::size_t piecesDropped = 0;  ///< pieces of a rebuilt surface, smaller than ten voxels
-    double voxelSize = 0;           ///< of a rebuilt surface
-    double bridgedShare = 0;        ///< share of such a surface that lies over holes
-    double thinArea = 0;            ///< of walls too thin for its voxels, mm²
-    double volume = 0;              ///< that the repaired surface encloses, mm³
-    /// Volume where the winding number is nearer to 1/2 than to a whole number: inside or outside
-    /// by a judgement on holes.
+    std::size_t dropped = 0;        ///< removed triangles with both sides inside, or both outside
+    std::size_t piecesDropped = 0;  ///< removed shells of a remeshed surface, below ten voxels
+    double voxelSize = 0;           ///< of a remeshed surface
+    double bridgedShare = 0;        ///< share of a remeshed surface that covers holes
+    double thinArea = 0;  ///< area of walls lost since they are thinner than a voxel, mm²
+    double volume = 0;    ///< enclosed by the repaired surface, mm³
+    /// Ambiguous volume: where the winding number is closer to 1/2 than to an integer, next to
+    /// holes.
     double doubtfulVolume = 0;
-    double overlapVolume = 0;   ///< that the file's surface encloses twice or more
-    double invertedVolume = 0;  ///< that it encloses the wrong way round: taken for outside
+    double overlapVolume = 0;   ///< enclosed more than once by the surface of the file
+    double invertedVolume = 0;  ///< enclosed by inverted triangles, treated as outside
 };
 
 struct RepairedMesh {
-    TriangleMesh mesh;  ///< watertight, facing outward (cavities: into them)
+    TriangleMesh mesh;  ///< watertight; normals point out of the solid
     RepairReport report;
 };
 
-/// Makes a surface watertight, with a sound inside: where the generalized winding number of its
-/// triangles, turned to face outward, is at least 1/2 (Jacobson et al. 2013,
-/// doi:10.1145/2461912.2461916).
+/// Makes a mesh watertight. The inside is where the generalized winding number of the triangles,
+/// oriented outward, is at least 1/2 (Jacobson et al. 2013, doi:10.1145/2461912.2461916).
 ///
-/// Triangles stay as they are if that suffices: copies go, wrong ones are turned, small holes are
-/// filled, triangles inside the solid are taken out. Where this leaves no closed surface that the
-/// winding number of the open one agrees with (large holes, pieces that cut through each other),
-/// the surface is rebuilt from a lattice, with vertices on the triangles of the file. A mesh that
-/// is sound already comes back as it is.
+/// The triangles of the file are kept if possible: duplicates are removed, inverted triangles are
+/// oriented, small holes are filled, and triangles inside the solid are removed. If the result is
+/// not a closed surface that agrees with the winding number of the open one (large holes,
+/// components that intersect), the surface is remeshed on a lattice, with vertices on the
+/// triangles of the file. A mesh without defects is returned unchanged.
 ///
-/// The same mesh for any number of threads. Deterministic, so that a pack can be verified later
+/// Deterministic, and the same for any number of threads, so that a pack can be verified later
 /// against the file repaired again.
 ///
 /// @param mesh  welded (welding.h), mm.
-/// @throws InputError if nothing is inside. ParameterError for a negative voxel size. ResourceError
-/// if memory does not suffice, Interrupted once cancelled.
+/// @throws InputError if no point is inside. ParameterError for a negative voxel size.
+/// ResourceError if memory does not suffice, Interrupted once cancelled.
 RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options = {},
                         const Callbacks& callbacks = {});
 
-/// Both surfaces in one, the second as the wall of a cavity in the first, where it lies wholly.
+/// Both surfaces in one mesh, `inner` as the wall of a cavity in `outer`, which encloses it.
 TriangleMesh joinedAsCavity(TriangleMesh outer, const TriangleMesh& inner);
 
-/// The inside of `outer` without that of `inner`, both as by `repairMesh`, where they cut through
-/// each other: rebuilt (resurface.h). @throws as `repairMesh`
+/// The inside of `outer` without that of `inner`, where the two intersect: a remeshed surface
+/// (resurface.h). Both are watertight, as `repairMesh` returns them. @throws as `repairMesh`
 RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
                           const RepairOptions& options = {}, const Callbacks& callbacks = {});
 
-/// Three tenths of a typical edge, larger where that would take millions of triangles, and at most
-/// half of a mean wall's thickness, mm.
+/// Default voxel size, mm: three tenths of a typical edge, at most half of the mean wall thickness,
+/// and larger where that would take millions of triangles.
 double repairVoxelSize(const TriangleMesh& mesh);
 
-/// All members by name; `before` as by mesh_check.h.
+/// All members by name; `before` as in mesh_check.h.
 nlohmann::json toJson(const RepairReport& report);
 
-/// Such as "413 triangles turned, 12 holes filled (35 mm²)": what was done, in a line.
+/// What was done, in one line, such as "413 triangles flipped, 12 holes filled (35 mm²)".
 std::string describe(const RepairReport& report);
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-// A closed surface where the winding number of a soup of triangles passes one half.
+// Remeshing: a closed surface where the winding number of a triangle soup is 1/2.
 #pragma once
 
 #include "vdbpack/core/progress.h"
@@ -12,20 +12,20 @@ class WindingNumber;
 
 struct Resurfaced {
     TriangleMesh mesh;        ///< closed, every edge of two triangles, facing outward
-    double thinArea = 0;      ///< of walls thinner than a voxel, which have no inside, mm², about
-    double bridgedShare = 0;  ///< share of the new vertices that lie on no triangle: over holes
+    double thinArea = 0;      ///< approximate area of walls lost, thinner than a voxel, mm²
+    double bridgedShare = 0;  ///< share of the new vertices that lie on no triangle but over holes
 };
 
 /// The surface between lattice points inside (winding number of 1/2 or more) and outside.
 ///
-/// Marching cubes whose vertices lie on the triangles of `mesh` themselves wherever an edge of the
-/// lattice passes through one, and where the winding number is 1/2 elsewhere; at a face with two
-/// diagonal inside corners these are kept apart, so that the surface closes. Coordinates are
-/// rounded to 32 bits where that moves them by less than 0.2 % of a voxel. Only cells that hold
-/// triangles or the surface are visited. The same mesh for any number of threads.
+/// Marching cubes. Where an edge of the lattice intersects a triangle of `mesh`, the vertex lies on
+/// the triangle, elsewhere where the winding number is 1/2. On a face with two diagonal inside
+/// corners, these are separated, so that the surface is closed. Coordinates are rounded to 32 bits
+/// if that moves them by less than 0.2 % of a voxel. Only cells that contain triangles or the
+/// surface are visited. The same mesh for any number of threads.
 ///
-/// @param mesh       faces outward as far as can be told (facing.h); what `winding` was made of.
-/// @param voxelSize  edge of the lattice's cubes, mm. Corners sharper than that are cut off.
+/// @param mesh       oriented by `turnOutward` (facing.h); `winding` was made from it.
+/// @param voxelSize  spacing of the lattice, mm. Smaller details are lost.
 /// @throws ResourceError if memory does not suffice, Interrupted once cancelled.
 Resurfaced resurface(const TriangleMesh& mesh, const WindingNumber& winding, double voxelSize,
                      const Callbacks& callbacks = {});

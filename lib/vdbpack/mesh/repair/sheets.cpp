@@ -16,7 +16,7 @@ std::size_t partSheets(TriangleMesh& mesh) {
     {
         const EdgeTable edges(mesh);
         const auto joinAlong = [&](const EdgeTable::Use& a, const EdgeTable::Use& b) {
-            // The sides run opposite ways: the start of one is the end of the other.
+            // The sides run in opposite directions: the start of one is the end of the other.
             const auto end = [](std::uint32_t side) { return side / 3 * 3 + (side % 3 + 1) % 3; };
             corners.join(a.side, end(b.side));
             corners.join(end(a.side), b.side);
@@ -49,8 +49,8 @@ std::size_t partSheets(TriangleMesh& mesh) {
             std::sort(sheets.begin(), sheets.end(), [](const Sheet& a, const Sheet& b) {
                 return a.angle != b.angle ? a.angle < b.angle : a.use.side < b.use.side;
             });
-            // A forward triangle faces larger angles: with rising angle the inside begins at a
-            // backward triangle and ends at a forward one.
+            // The normal of a forward triangle points to larger angles: with increasing angle the
+            // inside begins at a backward triangle and ends at a forward one.
             std::vector<std::size_t> open;
             const std::size_t n = sheets.size();
             std::vector<char> done(n, 0);
@@ -68,7 +68,8 @@ std::size_t partSheets(TriangleMesh& mesh) {
         });
     }
     if (parted == 0) return 0;
-    // Every group of corners is a vertex of its own; the first at a vertex keeps its number.
+    // Every group of connected corners gets one vertex; the first group at a vertex keeps its
+    // index.
     std::vector<char> taken(mesh.vertices.size(), 0);
     std::vector<std::uint32_t> vertexOf(3 * mesh.triangles.size(), 0);
     std::vector<char> known(3 * mesh.triangles.size(), 0);

@@ -1,4 +1,4 @@
-// Private to repair: sheets of a surface that meet at edges of more than two triangles.
+// Private to repair: splits a surface at edges with more than two triangles.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -7,10 +7,10 @@
 
 namespace vdbpack {
 
-/// Parts the sheets that meet at edges of four triangles or more, so that every edge has two:
-/// triangles with the inside between them stay together. Vertices are doubled where sheets part;
-/// no triangle moves. Every edge of `mesh` has as many triangles one way as the other.
-/// @return edges that were parted.
+/// Splits the surface at edges with four or more triangles, so that every edge has two: triangles
+/// with the inside between them stay connected. Vertices are duplicated there; no triangle moves.
+/// At every edge of `mesh`, as many triangles run along it in one direction as in the other.
+/// @return number of split edges.
 std::size_t partSheets(TriangleMesh& mesh);
 
 }  // namespace vdbpack

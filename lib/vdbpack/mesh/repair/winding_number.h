@@ -1,4 +1,4 @@
-// How often a surface winds around a point: an inside that holes and overlaps cannot break.
+// Generalized winding number: inside and outside also for surfaces with holes and overlaps.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
@@ -9,22 +9,22 @@
 
 namespace vdbpack {
 
-/// The generalized winding number of an oriented triangle soup: the solid angle that the surface
-/// fills, seen from a point, over 4 pi, counted positive where its back is seen.
+/// The generalized winding number of an oriented triangle soup: the solid angle of the surface seen
+/// from a point, divided by 4 pi, positive where its back is seen.
 ///
-/// A closed surface that faces outward gives 1 inside and 0 outside, two that overlap give 2 where
-/// they do, an inward one takes 1 off. Next to holes the number passes smoothly from one side to
-/// the other; 1/2 is the natural place of the missing wall.
+/// A closed surface that faces outward gives 1 inside and 0 outside; where two overlap the number
+/// is 2; inside a surface that faces inward it is -1. Next to holes it changes smoothly from one
+/// side to the other, and 1/2 is the natural position of the missing wall.
 ///
-/// Near triangles count exactly (Van Oosterom and Strackee 1983, doi:10.1109/TBME.1983.325207),
-/// clusters that are far against their size by their first three moments (Barill et al. 2018,
-/// doi:10.1145/3197517.3201337). Error below 0.02 in tests, 0.003 on average. Immutable; shared
-/// between threads.
+/// Near triangles are computed exactly (Van Oosterom and Strackee 1983,
+/// doi:10.1109/TBME.1983.325207), clusters that are far compared with their size by their first
+/// three moments (Barill et al. 2018, doi:10.1145/3197517.3201337). Error below 0.02 in tests,
+/// 0.003 on average. Immutable; may be shared between threads.
 ///
-/// Cost: 200 bytes a triangle, a few microseconds a question.
+/// Cost: 200 bytes per triangle, a few microseconds per query.
 class WindingNumber {
 public:
-    /// Triangles of `mesh` face as its indices say.
+    /// @param mesh  the normal of a triangle follows from the order of its vertices.
     explicit WindingNumber(const TriangleMesh& mesh);
 
     double operator()(const Vec<3>& x) const;
@@ -33,12 +33,13 @@ private:
     struct Triangle {
         Vec<3> a, b, c;  // about origin_
     };
-    /// Triangles that lie together, or two such clusters.
+    /// A group of neighboring triangles, or of two clusters.
     struct Cluster {
         Vec<3> center;     // weighted by area
-        double reach = 0;  // no corner is further from `center`
-        // Moments of n A about `center`, as far as they count: the sum; the trace and the
-        // symmetric part of the first; the contractions and the symmetric part of the second.
+        double reach = 0;  // largest distance of a corner from `center`
+        // The parts of the moments of n A about `center` that the winding number needs: the sum; of
+        // the first moment the trace and the symmetric part; of the second the contractions and the
+        // symmetric part.
         Vec<3> area;
         double trace = 0;
         std::array<double, 6> first{};  // xx yy zz xy yz zx
