@@ -43,7 +43,7 @@ enum ExitCode {
 };
 
 std::atomic<bool> interrupted{false};
-/// Spheres may stand that are to be written.
+/// Whether there may be completed spheres to write.
 std::atomic<bool> worthKeeping{false};
 
 template <std::size_t N>
@@ -53,28 +53,29 @@ void sayFromHandler(const char (&text)[N]) {
 }
 
 void onSignal(int) {
-    // The first asks for an orderly end where there is something to keep, the second ends at once.
+    // The first signal requests an orderly end if there are spheres to keep, the second ends at
+    // once.
     if (interrupted.exchange(true) || !worthKeeping) {
         removeTemporaryFiles();
         sayFromHandler("\nvdb_pack: interrupted.\n");
         ::_exit(kInterrupted);
     }
     sayFromHandler(
-        "\nvdb_pack: interrupted; what is complete is kept. Once more to stop at once.\n");
+        "\nvdb_pack: interrupted; completed spheres are kept. Interrupt again to stop at once.\n");
 }
 
-/// Signals that ask to stop, and those that would end the process where writing fails: the call
+/// Signals that request a stop, and those that would end the process if writing fails: the call
 /// that writes reports that itself.
 void handleSignals() {
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);
     std::signal(SIGINT, onSignal);
     std::signal(SIGTERM, onSignal);
-    // A run that is to survive its terminal (nohup) does.
+    // A run started with nohup survives its terminal.
     if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
-/// Says it on standard error; nobody there to hear it is no reason to stop.
+/// Prints to standard error; ignores failures.
 void tell(const std::string& text) {
     std::fputs(text.c_str(), stderr);
 }

@@ -62,7 +62,7 @@ void run(int argc, char** argv) {
         grid = meshGrid(domain, *voxels);
     }
 
-    // No more spheres than instances can be asked for: the larger of both is what is scattered.
+    // There can be no more spheres than instances, so the larger of both numbers is scattered.
     std::vector<openvdb::Vec4s> spheres;
     openvdb::tools::fillWithSpheres(*grid, spheres, /*sphereCount=*/{0, instances},
                                     /*overlapping=*/false, low / voxel, high / voxel,

@@ -53,17 +53,15 @@ TEST_CASE("a report is a page for the browser if its name says so", "[cli][repor
     CAPTURE(out.text);
     REQUIRE(out.code == 0);
     CHECK_THAT(out.text, Catch::Contains("p.html"));
-    CHECK_THAT(pageOf("p.html"), Catch::Contains("ball:10, packed with spheres") &&
-                                     Catch::Contains("chart-profile") &&
+    CHECK_THAT(pageOf("p.html"), Catch::Contains("ball:10") && Catch::Contains("chart-profile") &&
                                      Catch::Contains("uniform:1,2") &&
                                      Catch::Contains("a &lt;b&gt; &amp; &#39;c&#39;.csv"));
     REQUIRE(vdbPack("measure " + quoted + " --report " + folder.file("m.html")).code == 0);
-    CHECK_THAT(pageOf("m.html"), Catch::Contains("a pack of spheres measured") &&
-                                     Catch::Contains("No domain was given"));
+    CHECK_THAT(pageOf("m.html"), Catch::Contains("&#39;c&#39;.csv") && Catch::Contains("--domain"));
     REQUIRE(vdbPack("pack rect:30,30 --radius uniform:1,2 --seed 4..5 --report " +
                     folder.file("'s{seed}.html'"))
                 .code == 0);
-    CHECK_THAT(pageOf("s4.html"), Catch::Contains("packed with circles"));
+    CHECK_THAT(pageOf("s4.html"), Catch::Contains("circles"));
     CHECK(pageOf("s5.html") != pageOf("s4.html"));
     const auto text = vdbPack("pack ball:10 --report " + folder.file("p.txt"));
     CHECK(text.code == 2);
@@ -101,14 +99,15 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("pack ball:8 --radius uniform:2").code == 2);
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
-    CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text, Catch::Contains("positive"));
+    CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text,
+               Catch::Contains("--target-count") && Catch::Contains("'-5'"));
     CHECK_THAT(vdbPack("pack ball:8 --order bogus").text,
                Catch::Contains("sweep, wall, centre, center, fifo"));
     CHECK_THAT(vdbPack("pack ball:8 --unit inch").text, Catch::Contains("m, cm, mm, um"));
     for (const char* gap : {"-1", "inf", "abc", "nan"}) {
         const auto out = vdbPack(std::string("pack ball:8 --gap ") + gap);
         CHECK(out.code == 2);
-        CHECK_THAT(out.text, Catch::Contains("0 or more"));
+        CHECK_THAT(out.text, Catch::Contains("--gap"));
         CHECK(out.text.size() < 200);
     }
     CHECK(vdbPack("pack ball:1 --radius uniform:4,5").code == 3);
@@ -175,6 +174,6 @@ TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
     const auto far = vdbPack("voids box:12,12,12 --voids grid --void-cell 2 --target-bvtv 0.1 -o " +
                              folder.file("far.vdb"));
     CHECK(far.code == 2);
-    CHECK_THAT(far.text, Catch::Contains("lowest is 0.4"));
+    CHECK_THAT(far.text, Catch::Contains("--target-bvtv") && Catch::Contains("0.4"));
     CHECK_FALSE(std::ifstream(folder.file("far.vdb")).good());
 }

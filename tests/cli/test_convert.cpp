@@ -70,7 +70,7 @@ TEST_CASE("circles stay circles", "[convert]") {
     REQUIRE(result.kind == "circles");
     REQUIRE(asCircles(readPack(scratch.file("p.npz"))).spheres == pack.spheres);
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
-                        Contains("circles have none"));
+                        Contains("p.stl"));
 }
 
 TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[convert]") {
@@ -120,7 +120,7 @@ TEST_CASE("solids are converted between level set and surface", "[convert]") {
     REQUIRE(readMesh(scratch.file("t.stl")).vertices == readMesh(scratch.file("s.stl")).vertices);
     REQUIRE(holdsLevelSet(scratch.file("t.vdb")));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("s.stl"), {scratch.file("t.csv")})),
-                        Contains("holds spheres"));
+                        Contains("t.csv"));
 }
 
 TEST_CASE("a conversion that cannot be is refused before anything is written", "[convert]") {
@@ -128,9 +128,9 @@ TEST_CASE("a conversion that cannot be is refused before anything is written", "
     writePack(latticePack<3>(5, {}, 4, 1), scratch.file("p.csv"), {});
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {})), Contains("`outputs`"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.csv")})),
-                        Contains("input itself"));
+                        Contains("p.csv"));
     REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
-                        Contains("have no surface") && Contains("`domain`"));
+                        Contains("p.stl") && Contains("`domain`"));
     REQUIRE_THROWS_WITH(
         runConvert(recipeFor(scratch.file("p.csv"), {"fog:" + (scratch.file("p.txt"))})),
         Contains("fog:FILE.vdb"));
@@ -139,6 +139,6 @@ TEST_CASE("a conversion that cannot be is refused before anything is written", "
         Contains("`packGrid` solid"));
     REQUIRE_THROWS_WITH(
         runConvert(recipeFor(scratch.file("p.csv"), {"list:" + (scratch.file("v.csv"))})),
-        Contains("no list of voids"));
+        Contains("v.csv"));
     REQUIRE(scratch.files() == 1);
 }

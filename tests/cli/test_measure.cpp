@@ -118,7 +118,7 @@ TEST_CASE("measure needs no domain", "[run]") {
         MeasureRecipe thick = recipe;
         thick.shell = 40;
         CHECK(runMeasure(thick, callbacks).structure.regions.size() == 1);
-        CHECK_THAT(warned, Catch::Contains("all of it is shell"));
+        CHECK_THAT(warned, Catch::Contains("`shell` 40"));
     }
     // Beyond the first shells a random pack has no order.
     const auto& g = boxed.structure.pairCorrelation->g;
@@ -142,7 +142,7 @@ TEST_CASE("measure needs no domain", "[run]") {
     recipe.outputs = {"contacts:" + folder.file("none/x.csv")};
     CHECK_THROWS_AS(runMeasure(recipe), IoError);
     recipe.outputs = {"contacts:" + folder.file("p.vtp")};
-    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("input itself"));
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("p.vtp"));
 }
 
 TEST_CASE("circles are distinguished from spheres where no domain says so", "[run]") {
@@ -203,7 +203,7 @@ TEST_CASE("measure takes the morphometry of a level set and of a mesh", "[run]")
     CHECK(json["morphometry"]["Tb.Th"]["mean"].get<double>() == Approx(20).epsilon(0.01));
 
     mesh.outputs = {"contacts:" + folder.file("c.csv")};
-    CHECK_THROWS_WITH(runMeasure(mesh), Catch::Contains("no contacts"));
+    CHECK_THROWS_WITH(runMeasure(mesh), Catch::Contains("c.csv"));
     mesh.outputs.clear();
     mesh.domain.source = "disc:3";
     CHECK_THROWS_WITH(runMeasure(mesh), Catch::Contains("plane"));
@@ -253,7 +253,7 @@ TEST_CASE("a study makes the packs that single runs make", "[run]") {
     CHECK_NOTHROW(runStudy(recipe, {2}, ""));
     recipe.reportFile.clear();
     recipe.outputs = {folder.file("q{seed}.csv")};
-    CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("q3.csv")), Catch::Contains("twice"));
+    CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("q3.csv")), Catch::Contains("q3.csv"));
     CHECK_THROWS_WITH(runStudy(recipe, seeds, folder.file("t{seed}.csv")),
                       Catch::Contains("{seed}"));
     // A run that fails takes no row with it.

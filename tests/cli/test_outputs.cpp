@@ -41,12 +41,11 @@ TEST_CASE("outputs that a run has nothing for are refused with what it has", "[o
                         Contains("contacts:FILE.csv"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.csv"}, RunKind::voids, voids),
                         Contains("list:FILE.csv"));
-    REQUIRE_THROWS_WITH(checkOutputKinds({"p.vdb"}, RunKind::voids, voids, 2),
-                        Contains("no level set of space"));
+    REQUIRE_THROWS_WITH(checkOutputKinds({"p.vdb"}, RunKind::voids, voids, 2), Contains("p.vdb"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.svg"}, RunKind::pack, none, 3), Contains("circles"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, none), Contains("`voids`"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"list:v.csv"}, RunKind::pack, thinning),
-                        Contains("no voids to list"));
+                        Contains("`voids` threshold"));
     REQUIRE_NOTHROW(checkOutputKinds({"list:v.csv", "p.vdb"}, RunKind::voids, voids, 3));
     REQUIRE_NOTHROW(checkOutputKinds({"p.svg", "contacts:c.csv"}, RunKind::pack, none, 2));
 

@@ -143,7 +143,7 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     callbacks.warning = [&](const std::string& text) { warned.push_back(text); };
     const auto packed = runPack(recipe, callbacks);
     REQUIRE(warned.size() == 1);
-    CHECK_THAT(warned[0], Catch::Contains("no size for a bone"));
+    CHECK_THAT(warned[0], Catch::Contains("`unit`"));
     CHECK(packed.report.warnings == warned);
     MeasureRecipe measure;
     measure.pack = recipe.outputs[0];
@@ -158,7 +158,7 @@ TEST_CASE("ids that several spheres share are warned of", "[run]") {
         << "id,x,y,z,radius\n9,0,0,0,1\n7,5,0,0,1\n7,0,5,0,1\n9,0,0,5,1\n-1,5,5,5,1\n";
     const auto warnings = runMeasure(measure).run.report.warnings;
     REQUIRE(warnings.size() == 1);
-    CHECK_THAT(warnings[0], Catch::Contains("5 spheres") && Catch::Contains("3 different ids") &&
+    CHECK_THAT(warnings[0], Catch::Contains("5 spheres") && Catch::Contains("3 different") &&
                                 Catch::Contains("7"));
 }
 
@@ -257,7 +257,7 @@ TEST_CASE("bad input is refused with its kind of error and leaves no file", "[ru
     open.triangles.resize(open.triangles.size() / 2);
     test::writeObj(open, folder.file("open.obj"));
     refuse(recipeFor(folder.file("open.obj"), "uniform:0.5,1"), [](const PackRecipe& r) {
-        CHECK_THROWS_WITH(runPack(r), Catch::Contains("not closed") && Catch::Contains("vertex"));
+        CHECK_THROWS_WITH(runPack(r), Catch::Contains("open.obj") && Catch::Contains("vertex"));
     });
     refuse(recipeFor("ball:3", "uniform:4,5"),
            [](const PackRecipe& r) { CHECK_THROWS_WITH(runPack(r), Catch::Contains("radius")); });
@@ -430,7 +430,7 @@ TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
         const auto json = toJson(forecast);
         CHECK(json["dryRun"] == true);
         CHECK(json["spheres"]["count"] == std::llround(forecast.count));
-        CHECK_THAT(summary(forecast), Catch::Contains("nothing is written"));
+        CHECK_THAT(summary(forecast), Catch::Contains("dry run"));
     }
     PackRecipe bad = recipeFor("box:40,40,40", "uniform:1,2");
     bad.outputs = {folder.file("none/pack.csv")};
@@ -460,5 +460,5 @@ TEST_CASE("a target count is met, or the run says that it is not", "[run]") {
     recipe.gap = 1;
     CHECK(count(recipe, 3000, warned) == Approx(3000).epsilon(0.02));
     recipe.gap = 5;
-    CHECK_THROWS_WITH(count(recipe, 1000, warned), Catch::Contains("cannot keep a gap of 5 mm"));
+    CHECK_THROWS_WITH(count(recipe, 1000, warned), Catch::Contains("gap of 5 mm"));
 }

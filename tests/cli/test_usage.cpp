@@ -1,4 +1,4 @@
-// What the command line says and understands, by its parts.
+// The command line: help, misuse, recipes, completion, progress.
 #include "cli/help.h"
 #include "cli/progress_line.h"
 #include "cli/suggest.h"
@@ -60,42 +60,45 @@ TEST_CASE("distances of words are those of their letters", "[cli]") {
 }
 
 TEST_CASE("misuse is reported with what was meant", "[cli]") {
-    const auto told = [](const std::string& arguments) {
-        const auto out = vdbPack(arguments);
-        CHECK(out.code == 2);
-        return out.text;
+    struct Misuse {
+        const char* arguments;
+        std::vector<const char*> names;  ///< what the message must name
     };
-    CHECK_THAT(told("pak ball:3"), Contains("'pak' is no command; did you mean pack?"));
-    CHECK_THAT(told("fill ball:3"), Contains("'fill' is no command; there are pack, voids"));
-    CHECK_THAT(told("--config r.toml"), Contains("say what to do"));
-    CHECK_THAT(told(""), Contains("say what to do: pack, voids, carve"));
-    CHECK_THAT(told("pack ball:3 --raduis constant:1"), Contains("did you mean --radius?"));
-    CHECK_THAT(told("pack ball:3 --raduis=constant:1"), Contains("did you mean --radius?"));
-    CHECK_THAT(told("verify p.csv --effort fast"), Contains("no option of verify, but of pack"));
-    CHECK_THAT(told("pack ball:3 --effort quick"),
-               Contains("'quick' is none of fast, normal, dense"));
-    CHECK_THAT(told("pack ball:3 --report a.json --report b.json"),
-               Contains("--report is given 2 times, but takes one value"));
-    CHECK_THAT(told("pack ball:3 rest"), Contains("pack has no use for rest"));
-    CHECK_THAT(told("mesh"), Contains("FILE is required") && Contains("vdb_pack mesh --help"));
+    const std::vector<Misuse> misuses{
+        {"pak ball:3", {"'pak'", "pack?"}},
+        {"fill ball:3", {"'fill'", "pack, voids"}},
+        {"--config r.toml", {"pack, voids"}},
+        {"", {"pack, voids, carve"}},
+        {"pack ball:3 --raduis constant:1", {"--raduis", "--radius?"}},
+        {"pack ball:3 --raduis=constant:1", {"--raduis", "--radius?"}},
+        {"verify p.csv --effort fast", {"--effort", "verify", "pack"}},
+        {"pack ball:3 --effort quick", {"--effort", "'quick'", "fast, normal, dense"}},
+        {"pack ball:3 --report a.json --report b.json", {"--report", "2 times"}},
+        {"pack ball:3 rest", {"pack", "rest"}},
+        {"mesh", {"FILE", "vdb_pack mesh --help"}}};
+    for (const Misuse& misuse : misuses) {
+        CAPTURE(misuse.arguments);
+        const auto out = vdbPack(misuse.arguments);
+        CHECK(out.code == 2);
+        for (const char* name : misuse.names) CHECK_THAT(out.text, Contains(name));
+    }
 }
 
 TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("r.toml");
-    const auto told = [&](const std::string& text) {
+    const auto refusal = [&](const std::string& text) {
         std::ofstream(file) << text;
         const auto out = vdbPack("pack ball:3 --dry-run --config " + file);
         CHECK(out.code == 2);
         return out.text;
     };
-    CHECK_THAT(told("seed = 1\nraduis = \"constant:1\"\n"),
-               Contains("r.toml: line 2: 'raduis' is no option of pack; did you mean 'radius'?"));
-    CHECK_THAT(told("[pack]\nradius = constant:1\n"),
-               Contains("r.toml: line 2") && Contains("texts stand in quotes"));
-    CHECK_THAT(told("[pick]\nseed = 1\n"), Contains("[pick] is no command"));
-    CHECK_THAT(told("radius = 2020-01-01\n"), Contains("line 1") && Contains("radius"));
-    CHECK_THAT(told("effort = \"quick\"\n"), Contains("none of fast, normal, dense"));
+    CHECK_THAT(refusal("seed = 1\nraduis = \"constant:1\"\n"),
+               Contains("r.toml: line 2") && Contains("'raduis'") && Contains("'radius'"));
+    CHECK_THAT(refusal("[pack]\nradius = constant:1\n"), Contains("r.toml: line 2"));
+    CHECK_THAT(refusal("[pick]\nseed = 1\n"), Contains("[pick]"));
+    CHECK_THAT(refusal("radius = 2020-01-01\n"), Contains("line 1") && Contains("radius"));
+    CHECK_THAT(refusal("effort = \"quick\"\n"), Contains("fast, normal, dense"));
     // Keys and values may nest without end.
     std::string dots = "a", tables, brackets = "radius = ";
     for (int i = 0; i < 100000; ++i) {
@@ -104,13 +107,13 @@ TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") 
         brackets += i % 2 == 0 ? "[" : "{x = ";
     }
     for (const std::string& text : {dots + " = 1\n", "[" + dots + "]\n", tables, brackets})
-        CHECK_THAT(told(text), Contains("r.toml"));
+        CHECK_THAT(refusal(text), Contains("r.toml"));
     // Those of other commands are no concern of this one.
     std::ofstream(file) << "[measure]\nshell = 2\n[pack]\nradius = \"constant:1\" # 1 mm\n";
     CHECK(vdbPack("pack ball:3 --quiet --config " + file).code == 0);
 }
 
-TEST_CASE("progress tells rate and time left once there is something to tell", "[cli]") {
+TEST_CASE("progress states rate and remaining time once they can be estimated", "[cli]") {
     CHECK_THAT(progressLine({"pack", 0.001, 900}, 0.1), Contains("900 spheres") && !Contains("/s"));
     const std::string half = progressLine({"pack", 0.5, 1234567}, 2);
     CHECK_THAT(half, Contains("50 %") && Contains("1,234,567 spheres") && Contains("617,284/s") &&
@@ -136,7 +139,7 @@ TEST_CASE("the shell completes commands, options and their words", "[cli]") {
     CHECK(completed("carve p.csv --voids", "b").text == "boolean\n");
     CHECK(vdbPack("completion zsh").code == 0);
     CHECK_THAT(vdbPack("completion fish").text, Contains("-l effort") && Contains("fast normal"));
-    CHECK_THAT(vdbPack("completion tcsh").text, Contains("none of bash, zsh, fish"));
+    CHECK_THAT(vdbPack("completion tcsh").text, Contains("bash, zsh, fish"));
 }
 
 TEST_CASE("the version names what it is made with", "[cli]") {
@@ -206,7 +209,7 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
         const auto bytes = vdbPack("pack ball:4 --radius constant:0.8 --quiet -o '" +
                                    folder.file("\xff.csv") + "'");
         CHECK(bytes.code == 0);
-        CHECK_THAT(bytes.text, Contains("no recipe is left") && Contains("not UTF-8"));
+        CHECK_THAT(bytes.text, Contains("recipe") && Contains("UTF-8"));
         CHECK(textOf(folder.file("\xff.recipe.toml")).empty());
     }
     SECTION("one a seed of a study") {
@@ -222,7 +225,7 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
         std::ofstream(recipe) << "# mine\n";
         const auto run = vdbPack("pack ball:5 --radius constant:1 --quiet -o \"" + out + "\"");
         CHECK(run.code == 0);
-        CHECK_THAT(run.text, Contains("stays as it is"));
+        CHECK_THAT(run.text, Contains(recipe));
         CHECK(textOf(recipe) == "# mine\n");
     }
 }

@@ -88,21 +88,21 @@ struct RefusedVoids {
 TEST_CASE_METHOD(RefusedVoids, "numbers of voids out of range are refused", "[run][voids]") {
     for (const double p : {-0.1, 1.1, std::nan("")}) {
         refuse(
-            parameter, "grid", [&](R& r) { r.voids.probability = p; }, "in [0, 1]");
+            parameter, "grid", [&](R& r) { r.voids.probability = p; }, "`voids.probability`");
         refuse(
-            parameter, "mixed", [&](R& r) { r.voids.probability = p; }, "in [0, 1)");
+            parameter, "mixed", [&](R& r) { r.voids.probability = p; }, "`voids.probability`");
         refuse(
-            parameter, "threshold", [&](R& r) { r.voids.deleteFraction = p; }, "in (0, 1]");
+            parameter, "threshold", [&](R& r) { r.voids.deleteFraction = p; }, "`deleteFraction`");
     }
     refuse(
-        parameter, "ellipses", [](R& r) { r.voids.probability = 1; }, "in [0, 1)");
+        parameter, "ellipses", [](R& r) { r.voids.probability = 1; }, "`voids.probability` 1");
     for (const double f : {0.0, 1.0, -1.0, std::nan("")})
         refuse(
-            parameter, "boolean", [&](R& r) { r.voids.targetBvtv = f; }, "in (0, 1)");
+            parameter, "boolean", [&](R& r) { r.voids.targetBvtv = f; }, "`targetBvtv`");
     for (const char* angles : {"tz=nan", "tz=uniform:0,inf", "tx=a"})
         refuse(
             parameter, "boolean", [&](R& r) { r.voids.orientation.angles = angles; },
-            "is not a finite number");
+            "`orientation.angles`");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.orientation.angles = "phi=1"; }, "'phi=1'");
     refuse(
@@ -113,28 +113,26 @@ TEST_CASE_METHOD(RefusedVoids,
                  "voids and shells larger than the domain are refused, and sizes that are none",
                  "[run][voids]") {
     refuse(
-        parameter, "boolean", [](R& r) { r.voids.radius = "constant:20"; },
-        "larger than the domain, which is 24 mm");
+        parameter, "boolean", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
-        parameter, "overlay", [](R& r) { r.voids.radius = "constant:20"; }, "larger than");
+        parameter, "overlay", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
-        parameter, "ellipses", [](R& r) { r.voids.radius = "constant:20"; }, "larger than");
+        parameter, "ellipses", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
-        parameter, "mixed", [](R& r) { r.voids.radius = "constant:20"; }, "larger than");
+        parameter, "mixed", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
-        parameter, "grid", [](R& r) { r.voids.cell = "100"; }, "larger than");
+        parameter, "grid", [](R& r) { r.voids.cell = "100"; }, "24 mm");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.radius = "uniform:2"; }, "uniform");
     refuse(
-        input, "boolean", [](R& r) { r.voids.shell = 12; },
-        "`shell` 12 mm: everything is cortical");
+        input, "boolean", [](R& r) { r.voids.shell = 12; }, "`shell` 12 mm");
     refuse(
         input, "",
         [](R& r) {
             r.voids = {};
             r.voids.shell = 1e4;
         },
-        "everything is cortical");
+        "`shell` 10000 mm");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.shell = -1; }, "`voids.shell` -1");
     refuse(
@@ -148,7 +146,7 @@ TEST_CASE_METHOD(RefusedVoids,
 TEST_CASE_METHOD(RefusedVoids, "files of voids that cannot be used are refused", "[run][voids]") {
     const auto field = write("field.csv", "x,y,z,ux,uy,uz\n0,0,0,1,0,0\n5,5,5,0,1,0\n");
     refuse(
-        input, "boolean", [&](R& r) { r.voids.orientation.field = field; }, "covers");
+        input, "boolean", [&](R& r) { r.voids.orientation.field = field; }, "field.csv");
     const auto ragged = write("ragged.txt", "1 0\n1\n"), other = write("other.txt", "1 0\n2 0\n");
     refuse(
         input, "grid",
@@ -174,8 +172,8 @@ TEST_CASE_METHOD(RefusedVoids, "files of voids that cannot be used are refused",
         };
     };
     refuse(input, "", method("list:" + negative), "line 3");
-    refuse(input, "", method("list:" + empty), "no voids");
-    refuse(parameter, "", method("list:" + large), "larger than");
+    refuse(input, "", method("list:" + empty), "empty.csv");
+    refuse(parameter, "", method("list:" + large), "24 mm");
     refuse(IoError(""), "", method("list:" + folder.file("none.csv")), "none.csv");
     refuse(parameter, "", method("holes"), "grid, overlay");
     refuse(parameter, "", method("list:"), "grid, overlay");
@@ -203,7 +201,7 @@ TEST_CASE_METHOD(RefusedVoids, "settings without effect on the method are refuse
     refuse(
         parameter, "threshold", [](R& r) { r.voids.voxelSize = 0.1; }, "`voids.voxelSize`");
     refuse(
-        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "no voids are requested");
+        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`targetBvtv`");
 }
 
 TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are refused",
@@ -237,7 +235,7 @@ TEST_CASE_METHOD(RefusedVoids, "voids that a plane has no room for are refused",
     PackRecipe plane = methodRecipe<2>("boolean");
     plane.voids.targetBvtv = 0.3;
     plane.voids.targetTbth = 0.2;
-    CHECK_THAT(messageOf<ParameterError>([&] { runPack(plane); }), Contains("measured in space"));
+    CHECK_THAT(messageOf<ParameterError>([&] { runPack(plane); }), Contains("`targetTbth`"));
     const auto layers = write("layers.txt", "1 0\n0 1\n\n0 1\n1 0\n");
     plane = methodRecipe<2>("grid");
     plane.voids.cell.clear();

@@ -83,7 +83,7 @@ std::vector<Sphere<Dim>> shaken(std::vector<Sphere<Dim>> spheres, double by) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("a densified pack is denser, sound, and of the sizes asked for", "[densify]",
+TEMPLATE_TEST_CASE_SIG("a densified pack is denser, sound, and of the requested sizes", "[densify]",
                        ((int Dim), Dim), 2, 3) {
     const std::string spec = "uniform:1,2";
     const double wanted = Dim == 3 ? 0.63 : 0.84;

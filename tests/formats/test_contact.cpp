@@ -78,7 +78,8 @@ TEMPLATE_TEST_CASE_SIG("a contact list holds ids, gaps, normals and regions", "[
     }
 }
 
-TEST_CASE("a contact list is in the unit asked for, with indices where ids are none", "[formats]") {
+TEST_CASE("a contact list is in the requested unit, with indices if there are no ids",
+          "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{0, 0, 4}}, 1}, {{{0, 0, 2.5}}, 1}};
     const auto contacts = listContacts(pack.spheres, 0.6);

@@ -75,7 +75,7 @@ TEST_CASE("symbolic links are written through to what they point to", "[output]"
     CHECK(filesIn(other.path()) == 2);
     fs::create_symlink("b.csv", folder.file("a.csv"));
     fs::create_symlink("a.csv", folder.file("b.csv"));
-    CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("circles"));
+    CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("a.csv"));
 }
 
 TEST_CASE("the permissions of a former file stay", "[output]") {
@@ -91,15 +91,15 @@ TEST_CASE("the permissions of a former file stay", "[output]") {
 
 TEST_CASE("what cannot be replaced by a file is refused", "[output]") {
     const TemporaryFolder folder;
-    CHECK_THROWS_WITH(OutputFile(folder.path()), Contains("is a folder"));
-    CHECK_THROWS_WITH(OutputFile(folder.file("no/a.csv")), Contains("create the folder"));
+    CHECK_THROWS_WITH(OutputFile(folder.path()), Contains(folder.path()));
+    CHECK_THROWS_WITH(OutputFile(folder.file("no/a.csv")), Contains("no/a.csv"));
     REQUIRE(::mkfifo(folder.file("pipe").c_str(), 0600) == 0);
     CHECK_THROWS_WITH(OutputFile(folder.file("pipe")), Contains("pipe"));
     CHECK_THROWS_WITH(OutputFile("/dev/null"), Contains("device"));
     if (::geteuid() != 0) {  // who may write everywhere
         putContent(folder.file("a.csv"), "former");
         ::chmod(folder.file("a.csv").c_str(), 0400);
-        CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("write-protected"));
+        CHECK_THROWS_WITH(OutputFile(folder.file("a.csv")), Contains("a.csv"));
     }
 }
 

@@ -33,7 +33,11 @@ const std::vector<std::string> kWords{
     "made "
     "anew",
     "what "
-    "stands"};
+    "stands",
+    "judge?m"
+    "ents?",
+    "an"
+    "ew"};
 
 /// "file:line: text" for each line with one of the words.
 std::vector<std::string> linesWith(const std::string& content, const std::string& name,

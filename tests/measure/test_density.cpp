@@ -93,7 +93,7 @@ TEST_CASE("squares of circles fill a quarter of pi", "[measure]") {
     REQUIRE_FALSE(interiorFraction(circles, *domain, 30.5));
 }
 
-TEST_CASE("a field that ends at the depth asked for gives the same interior", "[measure]") {
+TEST_CASE("a field that ends at the requested depth gives the same interior", "[measure]") {
     double edge = 0;
     auto spheres = latticeSpheres(Lattice::fcc, 14, edge);
     for (auto& s : spheres) s.center -= Vec<3>{{1, 1, 1}} * (7 * edge);
@@ -220,7 +220,7 @@ TEMPLATE_TEST_CASE_SIG("the profile of a lattice is level in whole layers", "[me
     CHECK(local->cells == (Dim == 3 ? 27 : 9));
     CHECK(local->mean == Approx(level).epsilon(1e-6));
     CHECK(local->sd < 1e-6);
-    // Cells that cut spheres hold as much, but for the points that stand for the parts.
+    // Cells that cut spheres contain as much, within the error of the sample points.
     const auto cut = localFraction(spheres, *domain, 3);
     REQUIRE(cut);
     CHECK(cut->mean == Approx(level).epsilon(0.05));

@@ -112,7 +112,7 @@ TEST_CASE("thousands of spheres around one point are refused", "[pack]") {
     for (int i = 0; i < 10000; ++i)
         spheres.push_back({normalized(randomAt<3>(random, 1)) * 1e-3, 1});
     REQUIRE_THROWS_AS(exposedSpheres(spheres, 1), InputError);
-    REQUIRE_THROWS_WITH(exposedSpheres(spheres, 1), Contains("more than 2000 others"));
+    REQUIRE_THROWS_WITH(exposedSpheres(spheres, 1), Contains("2000"));
     spheres[17].center[0] = std::nan("");
     REQUIRE_THROWS_AS(exposedSpheres(spheres, 1), InputError);
 }

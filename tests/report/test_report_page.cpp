@@ -174,7 +174,7 @@ TEST_CASE("a chart without data says why", "[report]") {
     loose.report.protrusion.reset();
     loose.structure = {};
     CHECK(reasons(loose) == 2);
-    CHECK_THAT(htmlOf(loose), Catch::Contains("No domain was given"));
+    CHECK_THAT(htmlOf(loose), Catch::Contains("--domain"));
 }
 
 TEST_CASE("values that are no numbers are left out", "[report]") {

@@ -133,5 +133,5 @@ std::string completionScript(const CLI::App& app, const std::string& shell) {
     if (shell == "bash") return bashScript(app);
     if (shell == "zsh") return "autoload -U +X bashcompinit && bashcompinit\n" + bashScript(app);
     if (shell == "fish") return fishScript(app);
-    throw ParameterError("'" + shell + "' is none of bash, zsh, fish");
+    throw ParameterError("'" + shell + "' is not one of bash, zsh, fish");
 }

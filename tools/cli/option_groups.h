@@ -41,7 +41,7 @@ CLI::Option* addChoice(CLI::App& command, const std::string& option, Value& valu
             }
         std::string all;
         for (const auto& [name, meaning] : names) all += (all.empty() ? "" : ", ") + name;
-        throw CLI::ValidationError(option, "'" + text + "' is none of " + all);
+        throw CLI::ValidationError(option, "'" + text + "' is not one of " + all);
     };
     auto* added = command.add_option_function<std::string>(option, set, help);
     std::vector<std::string> words;

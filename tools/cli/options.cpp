@@ -31,7 +31,7 @@ const Names<Order> kOrders{{"sweep", Order::sweep},
                            {"center", Order::center},
                            {"fifo", Order::fifo}};
 
-/// Points that are searched in about an hour.
+/// Number of points that are searched in about an hour.
 constexpr std::uint64_t kMostPlaces = 10'000'000'000;
 
 std::string versionText() {
@@ -161,15 +161,15 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("densify",
-                           "make an input pack denser, or remove its overlaps; radii are kept")
+                           "make an input pack denser, or remove its overlaps; radii do not change")
             ->fallthrough();
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
     addDensify(*command, job.fraction,
-               "add and move spheres until the solid fraction is F, or as dense as it gets; left "
-               "out, none is added and overlaps alone are removed");
+               "add and move spheres until the solid fraction is F, or as high as possible (max); "
+               "without this option, no sphere is added and only overlaps are removed");
     addGap(*command, job.gap);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
@@ -233,7 +233,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
                          "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)")
         ->required();
     addOutputs(*command, job.outputs, kOutputHelp);
-    addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if it says none");
+    addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if the file states none");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addUnit(*command, "--unit", job.domain.unit, "unit of the domain's file");
     command->add_option("--grid", job.packGrid, "point grid (or level set) to take from a .vdb")
@@ -257,7 +257,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     addPreviewOptions(*command, job.preview);
     addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
-    command->add_flag("--json", print.json, "print what was converted as JSON")->group("Run");
+    command->add_flag("--json", print.json, "print the result as JSON")->group("Run");
     command->add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
     return command;
 }
@@ -314,10 +314,11 @@ void describe(CLI::App& app) {
         "Exit codes: 0 done, 1 a check failed, 2 usage, 3 unusable input, 4 reading or writing "
         "failed, 5 not enough memory or space, 130 interrupted.");
     app.formatter(std::make_shared<HelpPage>(columnsOf(1), hasColor(1)));
-    app.set_config("--config", "",
-                   "read options of the command from a TOML file, by the same names; the command "
-                   "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
-                   "its first output: it repeats the run")
+    app.set_config(
+           "--config", "",
+           "read options of the command from a TOML file, under the same names; the command "
+           "line takes precedence. Each run writes such a file, NAME.recipe.toml, beside "
+           "its first output, to repeat the run")
         ->option_text("FILE")
         ->check(CLI::ExistingFile);
     app.config_formatter(std::make_shared<RecipeFormat>(app));

@@ -1,4 +1,4 @@
-// How far a run is, on one line of a terminal.
+// The progress of a run, on one line of a terminal.
 #pragma once
 
 #include "vdbpack/core/progress.h"
@@ -6,8 +6,8 @@
 #include <chrono>
 #include <string>
 
-/// "pack      43 %   1,234,567 spheres   580,000/s   0:03 left"; rate and time left once they can
-/// be told.
+/// "pack      43 %   1,234,567 spheres   580,000/s   0:03 left"; rate and remaining time once
+/// they can be estimated.
 /// @param seconds  since the stage began.
 std::string progressLine(const vdbpack::Progress& progress, double seconds);
 

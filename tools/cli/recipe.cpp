@@ -55,8 +55,9 @@ private:
         for (const auto* other : command_.get_parent()->get_subcommands({}))
             commands.push_back(other->get_name());
         if (std::find(commands.begin(), commands.end(), name) == commands.end())
-            fail(value, fmt::format("[{}] is no command of vdb_pack; its options go under [{}]",
-                                    name, command_.get_name()));
+            fail(value, fmt::format(
+                            "[{}] is not a command of vdb_pack; options of this one belong to [{}]",
+                            name, command_.get_name()));
     }
     void readOption(const std::string& name, const toml::node& value) {
         CLI::ConfigItem item;
@@ -67,7 +68,8 @@ private:
             failName(name, value);
         if (const auto* array = value.as_array()) {
             for (const auto& each : *array) {
-                if (!isPlain(each)) fail(each, name + ": holds something else than plain values");
+                if (!isPlain(each))
+                    fail(each, name + ": may contain only texts, numbers, true and false");
                 item.inputs.push_back(textOf(each));
             }
             if (item.inputs.empty()) return;
@@ -83,7 +85,7 @@ private:
         for (const auto* option : command_.get_options())
             for (const auto& known : option->get_lnames()) names.push_back(known);
         const std::string like = mostLike(name, names);
-        fail(value, fmt::format("'{}' is no option of {}{}", name, command_.get_name(),
+        fail(value, fmt::format("'{}' is not an option of {}{}", name, command_.get_name(),
                                 like.empty() ? "" : "; did you mean '" + like + "'?"));
     }
     [[noreturn]] void fail(const toml::node& where, const std::string& what) const {
@@ -111,7 +113,7 @@ void requireShallow(const std::string& text, const std::string& file) {
     constexpr std::ptrdiff_t kMostDots = 2000;
     if (std::count(text.begin(), text.end(), '.') - commentDots(text) > kMostDots)
         throw CLI::ConfigError(
-            fmt::format("{}: more than {} dots are in it, which is no recipe; give options of a "
+            fmt::format("{}: has more than {} dots and is not a recipe; give options of a "
                         "command, each by its name",
                         file, kMostDots));
 }
@@ -155,7 +157,7 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
         return reader.items();
     } catch (const toml::parse_error& e) {
         throw CLI::ConfigError(
-            fmt::format("{}: line {}: {}; texts stand in quotes: radius = \"uniform:1,2\"", file,
+            fmt::format("{}: line {}: {}; write texts in quotes: radius = \"uniform:1,2\"", file,
                         e.source().begin.line, e.description()));
     }
 }

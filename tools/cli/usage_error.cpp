@@ -40,7 +40,7 @@ std::string unknownOption(const CLI::App& app, const CLI::App& command, const st
     for (const auto* other : app.get_subcommands({}))
         if (other != &command && other->get_option_no_throw(word) != nullptr)
             others += (others.empty() ? "" : ", ") + other->get_name();
-    return fmt::format("{} is no option of {}{}", word, command.get_name(),
+    return fmt::format("{} is not an option of {}{}", word, command.get_name(),
                        !others.empty() ? ", but of " + others
                        : like.empty()  ? ""
                                        : "; did you mean " + like + "?");
@@ -59,10 +59,10 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
         while (word != arguments.end() && (word->empty() || word->front() == '-'))
             word += *word == "--config" && word + 1 != arguments.end() ? 2 : 1;
         if (word == arguments.end())
-            return fmt::format("say what to do: {}", fmt::join(commands, ", "));
+            return fmt::format("a command is needed: {}", fmt::join(commands, ", "));
         const std::string like = mostLike(*word, commands);
-        return fmt::format("'{}' is no command{}", *word,
-                           like.empty() ? fmt::format("; there are {}", fmt::join(commands, ", "))
+        return fmt::format("'{}' is not a command{}", *word,
+                           like.empty() ? fmt::format("; use one of {}", fmt::join(commands, ", "))
                                         : "; did you mean " + like + "?");
     }
     if (unexpected) {
@@ -75,7 +75,7 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                 return unknownOption(app, *command, name);
         }
         const auto colon = message.find(": ");
-        return fmt::format("{} has no use for {}", command->get_name(),
+        return fmt::format("{} does not take the argument {}", command->get_name(),
                            colon == std::string::npos ? message : message.substr(colon + 2));
     }
     // "--report: At Most 1 required but received 2"
@@ -87,7 +87,7 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     const std::string failed = "Could not convert: ";
     const auto equals = message.find(" = ");
     if (message.rfind(failed, 0) == 0 && equals != std::string::npos)
-        return fmt::format("{}: '{}' is no number",
+        return fmt::format("{}: '{}' is not a number",
                            message.substr(failed.size(), equals - failed.size()),
                            message.substr(equals + 3));
     return message;

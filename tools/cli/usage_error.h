@@ -1,4 +1,4 @@
-// Misuse, told so that it can be put right.
+// Messages about wrong usage of the command line.
 #pragma once
 
 #include <CLI/CLI.hpp>

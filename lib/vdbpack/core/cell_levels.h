@@ -32,10 +32,10 @@ void requireUsable(const std::vector<Sphere<Dim>>& spheres);
 ///
 /// Grids of cells that are not built on this one, and why:
 /// CellList (pack/front) grows sphere by sphere and is searched eight floats at a time;
-/// BodyCells (densify) sorts integer positions anew every few steps, in one order for any number of
+/// BodyCells (densify) sorts integer positions every few steps, in the same order for any number of
 /// threads, and hands out the order itself;
 /// PlaneBins (preview) holds boxes in a plane, each in all cells that it meets;
-/// SphereCells (verify) shares no code with what it judges.
+/// SphereCells (verify) shares no code with what it checks.
 template <int Dim>
 class CellLevels {
 public:

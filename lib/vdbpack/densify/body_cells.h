@@ -16,7 +16,7 @@ namespace vdbpack {
 /// are searched for large ones. The same for any number of threads.
 ///
 /// A grid of its own beside core's CellLevels: positions are 64-bit integers here, all bodies are
-/// sorted anew many times per run (in parallel), and the caller moves its data into that order to
+/// sorted many times per run (in parallel), and the caller moves its data into that order to
 /// read whole rows of cells eight bodies at a time.
 class BodyCells {
 public:

@@ -40,7 +40,7 @@ void checkOptions(const DensifyOptions& options, std::size_t count, double volum
     if (!(options.gap >= 0) || !std::isfinite(options.gap))
         throw ParameterError(fmt::format("gap {} mm: must be 0 or more", options.gap));
     if (std::isnan(options.fraction) || options.fraction < 0)
-        throw ParameterError(fmt::format("densify: {} is no solid fraction", options.fraction));
+        throw ParameterError(fmt::format("densify: {} is not a solid fraction", options.fraction));
     if (std::isfinite(options.fraction) && options.fraction > kMostFraction<Dim>)
         throw ParameterError(fmt::format(
             "densify: {} cannot reach a solid fraction of {}; request at most {}, or max for the "

@@ -1,4 +1,4 @@
-// Exact questions with a bounded reach about the distance to facets.
+// Exact queries, with a bounded reach, of the distance to facets.
 #pragma once
 
 #include "vdbpack/core/box.h"
@@ -12,15 +12,15 @@
 
 namespace vdbpack {
 
-/// Facets binned into cubic cells, for questions with a bounded reach. The facets need not be
+/// Facets binned into cubic cells, for queries with a bounded reach. The facets need not be
 /// connected, closed or oriented.
 ///
-/// Every cell also knows a lower bound of the number of cells to the nearest facet, so that a
-/// question far from all facets is answered by one lookup. Answers are exact to rounding and the
+/// Every cell also stores a lower bound of the number of cells to the nearest facet, so that a
+/// query far from all facets takes one lookup. Results are exact to rounding and the
 /// same for any number of threads. Thread-safe.
 ///
 /// Memory: about 200 bytes per triangle of a bone; cells and entries are limited in proportion to
-/// the facets, however unequal these are.
+/// the facets, for facets of any sizes.
 template <int Dim>
 class FacetBins {
 public:

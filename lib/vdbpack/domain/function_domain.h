@@ -1,4 +1,4 @@
-// Domains from a function of the user's own.
+// Domains from a function of the caller.
 #pragma once
 
 #include "vdbpack/core/progress.h"

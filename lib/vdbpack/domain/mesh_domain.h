@@ -53,7 +53,7 @@ public:
     virtual const TriangleMesh& wall() const = 0;
 };
 
-/// The inside of a closed mesh. Nested shells bound cavities, whichever way they face.
+/// The inside of a closed mesh. Nested shells bound cavities, for any orientation.
 ///
 /// The volume of the field must agree with that of the mesh within 1 %; where it does not, voxels
 /// of half the size are tried before the mesh is refused. A mesh with flaws that leave the volumes

@@ -1,4 +1,4 @@
-// Private to domain: what a mesh and its voxels must fulfill to be a domain, and the messages.
+// Private to domain: requirements of a mesh and its voxels, and the messages if they are not met.
 #pragma once
 
 #include "vdbpack/domain/mesh_domain.h"
@@ -26,10 +26,10 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
 /// @throws InputError
 void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize);
 
-/// Whether every edge has two triangles that face alike, so that the mesh has a volume.
+/// Whether every edge has two triangles of equal orientation, so that the mesh has a volume.
 bool isClean(const MeshHealth& health);
 
-/// The flaws of a mesh that is not clean, for a message.
+/// The defects of a mesh that is not clean, for a message.
 std::string flawsOf(const MeshHealth& health);
 
 /// Refuses a mesh whose field encloses another volume than the mesh. @throws InputError always.

@@ -34,11 +34,11 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
         if (isFloat && isLevelSet) {
             chosen = name;
         } else if (!gridName.empty()) {
-            throw InputError(
-                fmt::format("{}: grid '{}' is no level set of floats (type {}, class {}); name one "
-                            "with `gridName`",
-                            path, name, header->type(),
-                            openvdb::GridBase::gridClassToString(header->getGridClass())));
+            throw InputError(fmt::format(
+                "{}: grid '{}' is not a level set of floats (type {}, class {}); name one "
+                "with `gridName`",
+                path, name, header->type(),
+                openvdb::GridBase::gridClassToString(header->getGridClass())));
         }
     }
     if (!chosen)

@@ -126,12 +126,12 @@ private:
         } else if (!isInstance && !hasOffsets) {
             throw InputError(
                 fmt::format("{}: was written as a stream and holds a grid of type {}, which cannot "
-                            "be passed over there; leave that grid out",
+                            "be skipped; leave that grid out",
                             bytes_.path(), type.substr(0, 80)));
         }
         if (!hasOffsets) return;
         if (bytes_.at() > static_cast<std::uint64_t>(end))
-            bytes_.fail(fmt::format("a grid should end at byte {} but goes on", end));
+            bytes_.fail(fmt::format("a grid should end at byte {} but continues", end));
         bytes_.seek(static_cast<std::uint64_t>(end));
     }
 
@@ -157,7 +157,7 @@ private:
                 bytes_.fail(
                     fmt::format("metadata of type {} in {} bytes", type.substr(0, 40), size));
             if (savedAsHalf && name == "is_saved_as_half_float") {
-                if (type != "bool") bytes_.fail("metadata of half floats that are no bool");
+                if (type != "bool") bytes_.fail("metadata of half floats that is not a bool");
                 *savedAsHalf = bytes_.get<std::uint8_t>("metadata") != 0;
                 continue;
             }
@@ -256,7 +256,7 @@ private:
         constexpr std::size_t kValues = std::size_t{1} << (3 * Log2);
         const auto children = takeMask<kValues>(bytes_);
         const auto active = takeMask<kValues>(bytes_);
-        if ((children & active).any()) bytes_.fail("a node and a value in one place");
+        if ((children & active).any()) bytes_.fail("a node and a value in one position");
         checkValues(kValues, active, /*unpack=*/true);
         for (std::size_t i = 0; i < kValues; ++i) {
             if (!children[i]) continue;
@@ -420,10 +420,10 @@ private:
         std::set<std::uint64_t> places;
         for (std::size_t a = 0; a < attributes; ++a) {
             const bool isNew = names.insert(bytes_.text("the name of an attribute")).second;
-            const auto place = bytes_.get<std::uint64_t>("the place of an attribute");
+            const auto place = bytes_.get<std::uint64_t>("the position of an attribute");
             if (!isNew || place >= attributes || !places.insert(place).second)
                 bytes_.fail(
-                    fmt::format("an attribute twice, or in place {} of {}", place, attributes));
+                    fmt::format("an attribute twice, or at position {} of {}", place, attributes));
         }
         const auto groups = bytes_.get<std::uint64_t>("the groups of points");
         if (groups > bytes_.left() / 12) bytes_.fail(fmt::format("{} groups of points", groups));

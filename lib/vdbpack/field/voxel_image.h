@@ -39,7 +39,7 @@ inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
 /// A level set as voxels.
 ///
 /// @param grid       from `MeshDomain::grid` or read from a file; mm.
-/// @param bounds     the part that is wanted, mm; a solid that it cuts goes on beyond. Absent: the
+/// @param bounds     part to sample, mm; a solid that it cuts continues beyond it. Absent: the
 ///                   bounding box of the voxels inside, with a margin of at least one voxel, so
 ///                   that the image shows where the solid ends.
 /// @param voxelSize  mm; 0: the grid's own voxels without interpolation, those whose centers lie
@@ -50,7 +50,7 @@ inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
 ///                   then labeled 1): balls and distances at the rim of the total volume then know
 ///                   the surface beyond it.
 /// @throws ParameterError for an unusable size, margin or empty bounds; InputError if nothing is
-/// inside, or if the grid's own voxels are asked for and do not lie along x, y, z; ResourceError
+/// inside, or if the grid's own voxels are requested and do not lie along x, y, z; ResourceError
 /// above `kLargestImage` voxels or if memory does not suffice.
 ///
 /// Cost: about 10 ns a voxel on two threads, 50 if interpolated.

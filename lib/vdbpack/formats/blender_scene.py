@@ -6,7 +6,7 @@
 
 Options follow a lone "--" (`-- --help` lists them); their defaults are the constants below. The
 files that PACK names lie beside this script and move with it. In the window, the tab "vdb_pack" of
-the 3D view's sidebar (key N) colors the spheres anew.
+the 3D view's sidebar (key N) colors the spheres again.
 """
 
 import argparse
@@ -600,7 +600,7 @@ def main():
     grow = None
     if arguments.grow:
         if "order" not in limits:
-            fail("--grow: the pack has no column 'order'; pack it anew")
+            fail("--grow: the pack has no column 'order'; pack it again")
         grow = (*limits["order"], arguments.grow)
         scene.frame_start, scene.frame_end = 1, arguments.grow
         scene.frame_current = arguments.grow  # all of it, until played

@@ -114,7 +114,7 @@ std::optional<NpyArray> NpyArray::parse(std::string content, const std::string& 
                              " does not fit into the file; it is damaged or cut short");
     };
     if (content.compare(0, 6, kNpyMagic) != 0)
-        throw InputError(where + " is no .npy array; save it with numpy");
+        throw InputError(where + " is not a .npy array; save it with numpy");
     require(content.size() >= 12, "");
     const bool wide = content[6] >= 2;  // the version
     const bool swap = hostIsBigEndian();

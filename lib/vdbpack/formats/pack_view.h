@@ -67,7 +67,7 @@ public:
     const std::vector<std::int32_t>& region() const { return attributes_->region; }
     const std::vector<Column>& columns() const { return attributes_->columns; }
 
-    /// For each attribute that has values, but for the id: calls `numbers(name, values)` or
+    /// For each attribute that has values, except the id: calls `numbers(name, values)` or
     /// `texts(name, values)`. The vectors are those of the pack; `value` converts their numbers.
     template <class Numbers, class Texts>
     void forEachAttribute(const Numbers& numbers, const Texts& texts) const {

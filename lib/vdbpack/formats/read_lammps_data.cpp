@@ -180,7 +180,7 @@ private:
             if (what != s.counted) continue;
             std::int64_t count = 0;
             if (!parseNumber(words_.front(), count) || count < 0)
-                fail(fmt::format("'{}' is no number of {}; correct it",
+                fail(fmt::format("'{}' is not a number of {}; correct it",
                                  words_.front().substr(0, 40), what));
             counts_[what] = static_cast<std::uint64_t>(count);
             return;

@@ -176,8 +176,8 @@ private:
         std::int64_t atoms = 0;
         if (!file_.nextLine(line)) failBegun("the number of atoms is missing");
         if (!parseNumber(line, atoms) || atoms < 0)
-            fail(
-                fmt::format("'{}' is no number of atoms; correct it", trimmed(line).substr(0, 40)));
+            fail(fmt::format("'{}' is not a number of atoms; correct it",
+                             trimmed(line).substr(0, 40)));
         frame_.atoms = static_cast<std::uint64_t>(atoms);
         counted_ = true;
     }
@@ -191,7 +191,7 @@ private:
             bounds.assign(std::min<std::size_t>(words.size(), 5), 0);
             for (std::size_t i = 0; i < bounds.size(); ++i)
                 if (!parseNumber(words[i], bounds[i]))
-                    fail(fmt::format("'{}' is no bound of the box; correct it",
+                    fail(fmt::format("'{}' is not a bound of the box; correct it",
                                      words[i].substr(0, 40)));
         }
     }

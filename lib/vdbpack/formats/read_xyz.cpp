@@ -60,7 +60,7 @@ public:
         while (nextNotEmpty(line)) {
             std::int64_t count = 0;
             if (!parseNumber(line, count) || count < 0)
-                fail(fmt::format("'{}' is no number of particles; an .xyz file begins with one",
+                fail(fmt::format("'{}' is not a number of particles; an .xyz file begins with one",
                                  trimmed(line).substr(0, 40)));
             pack = readFrame(static_cast<std::uint64_t>(count));
             any = true;

@@ -100,8 +100,9 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
         // The destructor must not throw again.
         stream.exceptions(std::ios::goodbit);
         if (isShortage(e)) throw;
-        throw IoError(fmt::format("{}: writing failed: {}; the former file, if any, is untouched",
-                                  out.path(), cause != 0 ? std::strerror(cause) : e.what()));
+        throw IoError(
+            fmt::format("{}: writing failed: {}; a previous file of that name is unchanged",
+                        out.path(), cause != 0 ? std::strerror(cause) : e.what()));
     }
 }
 

@@ -94,7 +94,7 @@ ZipArchive::ZipArchive(const std::string& path) : source_(std::make_unique<Sourc
     archive_ = zip_open_from_source(source, ZIP_RDONLY, &error);
     if (archive_ != nullptr) return;
     zip_source_free(source);
-    failWith(&error, "is no .npz file, or cut short: it is not a whole zip archive");
+    failWith(&error, "is not a complete .npz file: it is not a complete zip archive");
 }
 
 ZipArchive::~ZipArchive() {

@@ -11,18 +11,18 @@
 
 namespace vdbpack {
 
-/// Appends `value` as `%.17g` would print it (the same double comes back), always with a decimal
-/// point: Blender takes a column whose first value looks like `1e-05` or `3` for something else.
+/// Appends `value` as `%.17g` would print it (reading it gives the same double), with a decimal
+/// point: Blender does not read a column whose first value looks like `1e-05` or `3` as numbers.
 void appendNumber(std::string& text, double value);
 void appendNumber(std::string& text, std::int64_t value);
 
-/// The number that all of `text` stands for, blanks around it aside.
+/// The number in `text`, which may have blanks around it.
 /// @return false, `value` untouched, if it is not one number within range.
 bool parseNumber(std::string_view text, double& value);
 /// The same for whole numbers, also where they are written as `3.0` or `1e3`.
 bool parseNumber(std::string_view text, std::int64_t& value);
 
-/// The number that all of `word` stands for; a number too large for double is infinite, one too
+/// The number in `word`; a number too large for double is infinite, one too
 /// small is 0. @return false for any other text, also if there are blanks around the number.
 bool parseReal(std::string_view word, double& value);
 /// The same for whole numbers without point and exponent, within range.

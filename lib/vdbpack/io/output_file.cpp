@@ -23,13 +23,13 @@ namespace vdbpack {
 namespace {
 
 constexpr std::size_t kBufferBytes = 1 << 20;
-/// Names to try before giving up, and the most of the file's own name that they begin with.
+/// Number of temporary names to try, and how many bytes of the file's name they begin with.
 constexpr int kNames = 100;
 constexpr std::size_t kLongestStem = 200;
 constexpr int kMostLinks = 40;
 
-/// Names that a handler of signals removes. It may run at any moment on any thread: a name is
-/// only touched by who holds its slot.
+/// Names that a signal handler removes. It may run at any moment on any thread: only the holder of
+/// a slot accesses its name.
 struct Slot {
     enum State : int { free, held, ready };
     std::atomic<int> state{free};
@@ -38,7 +38,8 @@ struct Slot {
 std::array<Slot, 32> slots;
 static_assert(std::atomic<int>::is_always_lock_free);
 
-/// @return the slot; -1: all are taken, or the name is too long: then only destructors remove it.
+/// @return the slot; -1 if all are in use or the name is too long: then only the destructor of the
+/// file removes it.
 int keepName(const std::string& name) {
     if (name.size() >= PATH_MAX) return -1;
     for (std::size_t i = 0; i < slots.size(); ++i) {
@@ -54,14 +55,14 @@ int keepName(const std::string& name) {
 void forgetName(int slot) {
     if (slot < 0) return;
     int expected = Slot::ready;
-    // Where it is not, a handler is about to end the process.
+    // If it is not ready, a signal handler is about to end the process.
     slots[static_cast<std::size_t>(slot)].state.compare_exchange_strong(expected, Slot::free);
 }
 
 std::string temporaryName(const std::string& target) {
     static const char kLetters[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
     static std::atomic<unsigned> calls{0};
-    // Other processes write the same file: the names are no secret, but must differ.
+    // Several processes may write the same file, so their temporary names must differ.
     std::random_device seed;
     std::mt19937 random(seed() ^ static_cast<unsigned>(::getpid()) ^ (calls++ << 16));
     std::uniform_int_distribution<std::size_t> letter(0, sizeof kLetters - 2);
@@ -73,7 +74,7 @@ std::string temporaryName(const std::string& target) {
     return name + ".tmp";
 }
 
-/// Whether a name is that of something the program has open, whatever that is.
+/// Whether a path is an open file descriptor of a process.
 bool isStream(const std::string& path) {
     const auto begins = [&](const char* with) { return path.rfind(with, 0) == 0; };
     return begins("/proc/") || begins("/dev/fd/") || path == "/dev/stdin" ||
@@ -99,14 +100,13 @@ std::string followLinks(const std::string& path) {
              : slash == std::string::npos    ? next
                                              : at.substr(0, slash + 1) + next;
     }
-    throw IoError(path + ": symbolic links that go in circles; name another file");
+    throw IoError(path + ": symbolic links form a cycle; name another file");
 }
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(followLinks(path_)) {
     folder_ = folderOf(target_);
     if (isStream(path_))
-        throw IoError(path_ +
-                      ": is a stream, which cannot be replaced by a whole file; name a file");
+        throw IoError(path_ + ": is a stream, which cannot be replaced by a file; name a file");
     if (target_.size() - (target_.find_last_of('/') + 1) > NAME_MAX)
         throw IoError(fmt::format("{}: the name is longer than {} bytes; choose a shorter one",
                                   path_, NAME_MAX));
@@ -115,18 +115,17 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(follo
     if (exists && S_ISDIR(former.st_mode)) throw IoError(path_ + ": is a folder; name a file");
     if (exists && !S_ISREG(former.st_mode))
         throw IoError(path_ +
-                      ": is a device or a pipe, which cannot be replaced by a whole file; name a "
-                      "file");
+                      ": is a device or a pipe, which cannot be replaced by a file; name a file");
     if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0 && errno == EACCES)
         throw IoError(path_ + ": is write-protected; name another file, or allow writing to it");
-    // What takes memory comes before what is to be undone.
+    // Memory is allocated first: if that fails, there is no file to remove.
     buffer_.reserve(kBufferBytes);
     temporaryPath_.reserve(64);
-    // Without a name, and so without anything to clean up after a crash, where that is possible.
+    // If possible, a file without a name, which leaves nothing after a crash.
     descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) {
         temporaryPath_ = "/proc/self/fd/" + std::to_string(descriptor_);
-        if (::access(temporaryPath_.c_str(), W_OK) != 0) {  // no /proc, without which it gets none
+        if (::access(temporaryPath_.c_str(), W_OK) != 0) {  // no /proc: it could not get a name
             ::close(descriptor_);
             descriptor_ = -1;
         }
@@ -134,14 +133,14 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(follo
     if (descriptor_ < 0) createNamed();
     if (exists) {
         const int kept = ::fchmod(descriptor_, former.st_mode & 07777);
-        static_cast<void>(kept);  // where modes mean nothing
+        static_cast<void>(kept);  // fails on file systems without modes
     }
 }
 
 void OutputFile::createNamed() {
     for (int attempt = 0; attempt < kNames && descriptor_ < 0; ++attempt) {
         temporaryPath_ = temporaryName(target_);
-        // Before it is there: a signal may come in between.
+        // Before the file exists, since a signal may arrive in between.
         slot_ = keepName(temporaryPath_);
         descriptor_ = ::open(temporaryPath_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0666);
         if (descriptor_ >= 0) break;
@@ -168,7 +167,7 @@ OutputFile::~OutputFile() {
 void OutputFile::fail(const char* action) const {
     const int cause = errno;
     throw IoError(path_ + ": " + action + " failed: " + std::strerror(cause) +
-                  "; the former file, if any, is untouched");
+                  "; a previous file of that name is unchanged");
 }
 
 void OutputFile::write(const void* data, std::size_t bytes) {
@@ -209,7 +208,7 @@ void OutputFile::commit() {
         errno = cause;
         if (cause != EEXIST || attempt == kNames) fail("naming");
     }
-    // A network drive tells at the end that it is full.
+    // A network drive may report only now that it is full.
     const int closed = ::close(descriptor_);
     descriptor_ = -1;
     if (closed != 0) fail("closing");
@@ -217,8 +216,8 @@ void OutputFile::commit() {
     named_ = false;
     forgetName(slot_);
     slot_ = -1;
-    // The name is to survive a loss of power as well. Not all file systems can promise that, and
-    // the file is whole under its name in any case.
+    // Lets the name survive a loss of power, too. Some file systems do not support this; the file
+    // is complete under its name in any case.
     const int folder = ::open(folder_.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     if (folder >= 0) {
         const int flushed = ::fsync(folder);
@@ -230,7 +229,7 @@ void OutputFile::commit() {
 void removeTemporaryFiles() noexcept {
     for (Slot& slot : slots) {
         int expected = Slot::ready;
-        // Held for good: who has it must not hand it to another file meanwhile.
+        // The slot stays held, so that no other file gets it meanwhile.
         if (slot.state.compare_exchange_strong(expected, Slot::held)) ::unlink(slot.name.data());
     }
 }

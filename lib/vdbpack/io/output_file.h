@@ -1,4 +1,4 @@
-// Output files that are whole or absent.
+// Output files that are complete or absent.
 #pragma once
 
 #include <cstdint>
@@ -6,16 +6,16 @@
 
 namespace vdbpack {
 
-/// A file that is written beside its name, and takes its name when it is complete and on the disk.
+/// A file that gets its name only when it is complete and on the disk.
 ///
-/// Until `commit` the former file at `path` is untouched; without it nothing is left, not even by
-/// a process that is killed where the file system knows files without a name (O_TMPFILE).
-/// Elsewhere the file has a temporary name, `path` with six letters and `.tmp`, that the destructor
-/// or `removeTemporaryFiles` removes. Of several processes that write the same file at once, one
-/// leaves its own, whole. A symbolic link is followed: what it points to is replaced, and need not
-/// exist. The permissions of a former file stay.
+/// Until `commit`, a previous file at `path` is unchanged. Without `commit` no file remains, not
+/// even if the process is killed, provided that the file system supports files without a name
+/// (O_TMPFILE). On other file systems the file has a temporary name, `path` with six letters and
+/// `.tmp`, which the destructor or `removeTemporaryFiles` removes. If several processes write the
+/// same file at once, the result is the complete file of one of them. A symbolic link is followed:
+/// its target is replaced, and need not exist. The permissions of a previous file are kept.
 ///
-/// Write through `write` (buffered), or hand `temporaryPath` to a library that wants a file name
+/// Write through `write` (buffered), or give `temporaryPath` to a library that needs a file name
 /// (then do not call `write`).
 class OutputFile {
 public:
@@ -27,10 +27,10 @@ public:
     OutputFile& operator=(const OutputFile&) = delete;
 
     const std::string& path() const { return path_; }
-    /// A name to open the file by, until `commit`.
+    /// A name by which the file can be opened until `commit`.
     const std::string& temporaryPath() const { return temporaryPath_; }
 
-    /// @throws IoError naming the file and the cause (disk full, ...).
+    /// @throws IoError with the file and the cause (disk full, ...).
     void write(const void* data, std::size_t bytes);
     void write(const std::string& text) { write(text.data(), text.size()); }
 
@@ -48,16 +48,16 @@ private:
     std::string temporaryPath_;
     std::string buffer_;
     int descriptor_ = -1;
-    int slot_ = -1;  ///< of the name that is to be removed; -1: it has none, or is not in the list
-    bool named_ = false;  ///< has a name of its own
+    int slot_ = -1;       ///< of the temporary name in the list of names to remove; -1: none
+    bool named_ = false;  ///< has a temporary name
 };
 
-/// Removes the names of all files that are being written. For handlers of signals that end the
-/// process at once afterwards: calls nothing that a handler must not call.
+/// Removes the temporary names of all files that are being written. For signal handlers that end
+/// the process right afterwards: async-signal-safe.
 void removeTemporaryFiles() noexcept;
 
-/// What `path` ends at when symbolic links are followed, whether it exists or not.
-/// @throws IoError for links that go in circles.
+/// The target of `path` after following symbolic links, which need not exist.
+/// @throws IoError if the links form a cycle.
 std::string followLinks(const std::string& path);
 
 }  // namespace vdbpack

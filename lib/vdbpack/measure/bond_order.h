@@ -1,4 +1,4 @@
-// Whether spheres lie as in a crystal.
+// Bond order: crystalline order of spheres.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -9,9 +9,9 @@
 
 namespace vdbpack {
 
-/// Bond order of each sphere's surroundings: the mean over its bonds of the 13 real spherical
+/// Bond order of each sphere: the mean over its bonds of the 13 real spherical
 /// harmonics of degree 6 of their directions (2D: cos 6 phi and sin 6 phi), as a unit vector, and
-/// its length before, which is 0 to 1.
+/// its length before normalization, 0 to 1.
 ///
 /// A bond joins spheres whose gap is below 0.8 of the smaller radius (equal spheres: centers
 /// closer than 1.4 diameters). Source: Steinhardt, Nelson, Ronchetti (1983),
@@ -28,7 +28,7 @@ struct BondOrder {
 template <int Dim>
 BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres);
 
-/// Share of the spheres that lie as in a crystal: at least 7 (2D: 4) of their bonds join spheres
+/// Share of the spheres in crystalline order: at least 7 (2D: 4) of their bonds join spheres
 /// of nearly the same order, the product of the two unit vectors above 0.7. 0 for no spheres; below
 /// 0.01 for packs of many sizes, while equal spheres order along flat walls. Source: ten Wolde,
 /// Ruiz-Montero, Frenkel (1996), doi:10.1063/1.471721.

@@ -56,8 +56,8 @@ constexpr double kFixed = 0x1p31;
 
 void requireContactTolerance(double tolerance) {
     if (!(tolerance >= 0 && tolerance <= 1))
-        throw ParameterError(fmt::format(
-            "contacts: tolerance {} is not a share of a radius from 0 to 1", tolerance));
+        throw ParameterError(
+            fmt::format("`contactTolerance` {}: must be a share of a radius, 0 to 1", tolerance));
 }
 
 template <int Dim>

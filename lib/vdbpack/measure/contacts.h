@@ -65,7 +65,7 @@ template <int Dim>
 std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance);
 
 /// The smallest distance between the surfaces of two spheres, mm; negative if they overlap.
-/// Exact, however far apart they are.
+/// Exact at any distance.
 ///
 /// @param standing  pairs among the first `standing` spheres do not count.
 /// @return nothing if there is no pair. @throws InputError as `checkOverlap`.

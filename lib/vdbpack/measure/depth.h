@@ -1,4 +1,4 @@
-// How deep the spheres of a pack lie.
+// Depths of the spheres of a pack.
 #pragma once
 
 #include "vdbpack/core/half_space.h"
@@ -14,7 +14,7 @@ namespace vdbpack {
 ///
 /// @param wall   triangles (2D: segments) of the wall by their corners, mm; empty: the domain is a
 ///               formula, whose own distances are exact.
-/// @param clips  planes that cut the domain besides.
+/// @param clips  further planes that cut the domain.
 /// Exact to float. Cost: about 2 microseconds a sphere and 0.5 a triangle on two threads.
 template <int Dim>
 std::vector<float> centerDepths(

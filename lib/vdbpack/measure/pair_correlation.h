@@ -1,4 +1,4 @@
-// How sphere centers are arranged about one another.
+// Pair correlation of sphere centers.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -9,26 +9,26 @@
 
 namespace vdbpack {
 
-/// The pair correlation g(r): density of centers at distance r from a center, by the mean density.
+/// The pair correlation g(r): density of centers at distance r from a center / mean density.
 struct PairCorrelation {
     double width = 0;              ///< of a bin, mm; the first begins at 0
     std::vector<double> g;         ///< mean over each bin; 1 where there is no order
     std::vector<double> error;     ///< standard error of each, from the number of pairs in it
-    std::uint64_t references = 0;  ///< centers about which was counted
+    std::uint64_t references = 0;  ///< number of centers used
     double density = 0;            ///< mean density of centers, mm^-dim
 };
 
-/// Counts about centers that are at least `reach` deep, so that no shell leaves the domain; about
-/// a fixed choice of 100,000 of them where there are more. Spheres of different sizes count alike.
+/// Uses centers that are at least `reach` deep, so that no spherical shell leaves the domain; at
+/// most a fixed choice of 100,000 of them. Spheres of all sizes have the same weight.
 ///
 /// @param depth   distance of each center to the wall, mm.
 /// @param reach   mm, > 0.
 /// @param volume  of the part of the domain that is at least `reach` deep (2D: area), mm^dim: with
 ///                the centers in it, the mean density.
 /// @param bins    > 0.
-/// @return nothing with fewer than 100 references: then g would be noise.
+/// @return nothing for fewer than 100 references, with which g is noise.
 /// @throws ParameterError for other arguments, InputError for an unusable sphere.
-/// The same for any number of threads. Cost: about a microsecond a reference at `reach` of three
+/// The same for any number of threads. Cost: about 1 microsecond per reference at `reach` of three
 /// mean diameters.
 template <int Dim>
 std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,

@@ -1,4 +1,4 @@
-// Radii reached beside radii asked for, bin by bin.
+// Histograms of the radii of a pack and of the requested distribution.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace vdbpack {
 struct RadiusHistogram {
     double low = 0, width = 0;          ///< begin of the first bin, and width of each; mm
     std::vector<std::uint64_t> counts;  ///< radii in each bin
-    std::vector<double> asked;          ///< share asked for in each; empty: nothing was asked for
+    std::vector<double> asked;          ///< requested share in each; empty: no request
 };
 
 /// Equal bins from the smallest to the largest of the radii and of `range`; no bins if there are no
 /// radii. Radii are taken as known to 1e-6 of their value, as `ksDistance` takes them.
 ///
-/// @param askedBelow  share of radii < r asked for; empty: none.
-/// @param range       smallest and largest radius asked for, mm; unused without `askedBelow`.
+/// @param askedBelow  requested share of radii < r; empty: none.
+/// @param range       smallest and largest requested radius, mm; unused without `askedBelow`.
 /// @param bins        > 0.
 RadiusHistogram radiusHistogram(const std::vector<double>& radii,
                                 const std::function<double(double)>& askedBelow = {},

@@ -1,4 +1,4 @@
-// Private to measure: points to ask a domain about.
+// Private to measure: sample points of a domain.
 #pragma once
 
 #include "vdbpack/core/rng.h"
@@ -17,7 +17,7 @@ namespace vdbpack {
 
 using Blocks = tbb::blocked_range<std::size_t>;
 
-/// A sampler a thread.
+/// One sampler per thread.
 template <int Dim>
 class Samplers {
 public:

@@ -33,7 +33,7 @@ struct Structure {
 /// Under `profile`, `localFraction`, `pairCorrelation` and `regions`; null where there is none.
 void addTo(nlohmann::ordered_json& report, const Structure& structure);
 
-/// For people: lines of at most 80 columns under labels, ending with a newline.
+/// As text: lines of at most 80 columns with labels, ending with a newline.
 std::string summary(const Structure& structure);
 
 }  // namespace vdbpack

@@ -22,7 +22,7 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
         total *= blocks;
         if (!(total < 5e7))
             throw ResourceError(fmt::format(
-                "the domain would need more than {:.2g} blocks of {:.3g} mm; ask for larger "
+                "the domain would need more than {:.2g} blocks of {:.3g} mm; give larger "
                 "radii or clip the domain",
                 5e7, side));
         side_[d] = std::ceil(extent / blocks / quantum) * quantum;

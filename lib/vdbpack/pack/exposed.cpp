@@ -135,8 +135,8 @@ void requireUncrowded(const std::vector<Sphere<Dim>>& spheres) {
     std::string at;
     for (int d = 0; d < Dim; ++d) at += fmt::format("{}{:.6g}", d ? ", " : "", s.center[d]);
     throw InputError(fmt::format(
-        "existing {}: the one at ({}), radius {:.6g}, has its center in more than {} others; no "
-        "pack is like that: leave out those that lie in one another",
+        "existing {}: the one at ({}), radius {:.6g}, has its center in more than {} others; "
+        "remove those that lie inside one another",
         Measure<Dim>::kSpheres, at, s.radius, kMostAround));
 }
 

@@ -1,4 +1,4 @@
-// Private to pack: existing spheres without those that no other can ever touch.
+// Private to pack: existing spheres without those that no new sphere can touch.
 #pragma once
 
 #include "vdbpack/core/sphere.h"
@@ -7,7 +7,7 @@
 
 namespace vdbpack {
 
-/// Leaves out spheres that lie under others: wherever a sphere of radius `least` or more keeps
+/// Leaves out spheres that are hidden by others: wherever a sphere of radius `least` or more keeps
 /// clear of those that are returned, it keeps clear of all. The order stays.
 ///
 /// A sphere grown by `least` that lies within the union of others so grown adds nothing to where

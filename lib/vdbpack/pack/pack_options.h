@@ -1,4 +1,4 @@
-// What a caller may choose of a pack.
+// The options of a pack.
 #pragma once
 
 #include "vdbpack/pack/order.h"

@@ -38,7 +38,7 @@ void requireCountable(const Domain<Dim>& domain, const SizeDistribution& sizes) 
     const double expected = domain.volume() / sizes.meanBall(Dim);
     if (!(expected < 2e9))
         throw ResourceError(fmt::format(
-            "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: ask for larger "
+            "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: give larger "
             "radii or check the unit of the domain",
             sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres));
 }
@@ -71,14 +71,14 @@ Sphere<Dim> onlySphere(const Domain<Dim>& domain, const PackOptions& options, do
         options.gap > 0 ? fmt::format(" with a gap of {:g} mm to the wall", options.gap) : "";
     if (!(ball.radius > 0))
         throw InputError(
-            fmt::format("no {} fits{}: ask for a smaller gap or check the unit of the domain",
+            fmt::format("no {} fits{}: give a smaller gap or check the unit of the domain",
                         Measure<Dim>::kSphere, kept));
     std::string at;
     for (int d = 0; d < Dim; ++d)
         at += fmt::format("{}{:.6g}", d ? ", " : "", only.center[d] + 0.0);
     throw InputError(fmt::format(
         "no {} of radius {:.6g} mm or more fits{}: the largest that fits has radius {:.6g} mm, at "
-        "({}); ask for smaller radii or check the unit of the domain",
+        "({}); give smaller radii or check the unit of the domain",
         Measure<Dim>::kSphere, options.sizes.min(), kept, ball.radius, at));
 }
 

@@ -29,7 +29,7 @@ struct PackResult {
 /// Fills `domain` with non-overlapping spheres until no vacancy is left that could take a sphere of
 /// the mean radius.
 ///
-/// The radii follow `options.sizes`: all radii drawn are placed but for some tens that are pending
+/// The radii follow `options.sizes`: all radii drawn are placed, except some tens that are pending
 /// at the end. No two spheres overlap and none crosses the wall, decided in double on the values as
 /// returned. The result depends on the domain, the options (but not on the threads) and `existing`
 /// alone.

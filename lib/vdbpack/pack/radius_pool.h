@@ -11,7 +11,7 @@
 namespace vdbpack {
 
 /// Pending radii, sorted. Drawing until a radius fits would bias a pack towards small spheres; a
-/// pool keeps the distribution exact: all radii drawn are placed but for those pending at the end.
+/// pool keeps the distribution exact: all radii drawn are placed, except those pending at the end.
 ///
 /// Draws follow the additive golden-ratio sequence from a random start, so that any run of draws
 /// is spread over the distribution far more evenly than independent ones.

@@ -14,14 +14,14 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
                      const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
     if (!(count >= 1 && std::isfinite(count)))
         throw ParameterError(
-            fmt::format("target count {}: must be a number of spheres, 1 or more", count));
+            fmt::format("`targetCount` {}: must be a number of spheres, 1 or more", count));
     const double shell = shellOf(options);
     const double guess = Dim == 3 ? 0.58 : 0.8;
     const double most = guess * domain.volume() / ballWithShell<Dim>(options.sizes, 0, shell);
     if (!(count < most))
         throw ParameterError(
             fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
-                        "are: at most about {:.0f} can; ask for fewer or for a smaller gap",
+                        "are: at most about {:.0f} can; give a smaller count or a smaller gap",
                         count, Measure<Dim>::kSpheres, options.gap, most));
     // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {

@@ -34,8 +34,7 @@ void requireRange(const std::string& spec, double lo, double hi) {
                         spec, lo, hi));
     if (lo < 1e-9 || hi > 1e9)
         throw ParameterError(fmt::format(
-            "radius distribution '{}': radii from {} to {} mm are absurd; lengths are in mm", spec,
-            lo, hi));
+            "radius distribution '{}': radii from {} to {} mm; give 1e-9 to 1e9 mm", spec, lo, hi));
 }
 
 /// The rows of a table of two columns, which a line of words may precede.
@@ -283,7 +282,7 @@ SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, Weigh
 double SizeDistribution::quantile(double u) const {
     const double r = factor_ * shape_->invert(std::clamp(u, 0.0, 1.0));
     auto f = static_cast<float>(r);
-    // Rounding must not leave the range that was asked for.
+    // Rounding must not leave the requested range.
     if (f < min()) f = std::nextafter(f, std::numeric_limits<float>::max());
     if (f > max() && std::nextafter(f, 0.0f) >= min()) f = std::nextafter(f, 0.0f);
     return f;

@@ -67,7 +67,7 @@ public:
     double max() const;              ///< mm
     double mean() const;             ///< mm, by number
     double meanBall(int dim) const;  ///< mean volume (2D: area) of a sphere, mm^dim
-    /// The text as parsed, or one that `parse` would take (but for typed tables and curves).
+    /// The text as parsed, or one that `parse` accepts (except for tables not from a file).
     const std::string& spec() const;
 
     /// The same shape with all radii times `factor` > 0. For formulas `spec()` is the formula with

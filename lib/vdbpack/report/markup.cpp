@@ -32,7 +32,7 @@ std::size_t characterLength(std::string_view text, std::size_t at) {
                                                                 : 0;
     for (std::size_t i = 1; i < length; ++i)
         if ((byte(at + i) & 0xC0) != 0x80) return 0;
-    // Overlong forms, surrogates, beyond the last plane, and what XML calls no character.
+    // Overlong forms, surrogates, values above U+10FFFF, and characters that XML excludes.
     const unsigned second = byte(at + 1), third = byte(at + 2);
     if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
         (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F) ||
@@ -72,7 +72,7 @@ std::string scrolled(const std::string& table) {
     return "<div class='scroll'>" + table + "</div>\n";
 }
 
-/// Columns of the same length beside each other, with the number of the row first.
+/// Columns of equal length as a table; the first column is the index of the row.
 std::string columnTable(const std::vector<std::pair<std::string, Json>>& columns) {
     std::string head, body;
     for (const auto& [name, values] : columns) head += "<th>" + escaped(name) + "</th>";
@@ -86,7 +86,7 @@ std::string columnTable(const std::vector<std::pair<std::string, Json>>& columns
                     "</tr></thead>\n<tbody>" + body + "</tbody></table>");
 }
 
-/// What a table is made of, taken from an object and the objects in it.
+/// The parts of a section, collected from an object and the objects in it.
 struct Parts {
     std::vector<std::pair<std::string, std::string>> rows;
     std::string tables;  ///< of columns and records
@@ -140,23 +140,20 @@ struct Heading {
 };
 constexpr Heading kHeadings[] = {
     {"domain", "Domain", "Domain",
-     "Volume in mm³ and area of the wall in mm² (in the plane: area in mm² and length in mm), "
-     "voxels "
-     "in mm."},
+     "Volume in mm³ and area of the wall in mm² (2D: area in mm² and length in mm), voxels in mm."},
     {"spheres", "Spheres", "Circles",
      "ks is the Kolmogorov-Smirnov distance between the radii and the requested distribution; "
-     "wall: the "
-     "same near the wall."},
+     "wall: the same for spheres near the wall."},
     {"solidFraction", "Solid fraction", "Solid fraction",
      "Of the whole domain, and of the part deeper than three largest radii."},
     {"contacts", "Contacts", "Contacts",
-     "Pairs with a gap within the tolerance, a share of the smaller radius. The fabric tensor is "
-     "the mean of n nᵀ over them."},
+     "Pairs whose gap is at most the tolerance times the smaller radius. The fabric tensor is the "
+     "mean of n nᵀ over them."},
     {"overlap", "Overlap", "Overlap",
      "As a share of the smaller radius; pairs above 1e-6 are counted."},
-    {"gap", "Gap", "Gap", "Requested distance between surfaces, and the smallest found."},
+    {"gap", "Gap", "Gap", "Requested and smallest distance between surfaces, mm."},
     {"protrusion", "Protrusion", "Protrusion",
-     "Through the wall, as a share of the radius; spheres above 1e-6 are counted."},
+     "Beyond the wall, as a share of the radius; spheres above 1e-6 are counted."},
     {"voids", "Voids", "Voids", "BV/TV is the solid fraction of the region deeper than the shell."},
     {"seconds", "Seconds", "Seconds", "Wall-clock time."},
     {"profile", "Solid fraction by depth", "Solid fraction by depth",
@@ -164,10 +161,10 @@ constexpr Heading kHeadings[] = {
     {"localFraction", "Local solid fraction", "Local solid fraction",
      "Over cells of four mean diameters away from the wall."},
     {"pairCorrelation", "Pair correlation", "Pair correlation",
-     "g(r) in bins from r = 0, around centers at that depth or deeper, with errors from the number "
-     "of pairs."},
+     "g(r) in bins from r = 0, about centers at the stated depth or deeper, with errors from the "
+     "number of pairs."},
     {"regions", "Regions", "Regions", "The layer along the wall, and the part that it encloses."},
-    {"morphometry", "Morphometry", "Morphometry", "Bone morphometry in the symbols of the field."},
+    {"morphometry", "Morphometry", "Morphometry", "Bone morphometry, with the usual symbols."},
 };
 
 std::string section(const std::string& key, const Json& object, bool plane) {

@@ -1,4 +1,4 @@
-// The report of a run: what was asked, what was reached, how it was checked.
+// The report of a run: the request, the result, and its verification.
 #pragma once
 
 #include "vdbpack/domain/domain.h"
@@ -15,21 +15,21 @@
 
 namespace vdbpack {
 
-/// What a report has of voids and the shell.
+/// The voids and the shell in a report.
 struct VoidReport {
-    std::string method;          ///< as asked for; empty: a shell alone
+    std::string method;          ///< as requested; empty: only a shell
     std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
     double shell = 0;            ///< mm
     double voxelSize = 0;        ///< of the level set, mm; 0: none
     double totalVolume = 0;      ///< of the domain deeper than the shell, mm^dim
     std::optional<double> bvtv;  ///< BV/TV there, of the solid
-    bool ofSpheres = false;      ///< BV/TV is the share of the spheres' volume that is left instead
-    /// What was solved for or given: voids a mm^dim (boolean), their number (overlay), probability
+    bool ofSpheres = false;      ///< `bvtv` is the remaining share of the spheres' volume instead
+    /// Found by a target or given: voids per mm^dim (boolean), their number (overlay), probability
     /// (grid, mixed, ellipses) or D (concentric, threshold).
     std::optional<double> amount;
     std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
-    std::string radius;                   ///< SPEC of b that gave the wanted thickness, mm
-    std::optional<double> thickness;      ///< Tb.Th where one was asked for, mm
+    std::string radius;                   ///< SPEC of b that gave the target thickness, mm
+    std::optional<double> thickness;      ///< Tb.Th if a target was set, mm
     std::optional<double> solidAttached;  ///< share connected to the shell
     std::uint64_t solidPieces = 0;
     std::uint64_t culled = 0;               ///< spheres that the voids removed
@@ -37,7 +37,7 @@ struct VoidReport {
     std::uint64_t dropped = 0;              ///< spheres removed since they are not connected
     std::uint64_t cortical = 0;             ///< spheres with centers in the shell
     std::optional<double> across;           ///< thickness of the shell in their mean diameters
-    std::vector<std::string> chosen;        ///< what was chosen by default, a sentence each
+    std::vector<std::string> chosen;        ///< defaults that were chosen, one sentence each
 };
 
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
@@ -56,7 +56,7 @@ struct Report {
     double area = 0;    ///< of its wall, mm^(dim-1)
 
     std::uint64_t count = 0;
-    std::string requested;  ///< the size distribution as it was written; empty: none
+    std::string requested;  ///< the requested size distribution; empty: none
     RadiusStatistics radius;
     std::optional<double> ks;
     std::optional<double> ksByVolume;  ///< each sphere by its volume (2D: area)
@@ -74,21 +74,21 @@ struct Report {
     double contactTolerance = 1e-3;          ///< of the smaller radius
     std::optional<ContactNetwork> contacts;  ///< nothing without spheres
 
-    std::uint64_t existing = 0;          ///< of them, how many existed before: the first ones
+    std::uint64_t existing = 0;          ///< number of spheres that existed before, the first ones
     std::uint64_t givenOverlaps = 0;     ///< overlapping pairs of the input pack
-    std::uint64_t givenProtrusions = 0;  ///< spheres of it that protrude
+    std::uint64_t givenProtrusions = 0;  ///< protruding spheres of the input pack
 
     std::optional<OverlapCheck> overlap;
     double gapAsked = 0;                ///< mm
-    std::optional<double> smallestGap;  ///< between spheres, but for pairs that existed before; mm
+    std::optional<double> smallestGap;  ///< between spheres, without pairs that existed before; mm
     std::optional<ProtrusionCheck> protrusion;
 
-    /// What densifying did; nothing where it was not asked for.
+    /// The result of densifying; nothing if it was not requested.
     struct Densified {
         /// Gaps up to which contacts are counted, in smaller radii.
         static constexpr std::array<double, 3> kContactTolerances{1e-3, 1e-2, 5e-2};
 
-        std::optional<double> asked;  ///< solid fraction; nothing: as dense as it gets
+        std::optional<double> asked;  ///< solid fraction; nothing: as dense as possible
         double before = 0, after = 0;
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;
@@ -100,7 +100,7 @@ struct Report {
     };
     std::optional<Densified> densified;
 
-    std::optional<VoidReport> voids;  ///< nothing where neither voids nor a shell were asked for
+    std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested
 
     struct Seconds {
         double mesh = 0, domain = 0, pack = 0, densify = 0, voids = 0, measure = 0, write = 0,
@@ -117,7 +117,7 @@ struct Report {
     std::vector<std::string> warnings;
 };
 
-/// Whether the spheres keep the gap asked for, to 10⁻⁶ of the smallest radius.
+/// Whether the spheres keep the requested gap, to 10⁻⁶ of the smallest radius.
 bool keepsGap(const Report& report);
 
 /// The keys that scripts rely on; null where there is no value.
@@ -126,7 +126,7 @@ nlohmann::ordered_json toJson(const Report& report);
 /// 1234567 as "1,234,567".
 std::string grouped(std::uint64_t n);
 
-/// For people: lines of at most 80 columns (unless a word is longer), ending with a newline.
+/// The summary: lines of at most 80 columns (unless a word is longer), ending with a newline.
 std::string summary(const Report& report);
 
 }  // namespace vdbpack

@@ -10,7 +10,7 @@
 namespace vdbpack {
 
 /// Figures as `figure` makes them: sizes by number and cumulated, contacts, solid fraction by
-/// depth, pair correlation, time by stage; each says why where it has nothing to show.
+/// depth, pair correlation, time by stage. A chart without data states the reason.
 std::string reportCharts(const Report& report, const Structure& structure,
                          const RadiusHistogram& radii);
 

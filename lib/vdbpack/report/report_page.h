@@ -1,4 +1,4 @@
-// A report as one page for the browser: figures, charts, tables, and how to do it again.
+// A report as one page for the browser: numbers, charts, tables, and how to repeat the run.
 #pragma once
 
 #include "vdbpack/measure/morphometry/morphometry.h"
@@ -23,15 +23,15 @@ struct ReportPage {
     std::string picture;                      ///< bytes of a PNG file; empty: none
     int pictureWidth = 0, pictureHeight = 0;  ///< pixels
     std::string pictureWords;                 ///< what it shows
-    std::optional<Morphometry> morphometry;   ///< of a solid: then nothing of the above but the run
-    /// What the run was told or chose, name and value, in the order of the table.
+    std::optional<Morphometry> morphometry;   ///< of a solid, instead of a pack
+    /// Settings of the run, requested or by default: name and value, in the order of the table.
     std::vector<std::pair<std::string, std::string>> settings;
 };
 
-/// One file of HTML that is well-formed XML too: no scripts, nothing fetched, light and dark, for
-/// phone, desk and paper. The same for the same input. Values of curves and of figures that may be
-/// absent are left out where they are not finite; the others are.
-/// @param figures  all that the JSON report holds, for the tables.
+/// One HTML file, also well-formed XML, without scripts or external files; light and dark, for
+/// phone, desktop and print. The same for the same input. Values of curves and of numbers that may
+/// be absent are left out if they are not finite; all others are finite.
+/// @param figures  the JSON report, for the tables.
 std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& figures);
 
 }  // namespace vdbpack

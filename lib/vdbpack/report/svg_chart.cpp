@@ -13,11 +13,12 @@ namespace vdbpack {
 
 namespace {
 
-/// The drawing is shown at 0.9 to 1.2 times these units, so that text of 12 stays text of 11.
+/// The drawing is shown at 0.9 to 1.2 times these units, so text of size 12 is at least about 11
+/// pixels high.
 constexpr double kWidth = 360, kHeight = 232;
 constexpr double kLeft = 44, kRight = 14, kTop = 24, kBottom = 40;
 constexpr int kMostTicks = 6, kMostAcross = 8;
-/// Of a digit, generously.
+/// Width of a digit, rounded up.
 constexpr double kDigit = 8;
 
 double niceStep(double span, int most, bool whole) {
@@ -29,7 +30,7 @@ double niceStep(double span, int most, bool whole) {
     return whole ? std::max(1.0, std::round(step)) : step;
 }
 
-/// As many decimals as the step between ticks has.
+/// A number with as many decimals as the step between ticks.
 std::string tickText(double value, double step) {
     if (value == 0) return "0";
     if (step >= 1e5 || step < 1e-4) return fmt::format("{:.4g}", value);
@@ -41,7 +42,7 @@ std::string shortNumber(double value) {
     return value >= 100 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
 }
 
-/// From data to the drawing.
+/// Maps values to coordinates of the drawing.
 struct Axis {
     double low = 0, high = 1;
     double from = 0, to = 1;
@@ -73,7 +74,7 @@ bool isDrawn(const ChartSeries& s, std::size_t i) {
            std::isfinite(s.x[i]) && (!overIntervals(s) || std::isfinite(s.x[i + 1]));
 }
 
-/// A mark with what it stands for, told where the pointer rests.
+/// A mark with its value, shown when the pointer is on it.
 std::string withTitle(const std::string& open, const char* element, const std::string& title) {
     return fmt::format("{}><title>{}</title></{}>", open, escaped(title), element);
 }
@@ -138,7 +139,7 @@ std::string drawn(const ChartSeries& s, const std::string& color, const Axis& x,
     return path(s, color, x, y) + (s.error.empty() ? "" : points(s, color, x, y));
 }
 
-/// As many ticks as have room for their numbers.
+/// As many ticks as there is room for their labels.
 std::vector<double> ticksAcross(const Axis& x, bool whole) {
     for (int most = kMostAcross;; --most) {
         const auto ticks = roundTicks(x.low, x.high, most, whole);
@@ -179,7 +180,7 @@ std::string svg(const std::string& id, const std::string& title, const std::stri
         id, kWidth, height, escaped(title), escaped(description), content);
 }
 
-/// The drawing with its title above and its note below, or a word on why there is none.
+/// The drawing with its title above and its note below; without a drawing, the reason `none`.
 std::string figureAround(const std::string& title, const std::string& drawing,
                          const std::string& legend, const std::string& note,
                          const std::string& none) {
@@ -194,7 +195,7 @@ std::string colorOf(std::size_t series) {
     return fmt::format("c{}", series % 2);
 }
 
-/// What stands for a series in the legend.
+/// The symbol of a series in the legend.
 const char* keyOf(ChartSeries::Form form) {
     switch (form) {
         case ChartSeries::Form::bars:

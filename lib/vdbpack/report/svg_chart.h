@@ -12,9 +12,9 @@ namespace vdbpack {
 struct ChartSeries {
     /// A line through points, points alone, or bars and an outline of steps over intervals.
     enum class Form { line, points, bars, steps };
-    std::string name;  ///< in the legend; empty: not there
+    std::string name;  ///< in the legend; empty: not listed
     Form form = Form::line;
-    std::vector<double> x;  ///< one a point; bars and steps: the ends of intervals, one more
+    std::vector<double> x;  ///< one per point; bars and steps: the n + 1 bounds of n intervals
     std::vector<double> y;
     std::vector<double> error;  ///< half of each error bar, of points and lines; empty: none
 };
@@ -28,15 +28,15 @@ struct ChartLevel {
 struct Chart {
     std::string id;  ///< of the element in the page
     std::string title, xLabel, yLabel;
-    std::string note;  ///< a sentence below, and what a screen reader says
-    std::string none;  ///< why there is nothing, said where there is nothing to draw
+    std::string note;  ///< a sentence below, also for screen readers
+    std::string none;  ///< shown instead of the chart if there are no data: the reason
     std::vector<ChartSeries> series;
     std::optional<ChartLevel> level;  ///< a dashed line across
     bool fromZero = false;            ///< the x axis starts at 0, as the y axis does
-    bool wholeTicks = false;          ///< x counts something
+    bool wholeTicks = false;          ///< ticks of x at integers only
 };
 
-/// Bars side by side under each other, each with its name and value.
+/// Horizontal bars below one another, each with its name and value.
 struct BarChart {
     std::string id, title, note, none;
     std::string unit;  ///< after each value
@@ -48,11 +48,11 @@ struct BarChart {
 std::string figure(const Chart& chart);
 std::string figure(const BarChart& chart);
 
-/// CSS that figures need, once a page.
+/// The CSS of figures, needed once per page.
 std::string chartStyle();
 
 /// Multiples of 1, 2 or 5 times a power of ten within [low, high], at most `most` + 1 of them.
-/// @param whole  whole numbers alone.
+/// @param whole  integers only.
 std::vector<double> roundTicks(double low, double high, int most, bool whole = false);
 
 }  // namespace vdbpack

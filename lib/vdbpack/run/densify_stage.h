@@ -1,4 +1,4 @@
-// Private to runs: packs made denser, and what a report says of it.
+// Private to runs: densifying a pack, and its results in the report.
 #pragma once
 
 #include "vdbpack/core/pack.h"
@@ -20,9 +20,9 @@ struct DensifySetting {
     std::size_t fixed = 0;  ///< the first spheres, which stay where they are
 };
 
-/// Moves and adds spheres: those of the pack keep their places in it and all that is known of
-/// them, but for depths and contacts. Tells in `report.densified` what came of it, and warns where
-/// it is not what was asked for. Cancelled, `report.interrupted` is set.
+/// Moves and adds spheres. Those of the pack keep their indices and attributes, except depths and
+/// contacts. Sets `report.densified`, and warns if the result differs from the request. If
+/// cancelled, sets `report.interrupted`.
 /// @throws as densify.
 template <int Dim>
 void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<Dim>& pack,

@@ -19,7 +19,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Voxels of a size that is asked for are taken within these shares of the default.
+/// A requested voxel size is used if it is within these factors of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
 /// Diagonal below which voxels in 32-bit floats have no digits left, mm.
 constexpr double kSmallestExtent = 1e-6;
@@ -125,13 +125,13 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     const double extent = length(fileBounds_.size());
     if (!(extent > kSmallestExtent))
         throw InputError(fmt::format(
-            "{}: is {:.3g} mm across, too small to be computed with; the file is read in {}: check "
+            "{}: is {:.3g} mm across, too small to compute with; the file is read in {}: check "
             "`unit` and `scale`",
             text, extent, unitName(recipe.unit)));
     if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
-            "{}: is {:.3g} mm across, which is no size for a bone; the file is read in {}: give "
+            "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
             "`unit` m, cm, mm or um if that is wrong",
             text, extent, unitName(recipe.unit)));
 }

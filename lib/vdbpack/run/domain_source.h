@@ -34,7 +34,7 @@ struct DomainRecipe {
     std::string shells;
 };
 
-/// What `DomainRecipe::shells` says. @throws ParameterError if malformed.
+/// The meaning of `DomainRecipe::shells`. @throws ParameterError if malformed.
 struct ShellChoice {
     bool solid = false;
     std::string outer, inner;  ///< files; empty: none
@@ -45,7 +45,7 @@ ShellChoice parseShells(const std::string& text);
 std::vector<std::string> domainInputs(const DomainRecipe& recipe);
 
 /// The mesh of a recipe's file, repaired and joined with its inner one as the recipe says, mm.
-/// @param report  what was done; stays as it is where nothing was asked for.
+/// @param report  what the repair did; unchanged if none was requested.
 /// @throws ParameterError, InputError, IoError, ResourceError
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report);
@@ -76,7 +76,7 @@ public:
         std::shared_ptr<const MeshDomain> mesh;  ///< what `space` was cut from, if a file
         double sliceHeight = 0;                  ///< mm
     };
-    /// @param voxelSize  taken for the field if it is about what would be chosen, mm: a level set
+    /// @param voxelSize  used for the field if it is close to the default, mm: a level set
     ///                   in such voxels then comes with it. 0: none.
     Built build(double minRadius, double maxRadius, const Callbacks& callbacks = {},
                 double voxelSize = 0) const;

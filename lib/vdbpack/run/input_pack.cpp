@@ -61,11 +61,11 @@ void requireDomain(const InputPack& recipe) {
                       : !d.clips.empty()         ? "`clips`"
                                                  : nullptr;
     if (set)
-        throw ParameterError(
-            fmt::format("{} is about the domain, and there is none; set `domain` (the unit of the "
-                        "file itself is "
-                        "`packUnit`)",
-                        set));
+        throw ParameterError(fmt::format(
+            "{} applies to the domain, and there is none; set `domain` (the unit of the "
+            "file itself is "
+            "`packUnit`)",
+            set));
 }
 
 bool isPlane(const Pack<3>& pack) {

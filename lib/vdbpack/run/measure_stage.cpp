@@ -15,14 +15,14 @@ namespace vdbpack {
 
 namespace {
 
-/// Bins of the density profile, how deep it goes, and cells of the local fraction, in diameters
-/// (mean, largest, mean).
+/// Width of bins of the density profile (in mean diameters), its depth (in largest diameters), and
+/// side of the cells of the local fraction (in mean diameters).
 constexpr double kProfileWidth = 0.125, kProfileDepth = 5, kLocalEdge = 4;
-/// Bins of the pair correlation a mean diameter, and centers that give an error of about 1 %.
+/// Bins of the pair correlation per mean diameter, and number of centers for an error of about 1 %.
 constexpr double kPairBins = 40;
 constexpr std::uint64_t kManyReferences = 2000;
 
-/// Distances of some spheres' radii to those asked for, by number and by volume.
+/// Kolmogorov-Smirnov distances of radii to the requested distribution, by number and by volume.
 template <int Dim>
 struct SizeCheck {
     explicit SizeCheck(const SizeDistribution& sizes) : asked(sizes), volume(sizes, Dim) {}
@@ -79,7 +79,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     report.radius = radiusStatistics(pack.spheres);
     report.overlap = checkOverlap(pack.spheres);
     report.contactTolerance = contactTolerance;
-    // Whoever wrote them: nothing is known of that wall.
+    // Values from a file may refer to another wall.
     pack.depth.clear();
     pack.contacts.clear();
     if (domain) {
@@ -88,7 +88,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         report.area = domain->wallArea();
         report.protrusion = source->protrusion(pack.spheres);
         report.solidFractionTotal = solidFraction(pack.spheres, *domain);
-        // Only what is inside counts.
+        // Only the parts of spheres inside the domain count.
         if (report.protrusion->spheres > 0)
             report.solidFractionTotal = interiorFraction(pack.spheres, *domain, 0);
         const double interior = 3 * report.radius.max;
@@ -100,7 +100,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
     if (!pack.spheres.empty()) report.contacts = contacts;
     if (sizes && goesOn()) measureSizes(pack, *sizes, report);
-    // No pair that was not counted is closer than the smallest spheres' tolerance.
+    // Pairs that were not counted have larger gaps than the tolerance of the smallest spheres.
     if (contacts && report.existing == 0 &&
         contacts->smallestGap <= contactTolerance * report.radius.min)
         report.smallestGap = contacts->smallestGap;
@@ -129,8 +129,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     const double known =
         domain ? std::min(domain->fieldDepth(), length(domain->bounds().size())) : 0;
     if (domain) {
-        // Bins of an eighth of the mean diameter, to five largest diameters deep or as deep as the
-        // field knows.
+        // To five largest diameters deep, or as deep as the field has distances.
         const double width = kProfileWidth * result.meanDiameter;
         const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
         if (deepest >= width)
@@ -141,7 +140,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
             result.local = localFraction(pack.spheres, *domain, edge);
     }
     callbacks.stopIfCancelled();
-    // As far as there are enough centers that deep; without a domain the density is not known.
+    // The largest range with enough centers at that depth. Without a domain the density is unknown.
     for (const double diameters : {3.0, 2.25, 1.5}) {
         const double reach = diameters * result.meanDiameter;
         if (!domain || reach > known) continue;
@@ -154,8 +153,8 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     if (domain && shell > 0) {
         if (shell > known)
             throw ParameterError(fmt::format(
-                "`shell` {} mm: the field knows depths up to {:.4g} mm; give a thinner shell",
-                shell, known));
+                "`shell` {} mm: the field has depths up to {:.4g} mm; give a thinner shell", shell,
+                known));
         result.shell = shell;
         const double all = domain->volume(), core = domain->volumeDeeperThan(shell);
         const auto inner = interiorFraction(pack.spheres, *domain, shell);

@@ -90,11 +90,11 @@ std::string volumeAmong(const std::vector<std::string>& outputs) {
 void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
     const VoidMethod method = methodOf(recipe);
     if (method == VoidMethod::none)
-        throw ParameterError(output + ": lists voids, and none are asked for; add `voids`");
+        throw ParameterError(output + ": lists voids, but no voids are requested; add `voids`");
     if (isThinning(method))
-        throw ParameterError(
-            fmt::format("{}: `voids` {} takes spheres out and makes no voids to list; leave it out",
-                        output, recipe.method));
+        throw ParameterError(fmt::format(
+            "{}: `voids` {} removes spheres and has no voids to list; leave the output out", output,
+            recipe.method));
 }
 
 /// The level set that a target is made from. @throws ParameterError if it is not there
@@ -222,17 +222,18 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
                                      "list:FILE.csv");
             if (dim == 2)
                 throw ParameterError(output +
-                                     ": voids of a plane are no level set of space; write "
-                                     "list:FILE.csv, or pack it and write .svg");
+                                     ": voids in 2D have no level set; write "
+                                     "list:FILE.csv, or pack the domain and write .svg");
         }
         if (levelSet && dim == 2)
             throw ParameterError(output +
-                                 ": is made from a level set of space, and circles have none; "
+                                 ": needs a level set, which circles do not have; "
                                  "write .svg, or leave `slices` out");
         if (run == RunKind::convert) {
             if (target.kind == OutputKind::voidList)
                 throw ParameterError(
-                    output + ": a pack holds no list of voids; vdb_pack pack and voids write it");
+                    output +
+                    ": a pack contains no list of voids; vdb_pack pack and voids write lists");
             if (target.grid == kVoids || target.grid == kSolid)
                 throw ParameterError(fmt::format(
                     "{}: convert makes no voids; name the level set of a .vdb (`packGrid` "
@@ -242,8 +243,8 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
             const VoidMethod method = methodOf(voids);
             if (method == VoidMethod::none || isThinning(method))
                 throw ParameterError(
-                    fmt::format("{}: there is no level set '{}' without voids; add `voids` with a "
-                                "method that makes some, or write surface:{}",
+                    fmt::format("{}: without voids there is no level set '{}'; add `voids` with a "
+                                "method that makes voids, or write surface:{}",
                                 output, target.grid, target.file));
         }
         if (target.kind == OutputKind::voidList) checkVoidsToList(output, voids);
@@ -260,8 +261,8 @@ double particleDensity(const std::string& text, std::optional<double> solidFract
     const double value = std::strtod(number.c_str(), &end);
     if (number.empty() || *end != 0 || !(value > 0) || !std::isfinite(value))
         throw ParameterError(fmt::format(
-            "`density` '{}': is no density; write that of the spheres in kg/m³ (1900), or bulk:D "
-            "for that of the whole (bulk:1100)",
+            "`density` '{}': write the density of the spheres in kg/m³ (1900), or bulk:D "
+            "with the mass of all spheres divided by the volume of the domain (bulk:1100)",
             text));
     if (!isBulk) return value;
     if (!solidFraction)

@@ -45,7 +45,7 @@ enum class RunKind {
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
                       int dim = 0);
 
-/// Density of the spheres from what `--density` says, kg/m³: a number, or bulk:D, the mass of all
+/// Density of the spheres from the text of `density`, kg/m³: a number, or bulk:D, the mass of all
 /// spheres by the volume of the domain (2D: with area fractions, for discs).
 /// @param solidFraction  of the spheres in the domain; nothing if there is none.
 /// @return 0 for an empty text.
@@ -85,9 +85,9 @@ struct RunOutputs {
 template <int Dim>
 std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have);
 
-/// Writes all targets in turn and tells of each; the files in their order. The first .vdb among
-/// them is the `volume` of the others. Where one fails, those before it are there, whole, and those
-/// after it, its own former file among them, are as they were.
+/// Writes all targets in turn and reports each; returns the files in their order. The first .vdb
+/// among them is the `volume` of the others. If one fails, those before it are complete; it and
+/// those after it are unchanged.
 template <int Dim>
 std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks);

@@ -10,7 +10,7 @@ namespace vdbpack {
 
 /// Packs for each of the recipes, which differ in seed and outputs alone; the domain is made once.
 /// Interrupted before the first pack, the result is one without spheres.
-/// @param done  takes each result and returns whether to go on.
+/// @param done  receives each result and returns whether to continue.
 /// @throws as runPack.
 void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
               const std::function<bool(RunResult&&)>& done);

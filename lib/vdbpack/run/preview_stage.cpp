@@ -161,8 +161,8 @@ void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
     if (asked && file.empty() && !isPage(reportFile))
         throw ParameterError(
             std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
-            " says how to draw, and nothing is drawn; add `preview.file` FILE.png or "
-            "`reportFile` FILE.html");
+            " has no effect without a picture; add `preview.file` FILE.png or `reportFile` "
+            "FILE.html");
 }
 
 template <int Dim>
@@ -177,8 +177,7 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
     }
     if (pack && recipe.color == PreviewColor::order && pack->order.size() != pack->spheres.size())
         throw ParameterError(
-            "`preview.color` order: the pack does not tell in which order it was made; color by "
-            "radius");
+            "`preview.color` order: the pack has no order of placement; color by radius");
 }
 
 template <int Dim>

@@ -1,4 +1,4 @@
-// Private to runs: pictures of what they made.
+// Private to runs: pictures of their results.
 #pragma once
 
 #include "vdbpack/preview/preview_recipe.h"
@@ -11,7 +11,7 @@
 
 namespace vdbpack {
 
-/// Refuses before anything is read what cannot be drawn. @throws ParameterError
+/// Refuses requests that cannot be drawn, before anything is read. @throws ParameterError
 void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile);
 
 /// The same once the domain is known: a cut beside it or in a plane, a build without Embree.
@@ -20,8 +20,9 @@ void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile);
 template <int Dim>
 void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack);
 
-/// Draws what a run made, if `recipe` asks for a file, which is then written, or the report is a
-/// page (smaller, where there is no file). A page without Embree goes without.
+/// Draws the result of a run, if `recipe` names a file, which is then written, or if the report is
+/// a page (without a file, the picture is smaller). Without Embree, a page has no picture of
+/// spheres.
 /// @param pack  null: the solid that `made` leaves is drawn.
 /// @throws as `renderPreview`, `writePng`
 template <int Dim>
@@ -30,7 +31,7 @@ PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& repor
                            const MadeVoids<Dim>& made, const Pack<Dim>* pack,
                            const Callbacks& callbacks);
 
-/// Draws and writes a pack that was read, if `recipe` asks for a file.
+/// Draws a pack that was read and writes the picture, if `recipe` names a file.
 /// @param name    of the pack's file, kept in the picture.
 /// @param source  of its domain, whose wall is drawn as well; null: none. @param built from it
 /// @return whether a file was written.  @throws as `drawPreview`

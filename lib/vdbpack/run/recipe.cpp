@@ -48,9 +48,9 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text) {
             at += 2;
             last = number();
         }
-        if (last < first) fail("the range falls");
+        if (last < first) fail("the range ends before it begins");
         if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
-            fail("holds more than a million seeds");
+            fail("has more than a million seeds");
         for (std::uint64_t s = first;; ++s) {
             seeds.push_back(s);
             if (s == last) break;
@@ -99,7 +99,7 @@ std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
 
 void checkRecipe(const PackRecipe& recipe) {
     if (recipe.densify > 0 && recipe.maxCount > 0)
-        throw ParameterError("`maxCount` stops the pack before `densify` goes on; leave one out");
+        throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
     if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
                              recipe.voids.method +
@@ -128,11 +128,9 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     if (given) return r;
     if (!(r.targetCount > 0)) {
         r.targetCount = kDefaultCount;
-        r.chosen.push_back(
-            fmt::format("about {:.0f} spheres, since neither `radius` nor `targetCount` is given",
-                        kDefaultCount));
+        r.chosen.push_back(fmt::format("about {:.0f} spheres", kDefaultCount));
     }
-    r.chosen.push_back("radii uniform with ratio 1:2, since `radius` is not given");
+    r.chosen.push_back("radii uniform with ratio 1:2");
     return r;
 }
 
@@ -155,9 +153,10 @@ std::int64_t lastBefore(const std::vector<std::int64_t>& numbers, std::size_t mo
                         const char* what) {
     const std::int64_t last = *std::max_element(numbers.begin(), numbers.end());
     if (last > std::numeric_limits<std::int64_t>::max() - static_cast<std::int64_t>(more))
-        throw InputError(fmt::format(
-            "the largest {}, {}, leaves no numbers for what is added; number its spheres anew",
-            what, last));
+        throw InputError(
+            fmt::format("the largest {}, {}, leaves no values for the spheres that are added; "
+                        "renumber the spheres",
+                        what, last));
     return last;
 }
 
@@ -243,7 +242,7 @@ Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
     mark.numbers.assign(before, 1.0);
     columns.push_back(std::move(mark));
     base = appended(std::move(base), added.spheres);
-    // Where nothing stood, there was nothing to go on from.
+    // Without existing spheres there is nothing to continue from.
     if (before == 0) base.order = added.order;
     base.region.resize(base.spheres.size(), 0);
     columns.back().numbers.resize(base.spheres.size(), 0.0);

@@ -53,7 +53,7 @@ double parseDensify(const std::string& text);
 /// The files that voids are made from; empty names where there is none.
 std::vector<std::string> voidInputs(const VoidRecipe& recipe);
 
-/// The sizes asked for, or the default, before any scaling.
+/// The requested sizes, or the default, before any scaling.
 struct RequestedSizes {
     SizeDistribution sizes;
     double targetCount = 0;           ///< spheres at which to aim by scaling the radii; 0: as given
@@ -62,7 +62,7 @@ struct RequestedSizes {
 /// @throws ParameterError for a bad SPEC or a ratio of sizes beyond the limit.
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim);
 
-/// What the recipe asks of the packer, for spheres of these sizes.
+/// The options of the packer for spheres of these sizes.
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes);
 
 /// @throws InputError "file: ..." where ids or orders end so close to 2^63 that none are left for
@@ -76,8 +76,8 @@ template <int Dim>
 Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight);
 
 /// Both packs in one: those of `base` first, with all their attributes and columns. Added spheres
-/// get further ids, and 0 or nothing in the columns of `base`. The column `existing` tells which
-/// is which.
+/// get further ids, and 0 or nothing in the columns of `base`. The column `existing` marks the
+/// spheres of `base`.
 template <int Dim>
 Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added);
 

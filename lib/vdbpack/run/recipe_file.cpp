@@ -86,22 +86,23 @@ void leaveRecipe(const std::string& toml, const std::vector<std::string>& output
     if (toml.empty() || file.empty()) return;
     std::string text = recipeFileText(toml, file, report);
     if (!isUtf8(text)) {
-        callbacks.warn(file +
-                       ": no recipe is left, as it would hold a name that is not UTF-8; rename the "
-                       "file or folder to have one");
+        callbacks.warn(
+            file +
+            ": no recipe is written, since it would contain a name that is not UTF-8; rename the "
+            "file or folder");
         return;
     }
     report.recipe = std::move(text);
     if (file.size() - (file.find_last_of('/') + 1) > NAME_MAX) {
         callbacks.warn(file +
-                       ": no recipe is left, as its name would be too long; give a shorter "
-                       "name to the first output to have one");
+                       ": no recipe is written, since its name would be too long; give a shorter "
+                       "name to the first output");
         return;
     }
     if (isForeign(file)) {
         callbacks.warn(file +
-                       ": is no recipe that vdb_pack wrote, so it stays as it is; to have one that "
-                       "repeats this run, move it away");
+                       ": was not written by vdb_pack and is kept; to get a recipe that "
+                       "repeats this run, move this file");
         return;
     }
     OutputFile out(file);

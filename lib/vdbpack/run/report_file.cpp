@@ -48,7 +48,7 @@ RadiusHistogram histogramOf(const Pack<Dim>& pack, std::uint64_t existing,
                            {sizes->min(), sizes->max()});
 }
 
-/// The rows of a table; what was not asked for has none.
+/// The rows of a table; settings that were not requested have none.
 class Settings {
 public:
     void add(const std::string& name, const std::string& value) {

@@ -19,7 +19,7 @@ struct PageDetails {
 
 /// Measures a pack for its page. Where the field of `domain` is too shallow for that, another is
 /// made, so that the pack does not depend on how it is reported.
-/// @param sizes  asked for; `pack` and `report` as `measurePack` leaves them.
+/// @param sizes  the requested ones; `pack` and `report` were set by `measurePack`.
 /// @throws Interrupted
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,

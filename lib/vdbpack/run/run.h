@@ -23,7 +23,7 @@ struct PlacesLeft {
     double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
     double radius = 0;          ///< 1.02 mean radii, mm
     std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
-    std::uint64_t samples = 0;  ///< points asked for, spread over the domain
+    std::uint64_t samples = 0;  ///< requested points, distributed over the domain
 };
 
 /// A picture as the bytes of a PNG file.
@@ -36,7 +36,7 @@ struct PreviewPicture {
 struct RunResult {
     Report report;
     PreviewPicture picture;            ///< of --preview, or of the report page
-    std::optional<PlacesLeft> places;  ///< if asked for
+    std::optional<PlacesLeft> places;  ///< if requested
     std::variant<Pack<3>, Pack<2>> pack;
     bool passed = false;  ///< the checks found no overlap and no protrusion
 };
@@ -59,7 +59,7 @@ RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 
 /// A pack from a file of any program, and what to compare it with.
 struct InputPack : RunSettings {
-    std::string pack;  ///< file, any format that readPack knows
+    std::string pack;  ///< file, any format that readPack supports
     Unit packUnit = Unit::millimeter;
     std::string packGrid;  ///< point grid in a .vdb; empty: the first
     DomainRecipe domain;   ///< `source` empty: what needs no domain
@@ -127,7 +127,7 @@ std::string summary(const MeasureResult& result);
 ///
 /// A .vdb that holds points is a pack, unless `domain.gridName` names a level set in it. Of a
 /// solid, the total volume is the domain, else the bounding box of the solid; `shell` parts it
-/// into label 1 (the shell) and 2. A box as domain cuts the solid: it goes on beyond.
+/// into label 1 (the shell) and 2. A box as domain cuts the solid, which continues beyond it.
 /// `domain.voxelSize`: voxels to measure in, mm; 0: those of the level set, of a mesh 1/256 of its
 /// longest side.
 /// @throws ParameterError, InputError, IoError, ResourceError

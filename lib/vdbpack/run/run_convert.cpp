@@ -159,7 +159,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
 ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks) {
     if (recipe.outputs.empty() && recipe.preview.file.empty())
         throw ParameterError(
-            "nothing is to be written; name a file in `outputs` or `preview.file`");
+            "there is nothing to write; name a file in `outputs` or `preview.file`");
     requireDomain(recipe);
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ConvertResult result;

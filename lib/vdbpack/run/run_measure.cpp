@@ -161,7 +161,7 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
                 found.structure = measureStructure(spheres, domain, measured, recipe.shell, heard);
                 if (recipe.shell > 0 && found.structure.regions.size() == 1)
                     heard.warn(fmt::format(
-                        "`shell` {:g} mm: nothing of the domain lies deeper; all of it is shell",
+                        "`shell` {:g} mm: no part of the domain lies deeper than the shell",
                         recipe.shell));
             });
         clock.lap();

@@ -20,7 +20,7 @@ namespace vdbpack {
 
 namespace {
 
-/// What all packs of a recipe share, whatever their seed.
+/// The part that the packs of all seeds of a recipe share.
 template <int Dim>
 struct Prepared {
     RequestedSizes requested;

@@ -1,4 +1,4 @@
-// What every run takes, whatever it makes.
+// Settings that all commands share.
 #pragma once
 
 #include "vdbpack/core/units.h"
@@ -14,7 +14,7 @@ namespace vdbpack {
 struct RunSettings {
     int threads = 0;         ///< 0: all cores
     double memoryLimit = 0;  ///< bytes that the process may hold; 0: what is free at the start
-    std::uint64_t seed = 1;  ///< of whatever is random
+    std::uint64_t seed = 1;  ///< of all random numbers
     double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
     std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
     Unit outUnit = Unit::millimeter;   ///< of the lengths in them

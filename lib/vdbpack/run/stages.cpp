@@ -58,7 +58,7 @@ void requireShell(double shell, const DomainSource& source) {
     const double thin = *std::min_element(size.c.begin(), size.c.begin() + source.dim());
     if (2 * shell < thin) return;
     throw InputError(fmt::format(
-        "`shell` {} mm: everything is cortical, the domain is {:.4g} mm thick at the most; give a "
+        "`shell` {} mm: no part of the domain lies deeper, it is at most {:.4g} mm thick; give a "
         "thinner shell, or check the unit of the domain",
         shell, thin));
 }

@@ -69,7 +69,7 @@ struct Run {
     VoidSetting<Dim> voidSetting() const {
         return {*voidRecipe, domain(), built.sliceHeight, settings.seed, largestRadius, callbacks};
     }
-    /// Whether to go on with what an interrupted run does without. @throws Interrupted
+    /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {
         if (!report.interrupted && callbacks.isCancelled()) {
             if (!keepsPack) throw Interrupted();
@@ -99,10 +99,10 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);
 
-/// How many threads `threads` asks for; 0: all cores.
+/// The number of threads for the setting `threads`; 0: all cores.
 int effectiveThreads(int threads);
 
-/// The most memory that the process has held, bytes.
+/// Peak memory of the process, bytes.
 std::uint64_t peakMemory();
 
 /// Whether the checks found nothing but what the input pack had.

@@ -16,7 +16,7 @@ namespace vdbpack {
 
 StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks) {
-    if (seeds.empty()) throw ParameterError("a study of no seeds has no rows; give one");
+    if (seeds.empty()) throw ParameterError("there are no seeds; give at least one");
     std::vector<PackRecipe> recipes;
     for (const std::uint64_t seed : seeds) {
         recipes.push_back(recipeForSeed(recipe, seed));
@@ -28,7 +28,7 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
     if (seeds.size() > 1 && !recipe.reportFile.empty() &&
         withSeed(recipe.reportFile, 1) == recipe.reportFile)
         throw ParameterError("`reportFile` " + recipe.reportFile +
-                             ": each seed would replace it; name it with {seed}, or ask for "
+                             ": each seed would replace it; name it with {seed}, or set "
                              "`table` FILE.csv");
     if (seeds.size() > 1 && !recipe.preview.file.empty() &&
         withSeed(recipe.preview.file, 1) == recipe.preview.file)

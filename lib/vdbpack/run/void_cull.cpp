@@ -95,9 +95,8 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
             made.report.across = r.shell / (2 * mean / static_cast<double>(cortical));
             if (*made.report.across < 3)
                 s.callbacks.warn(
-                    fmt::format("the shell of {} mm is {:.2g} {} thick; below three it is no "
-                                "layer: take smaller "
-                                "radii or a thicker shell",
+                    fmt::format("the shell of {} mm is only {:.2g} {} thick; give smaller "
+                                "radii or a thicker shell, for a thickness of three or more",
                                 r.shell, *made.report.across, Measure<Dim>::kSpheres));
         }
     }

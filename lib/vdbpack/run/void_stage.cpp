@@ -104,7 +104,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     const SizeDistribution first = SizeDistribution::parse(recipe.radius, 3);
     if (s.recipe.radius.empty())
         recipe.radius = timesSpec(recipe.radius, 1.2 * target / first.mean(), 3);
-    // A part of a large bone tells the thickness of all.
+    // A part of a large bone represents the thickness of all of it.
     const Sphere<3> deepest = largestBall(s.domain);
     for (int round = 0;; ++round) {
         const VoidSetting<3> setting{recipe, s.domain,        s.sliceHeight,
@@ -130,10 +130,11 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         recipe.radius = timesSpec(recipe.radius, target / *thickness, 3);
     }
     if (std::fabs(*made.report.thickness - target) > 0.05 * target)
-        s.callbacks.warn(fmt::format(
-            "`targetTbth` {}: {:.4g} mm is as near as it gets; give a larger domain or a smaller "
-            "`voids.voxelSize`",
-            target, *made.report.thickness));
+        s.callbacks.warn(
+            fmt::format("`targetTbth` {}: the nearest value found is {:.4g} mm; give a larger "
+                        "domain or a smaller "
+                        "`voids.voxelSize`",
+                        target, *made.report.thickness));
 }
 void solveThickness(const VoidSetting<2>&, MadeVoids<2>&,
                     const std::function<void(const VoidSetting<2>&, MadeVoids<2>&)>&) {
@@ -147,7 +148,7 @@ void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
     if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
         return;
     s.callbacks.warn(fmt::format(
-        "`targetBvtv` {}: {:.4f} is as near as it gets; give smaller voids or a larger domain",
+        "`targetBvtv` {}: the nearest value found is {:.4f}; give smaller voids or a larger domain",
         *s.recipe.targetBvtv, *report.bvtv));
 }
 
@@ -199,10 +200,11 @@ template <int Dim>
 void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = regionOf(s).volume();
     if (!(core > 1e-9 * s.domain.volume()))
-        throw InputError(fmt::format(
-            "`shell` {} mm: everything is cortical, nothing of the domain lies deeper (its deepest "
-            "place lies {:.4g} mm below the wall); give a thinner shell",
-            s.recipe.shell, largestBall(s.domain).radius));
+        throw InputError(
+            fmt::format("`shell` {} mm: no part of the domain lies deeper than the shell; its "
+                        "deepest point lies "
+                        "{:.4g} mm below the wall; give a thinner shell",
+                        s.recipe.shell, largestBall(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
     const Vec<Dim> size = s.domain.bounds().size();
@@ -260,10 +262,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         VoidRecipe decided = r;
         if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
-            chosen.push_back(
-                fmt::format("as many voids as make BV/TV {}, since neither "
-                            "`targetBvtv` nor `voids.count` is given",
-                            kDefaultBvtv));
+            chosen.push_back(fmt::format("as many voids as make BV/TV {}", kDefaultBvtv));
         }
         bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {
@@ -294,7 +293,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         warnIfOff(s, made.report);
         if (method == VoidMethod::overlay && r.count &&
             *r.count > static_cast<double>(made.list.size()) + 0.5)
-            s.callbacks.warn(fmt::format("`voids.count` {:.0f}: {} fill the domain, no more fit",
+            s.callbacks.warn(fmt::format("`voids.count` {:.0f}: only {} fit into the domain",
                                          *r.count, made.list.size()));
     }
     if (made.list.empty())
@@ -342,7 +341,7 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
                 result.interrupted = true;
             }
         }
-        // What is complete is kept as it is, neither cut nor tried again.
+        // An interrupted pack is kept unchanged, without voids and further trials.
         made.stamped.reset();
         made.solid = {};
         made.report.bvtv.reset();
@@ -354,15 +353,13 @@ PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& opti
         const double left = -std::log(*r.targetBvtv);
         const double guess = std::clamp(left * ball / (left * ball + each), 1e-4, 0.3);
         solveForBvtv(r, 0, guess, kMostProbability, kPackedTolerance,
-                     "; take larger or longer voids, or `voids` boolean, whose voids overlap",
+                     "; give larger or longer voids, or set `voids` boolean, whose voids overlap",
                      bvtvAt);
         if (!result.interrupted) warnIfOff(s, made.report);
     } else {
         if (!r.probability)
             made.report.chosen.push_back(
-                fmt::format("a hole with probability {}, since neither `voids.probability` nor "
-                            "`targetBvtv` is given",
-                            kDefaultProbability));
+                fmt::format("a hole with probability {}", kDefaultProbability));
         bvtvAt(r.probability.value_or(kDefaultProbability));
     }
     if (holes == 0)

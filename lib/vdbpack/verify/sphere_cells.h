@@ -1,6 +1,6 @@
 // Private to verify: spheres in cells, one grid for each class of sizes, and their overlaps.
 //
-// Written apart from core/cell_levels.h, which the packer uses: a fault there must not hide itself.
+// Independent of core/cell_levels.h, which the packer uses: an error there must not hide itself.
 #pragma once
 
 #include "vdbpack/core/sphere.h"

@@ -1,4 +1,4 @@
-// What a pack can be proven to be: free of overlap, inside its wall, of the sizes asked for.
+// Checks of a pack: no overlap, inside its wall, requested sizes.
 //
 // Shares no code with the packer, with densify, nor with the domains' distances: of other folders
 // it includes plain values (vectors, boxes, spheres, meshes) alone.
@@ -25,13 +25,13 @@ struct VerifyResult {
     std::uint64_t hash = 0;
     OverlapCheck overlap;
     std::optional<ProtrusionCheck> protrusion;  ///< absent: no domain was given
-    std::optional<double> ks;                   ///< absent: no sizes were asked for
+    std::optional<double> ks;                   ///< absent: no sizes were requested
     double ksLimit = 1;                         ///< largest `ks` that passes
 
     bool passed() const;
 };
 
-/// Fills in all that needs no domain and no size distribution.
+/// The checks that need no domain and no size distribution.
 /// @throws InputError as `checkOverlap`.
 template <int Dim>
 VerifyResult verifyPack(const Pack<Dim>& pack);
@@ -46,7 +46,7 @@ VerifyResult verifyPack(const Pack<Dim>& pack, const WallShape<Dim>& wall);
 template <int Dim>
 nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack);
 
-/// For people: one line a check, then the worst pairs and spheres by id. Ends with a newline.
+/// As text: one line per check, then the worst pairs and spheres by id. Ends with a newline.
 template <int Dim>
 std::string describe(const VerifyResult& result, const Pack<Dim>& pack);
 

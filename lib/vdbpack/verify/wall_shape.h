@@ -13,7 +13,7 @@ namespace vdbpack {
 template <int Dim>
 double innerDistance(const std::vector<HalfSpace<Dim>>& clips, const Vec<Dim>& x);
 
-/// A wall given by numbers; kept apart from `Domain`, which it checks.
+/// A wall given by numbers; independent of `Domain`, which it checks.
 template <int Dim>
 struct WallShape {
     enum class Kind { box, ball, cylinder };

@@ -1,6 +1,6 @@
 // Private to verify: which side of a wall made of triangles (2D: segments) a point is on.
 //
-// Written apart from the domain's inside tests on purpose: one checks the other.
+// Independent of the domain's inside tests on purpose: one checks the other.
 #pragma once
 
 #include "vdbpack/core/box.h"

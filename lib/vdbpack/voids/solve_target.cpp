@@ -41,7 +41,7 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
             low = x;
             atLow = f;
         } else {
-            if (x <= lo) outOfReach(r, "highest", f, "; ask for a lower one");
+            if (x <= lo) outOfReach(r, "highest", f, "; give a lower one");
             high = x;
             atHigh = f;
         }

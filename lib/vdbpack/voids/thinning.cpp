@@ -42,7 +42,7 @@ RadiusRange rangeOf(const std::vector<Sphere<Dim>>& spheres,
 
 /// Centers in cubic cells, to find the spheres near a point.
 ///
-/// Unlike other cell grids it visits spheres by cell, then by index, whatever their radii: the
+/// Unlike other cell grids it visits spheres by cell, then by index, for any radii: the
 /// order in which spheres are removed determines which are drawn next.
 template <int Dim>
 class CenterCells {

@@ -41,9 +41,7 @@ std::string voidRadiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* 
                                          kDefaultHole[1] * s.largestRadius);
     if (chosen)
         chosen->push_back(
-            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere, since "
-                        "`voids.radius` is not given",
-                        spec));
+            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", spec));
     return spec;
 }
 
@@ -57,15 +55,13 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
                              : Dim == 3                            ? kPaperCone
                                                                    : kPaperTilt;
         if (chosen && !ball)
-            chosen->push_back(
-                fmt::format("void directions {}, since none are given", orientation.angles));
+            chosen->push_back(fmt::format("void directions {}", orientation.angles));
     }
     std::string aspect = s.recipe.aspect;
     if (ball) aspect = "constant:1";
     if (aspect.empty()) {
         aspect = "constant:2";
-        if (chosen)
-            chosen->push_back("voids twice as long as wide, since `voids.aspect` is not given");
+        if (chosen) chosen->push_back("voids twice as long as wide");
     }
     return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim),
             SizeDistribution::parse(aspect, Dim),

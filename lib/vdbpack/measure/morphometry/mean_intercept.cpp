@@ -55,7 +55,7 @@ std::vector<Vec<3>> halfSphereDirections(int count) {
 std::vector<double> crossingRates(const SurfaceDistance& surface,
                                   const std::vector<Vec<3>>& directions) {
     const std::vector<SurfacePoint>& points = surface.points;
-    // Sums of fixed runs of points, added in order: the same for any number of threads.
+    // Sums over fixed ranges of points, added in order: the same for any number of threads.
     constexpr std::size_t kRun = 16384;
     const std::size_t n = directions.size();
     std::vector<float> ux(n), uy(n), uz(n);
@@ -86,7 +86,7 @@ std::vector<double> crossingRates(const SurfaceDistance& surface,
 
 std::vector<double> voxelCrossingRates(const VoxelImage& image,
                                        const std::vector<Vec<3>>& directions) {
-    // Two samples between lines: as close as lines need be to meet each void many times.
+    // Distance of lines: close enough that many lines cross each void.
     constexpr double kApart = 2 * kVoxelStep;
     Vec<3> middle;
     double reach = 0;
@@ -106,7 +106,7 @@ std::vector<double> voxelCrossingRates(const VoxelImage& image,
         for (double a = -reach; a <= reach; a += kApart)
             for (double b = -reach; b <= reach; b += kApart) {
                 const Vec<3> on = middle + e * a + g * b;
-                // Where the line lies between the outermost voxel centers.
+                // The part of the line between the outermost voxel centers.
                 double from = -reach, to = reach;
                 for (int d = 0; d < 3; ++d) {
                     const double hi = 2 * middle[d];
@@ -156,7 +156,7 @@ std::optional<Anisotropy> fitAnisotropy(const std::vector<Vec<3>>& directions,
     for (std::size_t i = 0; i < directions.size(); ++i) {
         const Vec<3>& u = directions[i];
         const double q = rates[i] * rates[i] / (largest * largest);
-        // Along plates lines meet nothing, and their relative error has no meaning.
+        // Lines along plates cross nothing, and their relative error is meaningless.
         const double weight = 1 / std::max(q, 1e-4);
         const std::array<double, 7> row{u[0] * u[0],
                                         u[1] * u[1],

@@ -14,13 +14,13 @@
 
 namespace vdbpack {
 
-/// Of the local thickness over the voxels of a phase, mm.
+/// Statistics of the local thickness over the voxels of a phase, mm.
 struct LengthStatistics {
     double mean = 0, sd = 0, max = 0;
 };
 
 /// From the mean intercept length MIL(u): the length of all lines along u through the total volume
-/// by the number of times they enter or leave the solid, and the ellipsoid u' M u = 1 / MIL(u)^2.
+/// divided by the number of times they cross its surface, and the ellipsoid u' M u = 1 / MIL(u)^2.
 struct Anisotropy {
     double degree = 0;  ///< DA, 1 - (shortest MIL / longest)^2: 0 isotropic to 1 (BoneJ's)
     /// DA as longest MIL / shortest, from 1 (CTAn's and Scanco's); absent: infinite
@@ -55,14 +55,14 @@ struct Morphometry {
     /// Tb.N, 1/mm: (BV/TV) / Tb.Th, the plates of thickness Tb.Th that a line across them would
     /// meet (parallel plate model with the directly measured thickness).
     std::optional<double> number;
-    double eulerNumber = 0;  ///< of the solid in the total volume as if it floated in space
+    double eulerNumber = 0;  ///< of the solid in the total volume as an isolated body
     /// Its share in the Euler number of the solid it was cut from, by the faces of the image.
     double deltaEuler = 0;
     double connectivity = 0;               ///< 1 - `deltaEuler`; meaningful for one connected solid
     double connectivityDensity = 0;        ///< Conn.D, `connectivity` / TV, 1/mm³
     std::optional<Anisotropy> anisotropy;  ///< absent: no surface in the total volume
-    /// The same counted by lines from voxel to voxel, 2.3 voxels a step, as BoneJ does: lower,
-    /// since the steps of voxels are counted along with the walls. For comparison with its figures.
+    /// The same counted by lines from voxel to voxel in steps of 2.3 voxels, as in BoneJ: lower,
+    /// since voxel steps of walls are counted, too. For comparison with values of BoneJ.
     std::optional<Anisotropy> voxelAnisotropy;
     std::vector<RegionMorphometry> regions;  ///< by label; empty for an image without labels
 };
@@ -72,32 +72,32 @@ struct Morphometry {
 /// Volumes count voxels. The surface, the thicknesses and the intercepts use the distances: the
 /// solid ends where they vanish between two voxel centers. Thickness and separation are mean local
 /// thicknesses, with balls limited by the surface alone: like the faces of BoneJ's stack, neither
-/// the faces of the image nor the rim of the total volume stop a ball, but its center is in the
-/// image. Walls that a face of the image cuts can read too thin or too thick for that, which made
-/// up to 14 % of the mean in images eight walls wide; a margin of one wall with label 0 avoids it.
-/// With it, slabs 8 voxels wide come out within 0.1 % and rods within 2 % (16 voxels: 0.5 %)
-/// however they lie.
+/// the faces of the image nor the border of the total volume stop a ball, but its center is in the
+/// image. The thickness of walls cut by a face of the image can therefore be wrong, which changed
+/// the mean by up to 14 % in images eight walls wide; a margin of one wall with label 0 avoids
+/// this. With it, slabs 8 voxels wide are measured within 0.1 % and rods within 2 % (16 voxels: 0.5
+/// %) in any orientation.
 ///
-/// BoneJ's own figures lie beside these by its voxels. It measures from a voxel center to the
+/// The values of BoneJ differ by effects of voxels. It measures from a voxel center to the
 /// nearest center of the other phase (not to the face between), and centers balls on voxels: a
 /// slab of n voxels gets n if n is even and n + 1 if odd. From 30 voxels on, the two agree within
-/// 1 %. Its lines from voxel to voxel also cross the steps of the staircase, so that its DA is
+/// 1 %. Its lines from voxel to voxel also cross the voxel steps of walls, so that its DA is
 /// lower, by 0.04 at a DA of 0.5 and steps of 2.3 voxels, at any resolution.
 ///
 /// Tensor: 500 directions on a spherical Fibonacci lattice; crossings are the areas of the surface
-/// projected along each (what infinitely many lines would count), so there is no chance in it.
+/// projected along each (the limit of infinitely many lines), without random error.
 ///
 /// @throws ParameterError if the arrays do not fit the size or the voxel size is not positive;
 /// InputError for a distance that is not finite, or labels that leave no total volume;
-/// ResourceError if there are more than 4e9 places on the surface.
-/// The same for any number of threads. Cost: 0.5 microseconds a voxel on two threads
-/// and 25 bytes a voxel at the most, the image included; 90 bytes for pure noise.
+/// ResourceError if there are more than 4e9 surface points.
+/// The same for any number of threads. Cost: 0.5 microseconds per voxel on two threads
+/// and at most 25 bytes per voxel, including the image; 90 bytes for pure noise.
 Morphometry measureMorphometry(const VoxelImage& image);
 
 /// Keys in the field's symbols (BV/TV, Tb.Th, ...); null where there is no value.
 nlohmann::ordered_json toJson(const Morphometry& morphometry);
 
-/// For people: lines of at most 80 columns, ending with a newline.
+/// As text: lines of at most 80 columns, ending with a newline.
 std::string summary(const Morphometry& morphometry);
 
 }  // namespace vdbpack

@@ -141,7 +141,7 @@ bool Ridge::isOnRidge(const Voxel& x, std::size_t voxel, float side, float& way)
            !(at(place, there, side).distance >= own.distance + (1 - kSlack) * way);
 }
 
-/// The surface points nearest to the voxels around one, but for its own `first`: they may stop a
+/// The surface points nearest to the voxels around one, except its own `first`: they may stop a
 /// ball that moves away from that.
 Ridge::Walls Ridge::wallsAround(const Voxel& x, std::uint32_t first) const {
     Walls walls;

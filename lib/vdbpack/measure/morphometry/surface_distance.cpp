@@ -79,8 +79,8 @@ public:
         return image_.label.empty() || image_.label[voxel] != 0;
     }
 
-    /// Twice the edges along each axis that belong to the voxels of the total volume in a slice,
-    /// half of an edge to each of its voxels.
+    /// Twice the number of edges along each axis in the total volume of a slice, where each of its
+    /// voxels counts half of an edge.
     std::array<std::size_t, 3> extent(std::size_t z) const {
         const auto& n = lattice_.size;
         std::array<std::size_t, 3> count{};
@@ -95,9 +95,8 @@ public:
     }
 
 private:
-    /// Where the distance vanishes between a voxel and the next one along an axis, as a share of
-    /// the way: a bent surface lies off the straight interpolation by up to an eighth of its
-    /// curvature.
+    /// Position between a voxel (0) and the next one along an axis (1) where the distance vanishes.
+    /// Curvature is corrected for: linear interpolation alone is wrong by up to an eighth of it.
     float root(std::size_t voxel, std::size_t at, std::size_t axis) const {
         const float* d = image_.distance.data() + voxel;
         const std::size_t step = lattice_.stride[axis];
@@ -110,7 +109,7 @@ private:
         return std::clamp(t + std::clamp(shift, -0.25f, 0.25f), 0.0f, 1.0f);
     }
 
-    /// Difference of the distances across a voxel along one axis; one-sided at the rim.
+    /// Central difference of the distances at a voxel along one axis; one-sided at the border.
     double slope(std::size_t voxel, std::size_t at, std::size_t axis) const {
         const float* d = image_.distance.data();
         const std::size_t step = lattice_.stride[axis];
@@ -124,13 +123,14 @@ private:
     Lattice lattice_;
 };
 
-/// One line of squared distances and the points they belong to, made ready for the next pass.
+/// One line of squared distances and the points they belong to.
 class Line {
 public:
     explicit Line(std::size_t n)
         : square(n), index(n), vertex_(n), from_(n), out_(n), outIndex_(n) {}
 
-    /// `index[i]` names the point between places i and i + 1 of the line: the nearest for each.
+    /// On entry, `index[i]` is the point between positions i and i + 1; on return, the point
+    /// nearest to position i.
     void nearestOnLine(const std::vector<SurfacePoint>& points, std::size_t axis) {
         const std::size_t n = index.size();
         std::fill(square.begin(), square.end(), kFar);
@@ -163,7 +163,7 @@ public:
         index.swap(outIndex_);
     }
 
-    /// The lowest of the parabolas that stand at the places of the line.
+    /// The lower envelope of the parabolas with vertices at the positions of the line.
     void envelope() {
         const std::size_t n = index.size();
         std::size_t count = 0;
@@ -205,13 +205,13 @@ private:
     std::vector<std::uint32_t> outIndex_;
 };
 
-/// Runs `work(line, voxels of the line)` over all lines along `axis`, sixteen at a time: their
-/// values share the cache lines that a stride would otherwise fetch one by one.
+/// Runs `work(line)` for all lines along `axis`, between `load` and `store` of its voxels. Sixteen
+/// neighboring lines are processed together, since their values share cache lines.
 template <class Load, class Work, class Store>
 void forEachLine(const Lattice& lattice, std::size_t axis, const Load& load, const Work& work,
                  const Store& store) {
     constexpr std::size_t kTogether = 16;
-    const std::size_t across = axis == 2 ? 1 : 2;  // slices of lines: the axis walked outermost
+    const std::size_t across = axis == 2 ? 1 : 2;  // the axis of the outer loop
     const std::size_t inner = axis == 0 ? 1 : 0;   // neighbors in memory, for axes 1 and 2
     const std::size_t n = lattice.size[axis];
     tbb::parallel_for(
@@ -244,7 +244,7 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     const std::size_t slices = lattice.size[2];
     SurfaceDistance result;
 
-    // How many points each slice has, axis by axis, and how much of the total volume.
+    // Number of points of each slice, axis by axis, and edges in the total volume.
     std::array<std::vector<std::size_t>, 3> start;
     for (auto& s : start) s.assign(slices + 1, 0);
     std::vector<std::array<std::size_t, 3>> extents(slices);
@@ -265,8 +265,8 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     if (total == 0) return result;
     if (total >= kNone)
         throw ResourceError(fmt::format(
-            "the image has {} places where the solid begins or ends, more than 4e9; take larger "
-            "voxels or measure it in parts",
+            "the surface crosses {} edges between voxels, more than 4e9; take larger voxels, or "
+            "measure the image in parts",
             total));
     result.points.resize(total);
 

@@ -1,4 +1,4 @@
-// Private to measure: where the surface of a voxel image lies, and which point of it is nearest.
+// Private to measure: points on the surface of a voxel image, and the nearest one of each voxel.
 #pragma once
 
 #include "vdbpack/field/voxel_image.h"
@@ -11,18 +11,19 @@
 
 namespace vdbpack {
 
-/// A place in units of the voxel size about the center of voxel (0, 0, 0), or a direction.
+/// A position in voxels relative to the center of voxel (0, 0, 0), or a direction.
 using Place = std::array<float, 3>;
 
 inline float dot(const Place& a, const Place& b) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/// Where an edge between the centers of two neighboring voxels leaves the solid.
+/// The point where an edge between the centers of two neighboring voxels leaves the solid.
 struct SurfacePoint {
     Place at;
-    Place normal;  ///< unit, out of the solid
-    /// Surface that the point stands for, voxel faces; 0 if its solid is not in the total volume.
+    Place normal;  ///< unit, pointing out of the solid
+    /// Area that the point represents, in voxel faces; 0 if its solid voxel is not in the total
+    /// volume.
     float area = 0;
     std::uint32_t axis = 0;  ///< of the edge
 };
@@ -30,40 +31,44 @@ struct SurfacePoint {
 /// All surface points of an image, and the nearest one of each voxel.
 struct SurfaceDistance {
     std::vector<SurfacePoint> points;
-    std::vector<std::uint32_t> nearest;  ///< one a voxel; empty if there is no surface
-    std::array<double, 3> edges{};       ///< along each axis, of the total volume: half to a voxel
+    std::vector<std::uint32_t> nearest;  ///< one per voxel; empty if there is no surface
+    /// Number of edges along each axis in the total volume; each of its voxels counts half an edge
+    /// on either side.
+    std::array<double, 3> edges{};
 };
 
-/// The surface where the distances between voxels of opposite sign vanish (a parabola through
-/// four of them), its normals by differences, and the exact Euclidean feature transform of the
+/// The surface points between voxels of opposite sign, where a parabola through four distances
+/// vanishes; their normals by finite differences; and the exact Euclidean feature transform of the
 /// points.
 ///
-/// A surface element of normal n is met by |n_x| + |n_y| + |n_z| edges a voxel face of it, hence
-/// the area of a point.
+/// A surface element with normal n and the area of one voxel face is crossed by
+/// |n_x| + |n_y| + |n_z| edges, from which the area of a point follows.
 ///
-/// Points on edges along one axis share their lines: a pass along that axis finds the nearest
-/// point on each line between lattice places, lower envelopes of parabolas along the two others do
-/// the rest (Felzenszwalb, Huttenlocher 2012, doi:10.4086/toc.2012.v008a019); the nearest of the
-/// three axes wins. The same for any number of threads.
+/// The nearest point is found for the points on edges along each axis separately: a pass along that
+/// axis finds the nearest point on each line, and lower envelopes of parabolas along the two other
+/// axes complete the search (Felzenszwalb, Huttenlocher 2012, doi:10.4086/toc.2012.v008a019). The
+/// nearest of the three results is kept. The same for any number of threads.
 /// @throws ResourceError above 2^32 - 2 points.
 SurfaceDistance surfaceDistance(const VoxelImage& image);
 
-/// Second difference of the distances a, b of two neighbors from those before and after them on
-/// their line. Beyond a radius of curvature of two voxels it is an edge or the next wall.
+/// Mean of the second differences at two neighbors with distances a and b, from the
+/// distances before and after them on their line. Bounded: a larger value than that of a radius of
+/// curvature of two voxels comes from an edge of the surface or from the next wall.
 inline float boundedBend(float before, float a, float b, float after, float voxelSize) {
     const float bend = 0.5f * (before - a - b + after);
     return std::min(std::max(bend, -0.5f * voxelSize), 0.5f * voxelSize);
 }
 
-/// How far a place is from the surface around a surface point, and which way leads off.
+/// Distance of a position from the surface around a surface point, and the direction away from it.
 struct Clearance {
     float distance = 0;  ///< voxels
     Place direction{};   ///< unit
-    bool flat = false;   ///< by the tangent plane of the point; else by the point itself
+    bool flat = false;   ///< from the tangent plane of the point; otherwise from the point itself
 };
 
-/// The surface is taken to be flat up to half a voxel's diagonal around each point, as far as the
-/// nearest one can be off; beyond that lies an edge or another wall, and the point itself counts.
+/// The surface counts as flat within half a voxel diagonal of each point, since the true nearest
+/// point can be as far from it. Farther away there is an edge or another wall, and the distance to
+/// the point itself is returned.
 inline Clearance clearance(const Place& x, const SurfacePoint& point, float side) {
     constexpr float kFlat = 0.87f;
     const Place w{x[0] - point.at[0], x[1] - point.at[1], x[2] - point.at[2]};

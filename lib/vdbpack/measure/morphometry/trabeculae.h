@@ -1,4 +1,4 @@
-// Thickness of what voids leave of a bone.
+// Thickness of the solid that remains between voids.
 #pragma once
 
 #include "vdbpack/domain/domain.h"
@@ -11,9 +11,9 @@ class VdbGrid;
 
 /// Tb.Th, mm: mean local thickness of a solid level set over the part of a domain that lies in a
 /// box and deeper than a shell, as `measureMorphometry` defines it.
-/// @param box    mm; what lies beyond it bounds the balls where the domain goes on there.
+/// @param box    mm; where the domain continues beyond it, the surface there bounds the balls, too.
 /// @param shell  mm; 0: all of the domain.
-/// @return nothing where no solid lies there. @throws as `sampleLevelSet`.
+/// @return nothing if there is no solid in it. @throws as `sampleLevelSet`.
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,
                                           const Domain<3>& domain, double shell);
 

@@ -1,4 +1,4 @@
-// What one block leaves to the blocks after it: its spheres, and sites on them.
+// The spheres of a block, and the sites on them that later blocks take over.
 #pragma once
 
 #include "vdbpack/core/sphere.h"

@@ -102,7 +102,7 @@ public:
         static constexpr float kFar = 1e18f;
     };
 
-    /// The spheres that `near` finds, but for sphere `except`.
+    /// The spheres that `near` finds, without sphere `except`.
     void collect(const Vec<Dim>& x, double reach, std::uint32_t except, Around& around) const {
         around.count = 0;
         forEachChunk(x, reach, [&](const Chunk& c, const std::array<Float8, Dim>& to, Int8 inside) {

@@ -140,7 +140,7 @@ VDBPACK_INLINE N firstHit(const Track<float, Dim>& track, const std::array<N, Di
                           const N& level, const N& slope, float tolerance, float most) {
     // Off the body while u(t) - g sqrt(extent(t)) >= 0 with u linear: a hit is a root of
     // u² - g² extent where u and g have one sign; of the two roots, the slopes tell which one
-    // leads into the body. Bodies that the track rests on have u = g = 0 but for rounding.
+    // leads into the body. Bodies that the track rests on have u = g = 0, within rounding.
     const N alongA = along(track.a, to);
     N u0 = level - track.alpha0 * alongA, u1 = slope - track.alpha1 * alongA;
     if constexpr (Dim == 3) {
