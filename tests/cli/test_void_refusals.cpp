@@ -101,8 +101,7 @@ TEST_CASE_METHOD(RefusedVoids, "numbers of voids out of range are refused", "[ru
             parameter, "boolean", [&](R& r) { r.voids.targetBvtv = f; }, "`targetBvtv`");
     for (const char* angles : {"tz=nan", "tz=uniform:0,inf", "tx=a"})
         refuse(
-            parameter, "boolean", [&](R& r) { r.voids.orientation.angles = angles; },
-            "`orientation.angles`");
+            parameter, "boolean", [&](R& r) { r.voids.orientation.angles = angles; }, "angle '");
     refuse(
         parameter, "boolean", [](R& r) { r.voids.orientation.angles = "phi=1"; }, "'phi=1'");
     refuse(
@@ -201,7 +200,7 @@ TEST_CASE_METHOD(RefusedVoids, "settings without effect on the method are refuse
     refuse(
         parameter, "threshold", [](R& r) { r.voids.voxelSize = 0.1; }, "`voids.voxelSize`");
     refuse(
-        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`targetBvtv`");
+        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`voids`");
 }
 
 TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are refused",

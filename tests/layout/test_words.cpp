@@ -30,8 +30,6 @@ const std::vector<std::string> kWords{
     "ever",
     "comes? "
     "apart",
-    "made "
-    "anew",
     "what "
     "stands",
     "judge?m"

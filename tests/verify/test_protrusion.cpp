@@ -211,7 +211,7 @@ TEST_CASE("unusable meshes are refused", "[measure]") {
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.triangles[3][1] = 8;
     REQUIRE_THROWS_WITH(checkProtrusion({}, mesh),
-                        Catch::Contains("triangle 3") && Contains("vertex 8"));
+                        Catch::Contains("triangle 3") && Catch::Contains("vertex 8"));
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
     mesh.vertices[2][1] = std::numeric_limits<double>::quiet_NaN();
     REQUIRE_THROWS_AS(checkProtrusion({}, mesh), InputError);
