@@ -6,6 +6,7 @@
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/voids/void_list.h"
@@ -51,13 +52,6 @@ struct Target {
     std::string grid;
 };
 
-bool endsWith(const std::string& file, const std::string& end) {
-    if (file.size() <= end.size()) return false;
-    return std::equal(end.rbegin(), end.rend(), file.rbegin(), [](char a, char b) {
-        return a == b || (b >= 'A' && b <= 'Z' && a == b + 32);
-    });
-}
-
 /// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
 /// question.
 Target targetOf(const std::string& output) {
@@ -67,12 +61,12 @@ Target targetOf(const std::string& output) {
         if (file.empty())
             throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
                                  (p.extension ? p.extension : ".csv"));
-        if (p.extension && !endsWith(file, p.extension))
+        if (p.extension && extensionOf(file) != p.extension)
             throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
                                              p.extension, p.text, p.extension));
         return {p.kind, file, p.grid};
     }
-    if (endsWith(output, ".stl")) return {OutputKind::contour, output, ""};
+    if (extensionOf(output) == ".stl") return {OutputKind::contour, output, ""};
     return {OutputKind::pack, packPath(output), ""};
 }
 
@@ -80,7 +74,7 @@ Target targetOf(const std::string& output) {
 std::string volumeAmong(const std::vector<std::string>& outputs) {
     for (const auto& output : outputs) {
         const Target target = targetOf(output);
-        if (target.kind == OutputKind::pack && endsWith(target.file, ".vdb") &&
+        if (target.kind == OutputKind::pack && extensionOf(target.file) == ".vdb" &&
             output.rfind("points:", 0) != 0)
             return target.file;
     }
@@ -157,7 +151,7 @@ bool isSolidOutput(const std::string& output) {
         case OutputKind::fog:
             return true;
         case OutputKind::pack:
-            return target.file == output && endsWith(output, ".vdb");
+            return target.file == output && extensionOf(output) == ".vdb";
         default:
             return false;
     }
@@ -334,7 +328,7 @@ namespace {
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.
 template <int Dim>
 void warnOfIds(const Target& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || !endsWith(target.file, ".ply")) return;
+    if (target.kind != OutputKind::pack || extensionOf(target.file) != ".ply") return;
     const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
         return id < std::numeric_limits<std::int32_t>::min() ||
                id > std::numeric_limits<std::int32_t>::max();

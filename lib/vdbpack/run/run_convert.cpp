@@ -1,6 +1,7 @@
 #include "vdbpack/run/run_convert.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
@@ -20,21 +21,16 @@ namespace {
 
 constexpr double kVoxelsAcross = 256;  // of a mesh whose voxels nobody has chosen
 
-bool endsWith(const std::string& text, const std::string& end) {
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 /// The pack, or nothing where the file is a solid.
 std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& callbacks) {
     for (const char* mesh : {".stl", ".obj", ".off"})
-        if (endsWith(recipe.pack, mesh)) return std::nullopt;
+        if (extensionOf(recipe.pack) == mesh) return std::nullopt;
     try {
         return readInputPack(recipe, callbacks);
     } catch (const InputError&) {
-        if (endsWith(recipe.pack, ".ply")) return std::nullopt;  // without radii: a mesh
+        if (extensionOf(recipe.pack) == ".ply") return std::nullopt;  // without radii: a mesh
         // Without points it may be a level set; if it is neither, the first message is the better.
-        if (!endsWith(recipe.pack, ".vdb") || !holdsLevelSet(recipe.pack)) throw;
+        if (extensionOf(recipe.pack) != ".vdb" || !holdsLevelSet(recipe.pack)) throw;
         return std::nullopt;
     }
 }
@@ -45,7 +41,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
     for (const std::string& output : recipe.outputs)
         if (recipe.domain.source.empty() && isSolidOutput(output) &&
-            (filePart(output) != output || endsWith(output, ".stl")))
+            (filePart(output) != output || extensionOf(output) == ".stl"))
             throw ParameterError(output +
                                  ": spheres alone have no surface; set their `domain`, or name "
                                  "a level set of a .vdb with `packGrid`");
@@ -107,7 +103,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     RunOutputs<3> have;
     have.options.unit = recipe.outUnit;
     have.options.generator = generator;
-    const bool isMesh = !endsWith(recipe.pack, ".vdb");
+    const bool isMesh = extensionOf(recipe.pack) != ".vdb";
     std::optional<TriangleMesh> mesh;
     result.kind = isMesh ? "mesh" : "level set";
     if (isMesh) {
@@ -139,7 +135,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     for (const std::string& output : recipe.outputs) {
         callbacks.report("write", 0, 0);
         // A mesh needs no detour over voxels.
-        if (isMesh && (endsWith(output, ".stl") || endsWith(output, ".STL"))) {
+        if (isMesh && extensionOf(output) == ".stl") {
             writeStl(*mesh, filePart(output), recipe.outUnit, generator);
             result.files.push_back(filePart(output));
             continue;

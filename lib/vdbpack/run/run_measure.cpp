@@ -2,6 +2,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/field/voxel_image.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 
@@ -18,27 +19,23 @@ namespace {
 /// An image narrower than this is warned about.
 constexpr std::int64_t kFewVoxels = 16;
 
-bool endsWith(const std::string& text, const std::string& end) {
-    return text.size() >= end.size() &&
-           text.compare(text.size() - end.size(), end.size(), end) == 0;
-}
-
 bool isMesh(const std::string& file) {
-    return endsWith(file, ".stl") || endsWith(file, ".obj") || endsWith(file, ".off");
+    return extensionOf(file) == ".stl" || extensionOf(file) == ".obj" ||
+           extensionOf(file) == ".off";
 }
 
 /// Whether a file is measured as a solid; `pack` is set to what was read if not.
 bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack,
              const Callbacks& callbacks) {
     if (isMesh(recipe.pack)) return true;
-    const bool vdb = endsWith(recipe.pack, ".vdb");
-    if (vdb && !recipe.domain.gridName.empty() && !endsWith(recipe.domain.source, ".vdb"))
+    const bool vdb = extensionOf(recipe.pack) == ".vdb";
+    if (vdb && !recipe.domain.gridName.empty() && extensionOf(recipe.domain.source) != ".vdb")
         return true;
     try {
         pack = readInputPack(recipe, callbacks);
         return false;
     } catch (const InputError&) {
-        if (endsWith(recipe.pack, ".ply")) return true;  // without radii: a mesh
+        if (extensionOf(recipe.pack) == ".ply") return true;  // without radii: a mesh
         // Without points it may be a level set; if it is neither, the first message is the better.
         if (!vdb || !recipe.packGrid.empty() || !holdsLevelSet(recipe.pack)) throw;
         return true;
@@ -69,7 +66,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
-    const bool mesh = !endsWith(recipe.pack, ".vdb");
+    const bool mesh = extensionOf(recipe.pack) != ".vdb";
     if (mesh) {
         DomainRecipe solid;
         solid.source = recipe.pack;
@@ -91,7 +88,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     if (!recipe.domain.source.empty()) {
         DomainRecipe total = recipe.domain;
         total.voxelSize = 0;
-        if (mesh || !endsWith(total.source, ".vdb")) total.gridName.clear();
+        if (mesh || extensionOf(total.source) != ".vdb") total.gridName.clear();
         source.emplace(total, callbacks);
         if (source->dim() != 3)
             throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
