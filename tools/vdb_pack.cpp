@@ -134,13 +134,13 @@ int judged(const RunResult& run) {
 }
 
 int dryRun(const PackJob& job, const PrintOptions& how, const Callbacks& callbacks) {
-    const DryRun forecast = dryRunPack(job, callbacks);
+    const DryRun expected = dryRunPack(job, callbacks);
     if (interrupted) return kInterrupted;
     PrintOptions always = how;
     always.quiet = false;
-    print(forecast, always);
+    print(expected, always);
     std::fflush(stdout);
-    requireResources(forecast.estimate, memoryLimit(job.memoryLimit));
+    requireResources(expected.estimate, job.memoryLimit);
     return kDone;
 }
 

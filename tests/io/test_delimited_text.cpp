@@ -10,6 +10,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack::test {
@@ -122,6 +123,29 @@ TEST_CASE("texts are cut, compared and quoted without a locale", "[io]") {
     std::string text;
     for (const std::uint32_t c : {0x41u, 0xe9u, 0x20acu, 0x1f9b4u}) appendUtf8(text, c);
     CHECK(text == "A\xC3\xA9\xE2\x82\xAC\xF0\x9F\xA6\xB4");
+}
+
+TEST_CASE("sizes of memory are read as people write them", "[numbers]") {
+    const std::pair<const char*, double> sizes[] = {{"65536", 65536},
+                                                    {"8G", 8.0 * (1ull << 30)},
+                                                    {"8g", 8.0 * (1ull << 30)},
+                                                    {"500M", 500.0 * (1 << 20)},
+                                                    {"500MB", 5e8},
+                                                    {"500 MB", 5e8},
+                                                    {"1.5GiB", 1.5 * (1 << 30)},
+                                                    {"2K", 2048},
+                                                    {"1e3", 1000},
+                                                    {"3T", 3.0 * (1ull << 40)},
+                                                    {"7B", 7}};
+    for (const auto& [text, bytes] : sizes) {
+        CAPTURE(text);
+        CHECK(parseBytes(text).value_or(0) == bytes);
+    }
+    for (const char* bad : {"", "0", "-1G", "nan", "inf", "G", "8X", "8GG", "8Gi", "8 G B", "1e400",
+                            "0.5", "8G,", "all"}) {
+        CAPTURE(bad);
+        CHECK_FALSE(parseBytes(bad).has_value());
+    }
 }
 
 }  // namespace

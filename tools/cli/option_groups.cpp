@@ -1,6 +1,7 @@
 #include "cli/option_groups.h"
 
-#include "vdbpack/core/memory.h"
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/run/recipe.h"
 
 #include <charconv>
@@ -164,7 +165,14 @@ void addMemoryLimit(CLI::App& command, double& bytes) {
     command
         .add_option_function<std::string>(
             "--memory-limit",
-            [&bytes](const std::string& text) { bytes = parseBytes(text, "--memory-limit"); },
+            [&bytes](const std::string& text) {
+                const auto size = parseBytes(text);
+                if (!size)
+                    throw ParameterError("--memory-limit '" + text +
+                                         "': not a size of memory. Write a positive number of "
+                                         "bytes, or one with a unit: 8G, 500M, 1.5GiB");
+                bytes = *size;
+            },
             "memory that the run may use: 8G, 500M, 1.5GiB. A run predicted to exceed it is "
             "refused, a run that exceeds it stops (exit code 5)")
         ->option_text("SIZE [free memory]")

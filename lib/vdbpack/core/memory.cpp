@@ -5,14 +5,12 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
-#include <charconv>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <limits>
 #include <memory>
@@ -26,127 +24,81 @@ namespace vdbpack {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-/// Seconds between two readings of the memory held; a reading takes some microseconds.
-constexpr double kInterval = 0.05;
+/// Between two readings of the memory held, each of which takes some 20 microseconds.
+constexpr auto kInterval = std::chrono::milliseconds(50);
 
-/// The first number of a file; infinite for "max" and where there is none.
-double numberIn(const std::string& path) {
-    std::ifstream file(path);
-    double value = kInfinite;
-    return file >> value ? value : kInfinite;
+/// The first number of a file, or the one after a word; infinite where there is none.
+double numberIn(const std::string& file, const std::string& after = {}) {
+    std::ifstream in(file);
+    std::string word;
+    while (word != after && in >> word) continue;
+    double value = 0;
+    return in >> value ? value : kInfinite;
+}
+
+/// An entry of the process's status, which is in KiB, as bytes.
+double statusOf(const std::string& entry) {
+    const double kibibytes = numberIn("/proc/self/status", entry);
+    return std::isfinite(kibibytes) ? 1024 * kibibytes : 0;
 }
 
 /// Bytes that the control groups leave, from that of the process up to the root.
 double leftByGroups() {
-    double left = kInfinite;
     std::ifstream groups("/proc/self/cgroup");
-    for (std::string line; std::getline(groups, line);) {
-        const auto first = line.find(':'), second = line.find(':', first + 1);
-        if (second == std::string::npos) continue;
-        const std::string kind = line.substr(first + 1, second - first - 1);
-        const bool unified = kind.empty();
-        if (!unified && kind != "memory") continue;
-        const std::string root = unified ? "/sys/fs/cgroup" : "/sys/fs/cgroup/memory";
-        const char* most = unified ? "/memory.max" : "/memory.limit_in_bytes";
-        const char* held = unified ? "/memory.current" : "/memory.usage_in_bytes";
-        std::string path = line.substr(second + 1);
-        for (;;) {
-            const double limit = numberIn(root + path + most);
-            // Version 1 writes "no limit" as a number beyond any machine.
-            if (limit < 1e18) {
-                const double now = numberIn(root + path + held);
-                left = std::min(left, std::max(0.0, limit - (std::isfinite(now) ? now : 0)));
-            }
-            if (path.empty() || path == "/") break;
-            path.erase(path.find_last_of('/'));
-        }
-    }
-    return left;
-}
-
-double leftByMachine() {
-    std::ifstream info("/proc/meminfo");
-    std::string key;
-    double value = 0;
-    for (std::string rest; info >> key >> value && std::getline(info, rest);)
-        if (key == "MemAvailable:") return value * 1024;
-    return kInfinite;
-}
-
-/// Entry `at` of /proc/self/statm in bytes: 0 all addresses, 1 held, 5 data.
-double pagesHeld(int at) {
-    std::ifstream file("/proc/self/statm");
-    double value = 0;
-    for (int i = 0; i <= at; ++i)
-        if (!(file >> value)) return 0;
-    return value * static_cast<double>(::sysconf(_SC_PAGESIZE));
-}
-
-double leftByLimits() {
+    std::string path;
+    std::getline(groups, path);
+    if (path.rfind("0::", 0) != 0) return kInfinite;  // not version 2
+    path.erase(0, 3);
     double left = kInfinite;
-    for (const auto& [what, entry] : {std::pair{RLIMIT_AS, 0}, std::pair{RLIMIT_DATA, 5}}) {
-        rlimit limit{};
-        if (::getrlimit(what, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY)
-            left = std::min(left,
-                            std::max(0.0, static_cast<double>(limit.rlim_cur) - pagesHeld(entry)));
+    for (;;) {
+        const std::string group = "/sys/fs/cgroup" + path;
+        const double held = numberIn(group + "/memory.current");
+        // The system gives up cached pages of files when memory runs short.
+        const double cached = std::min(held, numberIn(group + "/memory.stat", "inactive_file"));
+        const double limit = numberIn(group + "/memory.max");
+        if (std::isfinite(limit)) left = std::min(left, std::max(0.0, limit - (held - cached)));
+        if (path.empty()) return left;
+        path.erase(path.find_last_of('/'));
     }
-    return left;
+}
+
+double leftByLimit() {
+    rlimit limit{};
+    if (::getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return kInfinite;
+    return std::max(0.0, static_cast<double>(limit.rlim_cur) - statusOf("VmSize:"));
 }
 
 }  // namespace
-
-double parseBytes(const std::string& text, const std::string& option) {
-    const auto fail = [&] {
-        throw ParameterError(fmt::format(
-            "{} '{}': not a size of memory. Write a positive number of bytes, or one with a unit: "
-            "8G, 500M, 1.5GiB",
-            option, text));
-    };
-    double value = 0;
-    const char* const end = text.data() + text.size();
-    auto [at, failed] = std::from_chars(text.data(), end, value);
-    if (failed != std::errc()) fail();
-    while (at != end && *at == ' ') ++at;
-    std::string unit(at, end);
-    for (char& c : unit) c = static_cast<char>(c >= 'a' && c <= 'z' ? c - 32 : c);
-    if (!unit.empty() && unit != "B") {
-        const auto power = std::string("KMGT").find(unit.front());
-        const std::string rest = unit.substr(1);
-        if (power == std::string::npos || (!rest.empty() && rest != "B" && rest != "IB")) fail();
-        value *= std::pow(rest == "B" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
-    }
-    if (!(value >= 1) || !std::isfinite(value)) fail();
-    return value;
-}
 
 std::string bytesText(double bytes) {
     const char* const units[] = {"KiB", "MiB", "GiB", "TiB"};
     std::size_t u = 0;
     double value = bytes / 1024;
-    for (; u < 3 && value >= 1000; ++u) value /= 1024;
-    return fmt::format(value < 10 && u > 0 ? "{:.1f} {}"
-                       : value < 1e6       ? "{:.0f} {}"
-                                           : "{:.3g} {}",
-                       value, units[u]);
+    for (; u < 3 && value >= 999.5; ++u) value /= 1024;
+    return fmt::format("{:.3g} {}", value, units[u]);
 }
 
 double availableMemory() {
-    return std::min({leftByMachine(), leftByGroups(), leftByLimits()});
+    const double ofMachine = 1024 * numberIn("/proc/meminfo", "MemAvailable:");
+    return std::min({ofMachine, leftByGroups(), leftByLimit()});
 }
 
 double residentMemory() {
-    return pagesHeld(1);
+    return statusOf("VmRSS:");
 }
 
-double availableSpace(const std::string& path, std::uint64_t* device) {
-    const auto slash = path.find_last_of('/');
-    const std::string folder = slash == std::string::npos ? "." : path.substr(0, slash + 1);
+double memoryLimit(double limit) {
+    return limit > 0 ? limit : residentMemory() + availableMemory();
+}
+
+double availableSpace(const std::string& path, std::uint64_t& device) {
+    const auto folder = std::filesystem::path(path).parent_path() / ".";
     struct stat info {};
-    if (device) *device = ::stat(folder.c_str(), &info) == 0 ? info.st_dev : 0;
-    struct statvfs space {};
-    // File systems without blocks of their own (/dev, /proc) report none at all.
-    if (::statvfs(folder.c_str(), &space) != 0 || space.f_blocks == 0) return kInfinite;
-    return static_cast<double>(space.f_bavail) * static_cast<double>(space.f_frsize);
+    device = ::stat(folder.c_str(), &info) == 0 ? info.st_dev : 0;
+    std::error_code failed;
+    const auto space = std::filesystem::space(folder, failed);
+    // File systems without blocks of their own (/dev, /proc) report no capacity.
+    return failed || space.capacity == 0 ? kInfinite : static_cast<double>(space.available);
 }
 
 bool isShortage(const std::exception& failure) {
@@ -160,14 +112,13 @@ bool isShortage(const std::exception& failure) {
 }
 
 Callbacks withinMemory(Callbacks callbacks, double limit) {
+    limit = memoryLimit(limit);
     if (!std::isfinite(limit)) return callbacks;
     using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
-    const auto next = std::make_shared<std::atomic<double>>(0.0);
-    callbacks.cancelled = [limit, start, next, asked = std::move(callbacks.cancelled)] {
-        const double now = std::chrono::duration<double>(Clock::now() - start).count();
-        if (now >= next->load(std::memory_order_relaxed)) {
-            next->store(now + kInterval, std::memory_order_relaxed);
+    const auto next = std::make_shared<std::atomic<Clock::time_point>>(Clock::time_point{});
+    callbacks.cancelled = [limit, next, asked = std::move(callbacks.cancelled)] {
+        if (const auto now = Clock::now(); now >= next->load()) {
+            next->store(now + kInterval);
             if (const double held = residentMemory(); held > limit)
                 throw ResourceError(fmt::format(
                     "stopped: the process holds {} of memory, and {} are allowed. Nothing more is "

@@ -90,6 +90,22 @@ std::optional<std::vector<double>> parseNumberList(std::string_view text) {
     }
 }
 
+std::optional<double> parseBytes(std::string_view text) {
+    const std::size_t end = text.find_last_of("0123456789.") + 1;
+    double value = 0;
+    if (!parseReal(text.substr(0, end), value)) return std::nullopt;
+    const std::string unit = lowered(trimmed(text.substr(end)));
+    if (!unit.empty() && unit != "b") {
+        const auto power = std::string_view("kmgt").find(unit.front());
+        const std::string rest = unit.substr(1);
+        if (power == std::string_view::npos || !(rest.empty() || rest == "b" || rest == "ib"))
+            return std::nullopt;
+        value *= std::pow(rest == "b" ? 1000.0 : 1024.0, static_cast<double>(power + 1));
+    }
+    if (!(value >= 1) || !std::isfinite(value)) return std::nullopt;
+    return value;
+}
+
 bool wholeNumber(double value, std::int64_t& whole) {
     // Above 2^63 the conversion is undefined; written this way NaN fails too.
     if (!(std::abs(value) < 0x1p63) || std::trunc(value) != value) return false;

@@ -31,6 +31,11 @@ bool parseInteger(std::string_view word, std::int64_t& value);
 /// The finite numbers of a list such as "1,2.5,3"; nothing if it is none.
 std::optional<std::vector<double>> parseNumberList(std::string_view text);
 
+/// Bytes of a size such as "8G", "500 MB", "1.5GiB" or "65536": K, M, G and T are powers of 1024,
+/// with or without iB; KB, MB, GB and TB of 1000. Nothing for anything else and for less than one
+/// byte.
+std::optional<double> parseBytes(std::string_view text);
+
 /// `value` as a whole number; false if it is none or does not fit.
 bool wholeNumber(double value, std::int64_t& whole);
 

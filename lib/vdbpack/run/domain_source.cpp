@@ -191,6 +191,13 @@ FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSiz
     return plan;
 }
 
+double FieldPlan::voxels() const {
+    if (triangles == 0) return 0;
+    // Layers of voxels in leaves that the band enters, measured.
+    constexpr double kBeyond = 14;
+    return (std::min(volume, area * depth) / voxelSize + kBeyond * area) / (voxelSize * voxelSize);
+}
+
 double DomainSource::clippedVolume() const {
     if (!mesh_ || clips_.empty()) return std::fabs(fileVolume_);
     // Clips along the axes, which most are, narrow the box that is looked at.

@@ -55,6 +55,9 @@ struct FieldPlan {
     std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape
     double area = 0, volume = 0;                ///< of the mesh, mm² and mm³
     double voxelSize = 0, depth = 0;            ///< mm
+
+    /// About the voxels in the leaves of its tree, which reach beyond the wall and the depth.
+    double voxels() const;
 };
 
 /// A shape or the content of a file, before radii are known.

@@ -33,7 +33,7 @@ std::vector<std::string> inputFiles(const InputPack& recipe);
 template <class Stages>
 RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRecipe& voids,
                          const Callbacks& caller, const Stages& stages) {
-    const Callbacks limited = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    const Callbacks limited = withinMemory(caller, recipe.memoryLimit);
     Report report = begunReport(recipe, task, recipe.pack);
     report.seed = recipe.seed;
     return withThreads(recipe.threads, [&] {
@@ -79,7 +79,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         const double detail = fieldDetail(radius.min, radius.mean), reach = depthFor(radius) / 3;
         if (source) extent = extentOf(*source, detail, reach);
         extent.count = static_cast<double>(pack.spheres.size());
-        requireRoom(recipe, extent);
+        requireResources(extent, recipe);
         if (source) built = source->build(detail, reach, callbacks);
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();

@@ -15,4 +15,7 @@ namespace vdbpack {
 void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
               const std::function<bool(RunResult&&)>& done);
 
+/// Packs for one recipe, in its domain as it was read. @throws as runPack; Interrupted.
+RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks);
+
 }  // namespace vdbpack

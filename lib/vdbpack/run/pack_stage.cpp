@@ -7,6 +7,13 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Solid fraction of a front in space and in a plane.
+constexpr double kSolid = 0.65, kSolidInPlane = 0.85;
+
+}  // namespace
+
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
                       const DomainSource& source) {
     const SizeDistribution& sizes = requested.sizes;
@@ -21,6 +28,23 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
     radii.reach =
         std::max(sizes.max() * radii.scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3);
     return radii;
+}
+
+Extent extentOf(const PackRecipe& recipe, const DomainSource& source) {
+    const int dim = source.dim();
+    const RequestedSizes requested = requestedSizes(recipe, dim);
+    const FieldRadii radii = fieldRadii(recipe, requested, source);
+    Extent e = extentOf(source, radii.detail, radii.reach, plannedVoxel(recipe.voids, dim));
+    e.searching = requested.targetCount > 0;
+    e.densifying = recipe.densify > 0;
+    // Spheres with half of the gap around them.
+    const double ball = requested.sizes.meanBall(dim) *
+                        std::pow(1 + 0.5 * recipe.gap / requested.sizes.mean(), dim);
+    e.count =
+        e.searching ? requested.targetCount : (dim == 3 ? kSolid : kSolidInPlane) * e.volume / ball;
+    if (recipe.maxCount > 0) e.count = std::min(e.count, static_cast<double>(recipe.maxCount));
+    e.voids = planVoids(recipe.voids, e, requested.sizes.max() * radii.scale);
+    return e;
 }
 
 }  // namespace vdbpack

@@ -1,7 +1,7 @@
-// Private to runs: the field of a pack to come.
+// Private to runs: what is known of a pack before it is made.
 #pragma once
 
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/recipe.h"
 
 namespace vdbpack {
@@ -12,5 +12,8 @@ struct FieldRadii {
 };
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
                       const DomainSource& source);
+
+/// The field, and as many spheres and voids as usually fit into such a domain.
+Extent extentOf(const PackRecipe& recipe, const DomainSource& source);
 
 }  // namespace vdbpack

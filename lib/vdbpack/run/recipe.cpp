@@ -120,6 +120,7 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
         SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
         recipe.targetCount,
         {}};
+    if (recipe.radiusFactor != 1) r.sizes = r.sizes.scaled(recipe.radiusFactor);
     if (r.sizes.max() > kLargestSizeRatio * r.sizes.min())
         throw ParameterError(fmt::format(
             "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "

@@ -18,6 +18,7 @@ struct PackRecipe : RunSettings {
     DomainRecipe domain;
     /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
     std::string radius;
+    double radiusFactor = 1;              ///< on all radii
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
     std::int64_t maxCount = 0;            ///< stop at this many; 0: when full

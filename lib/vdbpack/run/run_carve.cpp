@@ -43,8 +43,7 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const double voxel = plannedVoxel(recipe.voids, Dim);
     Extent extent = extentOf(run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
-    extent.voids = planVoids(
-        recipe.voids, {Dim, extent.domainVolume, extent.domainArea, extent.count, radius.max});
+    extent.voids = planVoids(recipe.voids, extent, radius.max);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);

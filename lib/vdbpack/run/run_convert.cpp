@@ -67,7 +67,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
         const double detail = fieldDetail(radius.min, radius.mean);
         extent = extentOf(*source, detail, radius.max);
         extent.count = static_cast<double>(pack.spheres.size());
-        requireRoom(recipe, extent);
+        requireResources(extent, recipe);
         built = source->build(detail, radius.max, callbacks);
         have.domain = ofDim<Dim>(built).get();
         if (built.mesh) {
@@ -79,7 +79,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     }
     if (!source) {
         extent.count = static_cast<double>(pack.spheres.size());
-        requireRoom(recipe, extent);
+        requireResources(extent, recipe);
     }
     callbacks.stopIfCancelled();
     write.particleDensity = particleDensity(recipe.density, solid);
@@ -127,7 +127,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         solid.voxelSize = recipe.domain.voxelSize > 0
                               ? recipe.domain.voxelSize
                               : *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross;
-        requireRoom(recipe, extentOf(DomainSource(solid), solid.voxelSize, solid.voxelSize));
+        requireResources(extentOf(DomainSource(solid), solid.voxelSize, solid.voxelSize), recipe);
         return DomainSource(solid, callbacks)
             .build(solid.voxelSize, solid.voxelSize, callbacks)
             .mesh->grid();
@@ -160,8 +160,7 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ConvertResult result;
     std::vector<std::string> warnings;
-    const Callbacks heard =
-        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), warnings);
+    const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
         const auto pack = packOf(recipe, heard);
         if (!pack)

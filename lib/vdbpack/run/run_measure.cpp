@@ -76,7 +76,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         solid.voxelSize = imageVoxel;
         Extent extent = extentOf(DomainSource(solid), imageVoxel, imageVoxel);
         extent.imageVoxels = size[0] * size[1] * size[2] / (imageVoxel * imageVoxel * imageVoxel);
-        requireRoom(recipe, extent);
+        requireResources(extent, recipe);
         grid = DomainSource(solid).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
     } else {
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
@@ -141,8 +141,7 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
     Report report = begunReport(recipe, "measure", recipe.pack);
     std::vector<std::string> warnings;
-    const Callbacks heard =
-        keepingWarnings(withinMemory(callbacks, memoryLimit(recipe.memoryLimit)), warnings);
+    const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     MeasureResult result = withThreads(recipe.threads, [&] {
         Clock clock;
         std::optional<Pack<3>> pack;

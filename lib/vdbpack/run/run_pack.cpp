@@ -60,7 +60,7 @@ template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(recipe.voids.shell, source);
-    requireResources(recipe, source);
+    requireResources(extentOf(recipe, source), recipe);
     Prepared<Dim> prepared{requestedSizes(recipe, Dim), {}, {}};
     const FieldRadii radii = fieldRadii(recipe, prepared.requested, source);
     prepared.built =
@@ -170,9 +170,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
 }
 
 template <int Dim>
-void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& source,
-                const Report& begun, Clock clock, const Callbacks& callbacks,
-                const std::function<bool(RunResult&&)>& done) {
+void packAll(const std::vector<PackRecipe>& recipes, const DomainSource& source,
+             const Report& begun, Clock clock, const Callbacks& callbacks,
+             const std::function<bool(RunResult&&)>& done) {
     Report first = begun;
     clock.lap();
     const Prepared<Dim> prepared =
@@ -186,12 +186,29 @@ void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& sour
     }
 }
 
+void packDomain(const std::vector<PackRecipe>& recipes, const DomainSource& source,
+                const Report& begun, const Clock& clock, const Callbacks& callbacks,
+                const std::function<bool(RunResult&&)>& done) {
+    if (source.dim() == 3)
+        packAll<3>(recipes, source, begun, clock, callbacks, done);
+    else
+        packAll<2>(recipes, source, begun, clock, callbacks, done);
+}
+
+/// What takes a result and goes on.
+std::function<bool(RunResult&&)> into(RunResult& result) {
+    return [&result](RunResult&& run) {
+        result = std::move(run);
+        return true;
+    };
+}
+
 }  // namespace
 
 void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
     const PackRecipe& recipe = recipes.front();
-    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);
     Clock clock;
     Report report = begunReport(recipe, "pack", recipe.domain.source);
@@ -201,10 +218,7 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
         report.seconds.mesh = clock.lap();
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
-        if (source.dim() == 3)
-            packDomain<3>(recipes, source, report, clock, callbacks, done);
-        else
-            packDomain<2>(recipes, source, report, clock, callbacks, done);
+        packDomain(recipes, source, report, clock, callbacks, done);
     };
     try {
         withThreads(recipe.threads, work);
@@ -219,10 +233,14 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
 
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     RunResult result;
-    packEach({recipe}, callbacks, [&](RunResult&& run) {
-        result = std::move(run);
-        return true;
-    });
+    packEach({recipe}, callbacks, into(result));
+    return result;
+}
+
+RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks) {
+    RunResult result;
+    packDomain({recipe}, source, begunReport(recipe, "pack", recipe.domain.source), Clock(),
+               callbacks, into(result));
     return result;
 }
 

@@ -9,7 +9,7 @@
 namespace vdbpack {
 
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
-    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     if (recipe.placeSamples > 0 && recipe.domain.source.empty())
         throw ParameterError("`placeSamples` are points of a domain; set `domain`");
     Report report = begunReport(recipe, "verify", recipe.pack);

@@ -27,7 +27,7 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
     const double detail = detailFor(recipe.voids), reach = depthForShell(recipe.voids) / 3;
     const double voxel = plannedVoxel(recipe.voids, Dim);
     Extent extent = extentOf(source, detail, reach, voxel);
-    extent.voids = planVoids(recipe.voids, {Dim, extent.domainVolume, extent.domainArea, 0, 0});
+    extent.voids = planVoids(recipe.voids, extent, 0);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
@@ -44,7 +44,7 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& caller) {
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     checkSettings(recipe, RunKind::voids, recipe.voids, inputs);
-    const Callbacks callbacks = withinMemory(caller, memoryLimit(recipe.memoryLimit));
+    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     Report report = begunReport(recipe, "voids", recipe.domain.source);
     report.seed = recipe.seed;
     return withThreads(recipe.threads, [&] {

@@ -70,9 +70,10 @@ bool passed(const Report& report) {
 }
 
 template <int Dim>
-void domainStage(Run<Dim>& run, Extent extent, double detail, double reach, double voxelSize) {
+void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
+                 double voxelSize) {
     if (run.voidRecipe) requireShell(run.voidRecipe->shell, run.source);
-    requireRoom(run.settings, std::move(extent));
+    requireResources(extent, run.settings);
     run.built = run.source.build(detail, reach, run.callbacks, voxelSize);
     run.report.seconds.domain = run.clock.lap();
     run.callbacks.stopIfCancelled();
@@ -202,11 +203,11 @@ RunResult finishStage(Run<Dim>& run) {
     return result;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                          \
-    template void domainStage(Run<Dim>&, Extent, double, double, double); \
-    template void densifyStage(Run<Dim>&, double, double);                \
-    template void cutStage(Run<Dim>&, bool);                              \
-    template void measureStage(Run<Dim>&);                                \
+#define VDBPACK_INSTANTIATE(Dim)                                                 \
+    template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
+    template void densifyStage(Run<Dim>&, double, double);                       \
+    template void cutStage(Run<Dim>&, bool);                                     \
+    template void measureStage(Run<Dim>&);                                       \
     template RunResult finishStage(Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -115,7 +115,8 @@ void requireShell(double shell, const DomainSource& source);
 /// `extent`, and checks that voids and picture suit the domain.
 /// @param voxelSize  as that of DomainSource::build.
 template <int Dim>
-void domainStage(Run<Dim>& run, Extent extent, double detail, double reach, double voxelSize = 0);
+void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
+                 double voxelSize = 0);
 
 /// @param fraction  to reach, as that of DensifyOptions. @param gap  mm
 template <int Dim>

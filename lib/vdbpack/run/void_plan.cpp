@@ -2,7 +2,9 @@
 
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/tile_lattice.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <algorithm>
@@ -14,73 +16,106 @@ namespace vdbpack {
 
 namespace {
 
+/// Bytes of a leaf of the level sets `surface`, `voids` and `solid` and the tile it is made from.
+constexpr double kBytesPerLeaf = 6000;
+
 double meanOf(const std::string& spec, int dim, double otherwise) {
     return spec.empty() ? otherwise : SizeDistribution::parse(spec, dim).mean();
 }
 
-/// Voids of a list, of their mean volume (2D: area) and mean b.
+/// Area of an ellipsoid with half-axes a, b, b (2D: length of an ellipse), to about a tenth.
+double surfaceArea(int dim, double a, double b) {
+    return dim == 3 ? 4 * kPi * b * (2 * a + b) / 3 : kPi * (a + b);
+}
+
+/// The share of walls that lies outside of other voids of this volume, by the Boolean model.
+double shareOutside(double voids, const Extent& e) {
+    return std::exp(-voids / e.volume);
+}
+
 template <int Dim>
-PlannedVoids listed(const VoidRecipe& recipe) {
-    PlannedVoids plan;
-    plan.voxelSize = recipe.voxelSize;
+VoidExtent listed(const VoidRecipe& recipe, const Extent& e) {
     // A pipe can be read once only, when the voids are made.
     if (std::error_code failed; !std::filesystem::is_regular_file(listFile(recipe), failed))
-        return plan;
+        return {};
     const auto list = readVoidList<Dim>(listFile(recipe));
-    if (list.empty()) return plan;
+    if (list.empty()) return {};
+    VoidExtent plan;
     plan.count = static_cast<double>(list.size());
-    double across = 0, volume = 0;
+    double volume = 0;
     for (const auto& v : list) {
-        across += std::pow(v.b, Dim - 1);
-        volume += v.a * std::pow(v.b, Dim - 1);
+        plan.wall += surfaceArea(Dim, v.a, v.b);
+        volume += v.measure();
     }
-    plan.radius = std::pow(across / plan.count, 1.0 / (Dim - 1));
-    plan.length = volume / across;
+    plan.wall *= shareOutside(volume, e);
     plan.voxelSize = voidVoxelFor(recipe, leastHalfAxis(list));
+    return plan;
+}
+
+/// Voids with mean half-axes a and b by any method that is no list.
+VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
+    const auto ball = [&](double radius) {
+        return e.dim == 3 ? Measure<3>::ball(radius) : Measure<2>::ball(radius);
+    };
+    const double each = ball(b) * a / b;
+    // The Boolean model's number for a target.
+    const double needed = -std::log(r.targetBvtv.value_or(0.3)) * e.volume / each;
+    VoidExtent plan;
+    bool apart = true;
+    switch (methodOf(r)) {
+        case VoidMethod::grid:
+            plan.count = e.volume / std::pow(2 * b, e.dim);
+            break;
+        case VoidMethod::overlay: {
+            const double most = 0.6 * e.volume / ball(std::max(a, b));
+            plan.count = std::min(most, r.count.value_or(most));
+            break;
+        }
+        case VoidMethod::mixed:
+        case VoidMethod::ellipses:
+            plan.count = r.targetBvtv ? needed : r.probability.value_or(0.02) * e.count;
+            break;
+        default:
+            plan.count = r.targetBvtv ? needed : r.count.value_or(needed);
+            apart = false;
+    }
+    plan.wall =
+        plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : shareOutside(plan.count * each, e));
+    plan.voxelSize = plannedVoxel(r, e.dim);
+    if (!(plan.voxelSize > 0)) plan.voxelSize = voidVoxelFor(r, 0.75 * std::min(a, b));
     return plan;
 }
 
 }  // namespace
 
-PlannedVoids planVoids(const VoidRecipe& r, const VoidSurroundings& around) {
+VoidExtent planVoids(const VoidRecipe& r, const Extent& e, double largestRadius) {
     const VoidMethod method = methodOf(r);
-    PlannedVoids plan;
-    if (method == VoidMethod::none || isThinning(method) || !(around.volume > 0)) return plan;
-    const int dim = around.dim;
-    if (method == VoidMethod::list) return dim == 3 ? listed<3>(r) : listed<2>(r);
-    plan.radius = meanOf(r.radius, dim, 2 * around.largestRadius);
-    if (r.targetTbth && r.radius.empty()) plan.radius = 1.2 * *r.targetTbth;
-    const double aspect = method == VoidMethod::mixed ? 1 : meanOf(r.aspect, dim, 2);
-    plan.length = plan.radius * aspect;
-    plan.voxelSize = plannedVoxel(r, dim);
-    if (!(plan.voxelSize > 0)) plan.voxelSize = 0.75 * plan.radius / 4;
-    if (r.targetTbth) plan.voxelSize = std::min(plan.voxelSize, *r.targetTbth / 4);
-    const double ball = dim == 3 ? Measure<3>::ball(plan.radius) : Measure<2>::ball(plan.radius);
-    const double density = r.targetBvtv ? -std::log(*r.targetBvtv) / (ball * aspect)
-                           : r.count    ? *r.count / around.volume
-                                        : -std::log(0.3) / (ball * aspect);
-    switch (method) {
-        case VoidMethod::grid: {
-            const double side = r.cell.empty() ? 0 : std::strtod(r.cell.c_str(), nullptr);
-            if (!(side > 0)) return plan;  // as many as a matrix has: few
-            plan.count = around.volume / std::pow(side, dim);
-            plan.radius = plan.length = side / 2;
-            if (!(r.voxelSize > 0)) plan.voxelSize = side / 2 / 4;
-            break;
-        }
-        case VoidMethod::overlay:
-            plan.count = 0.6 * around.volume / (ball * std::pow(std::max(1.0, aspect), dim));
-            if (r.count) plan.count = std::min(plan.count, *r.count);
-            break;
-        case VoidMethod::mixed:
-        case VoidMethod::ellipses:
-            plan.count = r.targetBvtv ? density * around.volume
-                                      : r.probability.value_or(0.02) * around.spheres;
-            break;
-        default:  // with those that reach in from outside
-            plan.count = density * (around.volume + around.area * plan.length);
+    if (method == VoidMethod::none || isThinning(method) || !(e.volume > 0)) return {};
+    VoidExtent plan;
+    if (method == VoidMethod::list) {
+        plan = e.dim == 3 ? listed<3>(r, e) : listed<2>(r, e);
+    } else if (method == VoidMethod::grid) {  // as wide as its boxes; a matrix alone has few
+        const double side = std::strtod(r.cell.c_str(), nullptr);
+        if (side > 0) plan = planned(r, e, side / 2, side / 2);
+    } else {
+        const double chosen = r.targetTbth ? 1.2 * *r.targetTbth : 2 * largestRadius;
+        const double b = meanOf(r.radius, e.dim, chosen);
+        const double aspect = method == VoidMethod::mixed ? 1 : meanOf(r.aspect, e.dim, 2);
+        if (b > 0) plan = planned(r, e, b * aspect, b);
     }
+    if (r.cull == Cull::touch) plan.reach = largestRadius;
     return plan;
+}
+
+double stampBytes(const Extent& e) {
+    const VoidExtent& v = e.voids;
+    if (!(v.count > 0) || !(v.voxelSize > 0)) return 0;
+    const double side = kTileSide * v.voxelSize, band = kStampBand * v.voxelSize;
+    // A wall enters as many leaves as a layer of its band and one leaf has.
+    const double layer = side + band + std::max(band, v.reach);
+    const double leaves = (std::min(v.wall * layer, e.volume + e.area * side) + e.area * side) /
+                          std::pow(side, e.dim);
+    return kBytesPerLeaf * leaves;
 }
 
 }  // namespace vdbpack

@@ -1,27 +1,26 @@
-// Private to runs: how many voids a recipe will make, and how large.
+// Private to runs: how many voids a recipe will make, and the memory of stamping them.
 #pragma once
 
 #include "vdbpack/voids/void_recipe.h"
 
 namespace vdbpack {
 
-/// Voids to expect, before any is made. Lengths in mm.
-struct PlannedVoids {
-    double count = 0;      ///< 0: none
-    double radius = 0;     ///< mean half-axis b
-    double length = 0;     ///< mean half-axis a
-    double voxelSize = 0;  ///< of their level sets
-};
+struct Extent;
 
-/// What is cut into, as far as voids depend on it.
-struct VoidSurroundings {
-    int dim = 3;
-    double volume = 0, area = 0;  ///< of the domain, mm^dim and mm^(dim - 1)
-    double spheres = 0;           ///< their number
-    double largestRadius = 0;     ///< of the spheres, mm; 0: none
+/// Voids as far as the memory of their level sets depends on them.
+struct VoidExtent {
+    double count = 0;      ///< 0: none
+    double wall = 0;       ///< area (2D: length) of their walls outside of other voids, mm^(dim-1)
+    double voxelSize = 0;  ///< mm
+    double reach = 0;      ///< as that of StampOptions, mm
 };
 
 /// The voids that the recipe specifies, or that its target needs.
-PlannedVoids planVoids(const VoidRecipe& recipe, const VoidSurroundings& around);
+/// @param extent         domain and number of spheres.
+/// @param largestRadius  of the spheres, mm; 0: none.
+VoidExtent planVoids(const VoidRecipe& recipe, const Extent& extent, double largestRadius);
+
+/// Bytes at the peak of stamping the voids of an extent, with the level sets made of them.
+double stampBytes(const Extent& extent);
 
 }  // namespace vdbpack

@@ -7,7 +7,6 @@
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
-#include "vdbpack/voids/stamp_memory.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
@@ -225,19 +224,6 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
         half = voidShapeOf(s).reach();
     }
     requireFitting(s, half);
-    // What is there before hours of work; the list itself is looked at again.
-    if (method == VoidMethod::boolean && s.recipe.count) {
-        const VoidShape<Dim> shape = voidShapeOf(s);
-        Ellipsoid<Dim> e;
-        e.center = s.domain.bounds().center();
-        e.a = shape.radius.mean() * shape.aspect.mean();
-        e.b = shape.radius.mean();
-        e.axis[0] = 1;
-        StampOptions<Dim> options;
-        options.voxelSize =
-            voidVoxelFor(s.recipe, shape.radius.min() * std::min(1.0, shape.aspect.min()));
-        requireStampMemory(*s.recipe.count, e, s.domain, options);
-    }
 }
 
 template <int Dim>

@@ -4,7 +4,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
-#include "vdbpack/voids/stamp_memory.h"
 #include "vdbpack/voids/tile.h"
 #include "vdbpack/voids/tile_lattice.h"
 
@@ -273,7 +272,6 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
                                                     const StampOptions<Dim>& options,
                                                     const Callbacks& callbacks) {
     checkStamp(voids, options);
-    requireStampMemory(voids, domain, options);
     auto stamped = std::make_shared<StampedVoids<Dim>>();
     auto& impl = *stamped->impl_;
     const double h = options.voxelSize;

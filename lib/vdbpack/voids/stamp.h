@@ -81,7 +81,7 @@ private:
 ///                field is deeper than the shell plus ten voxels: below the field the distance to
 ///                the wall is searched.
 /// @throws ParameterError for a voxel size, shell or half-axis that is not positive and finite
-/// (the shell may be 0); ResourceError if there is not enough memory.
+/// (the shell may be 0); ResourceError for voxels that are too small for the domain.
 /// The same for any number of threads.
 template <int Dim>
 std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& voids,
