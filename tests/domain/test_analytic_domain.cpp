@@ -66,7 +66,7 @@ double monteCarloDeeperThan(const Domain<Dim>& domain, double depth, int points)
     int inside = 0;
     for (int i = 0; i < points; ++i)
         if (asker->signedDistance(randomPoint(random, domain.bounds())) < -depth) ++inside;
-    return domain.bounds().measure() * inside / points;
+    return domain.bounds().volume() * inside / points;
 }
 
 }  // namespace
@@ -128,7 +128,7 @@ TEMPLATE_TEST_CASE_SIG("measures agree with random points", "[domain]", ((int Di
             CAPTURE(Dim, shape->facts().kind, cut);
             for (const double depth : {0.0, 0.1, 0.3}) {
                 const double expected = monteCarloDeeperThan(*domain, depth, points);
-                const double whole = domain->bounds().measure();
+                const double whole = domain->bounds().volume();
                 const double sigma = whole / (2 * std::sqrt(points));
                 REQUIRE(std::abs(domain->volumeDeeperThan(depth) - expected) < 5 * sigma);
             }
@@ -166,7 +166,7 @@ TEST_CASE("a cut ball has the volume of a spherical cap within 0.05 %", "[domain
     const double disc = kPi * height * (2 * radius - height);
     if (height < 20)
         REQUIRE(cap->wallArea() == Approx(2 * kPi * radius * height + disc).epsilon(5e-3));
-    REQUIRE(cap->bounds().measure() > expected);
+    REQUIRE(cap->bounds().volume() > expected);
 }
 
 TEST_CASE("a box cut along its axes is a box", "[domain]") {

@@ -77,8 +77,8 @@ TEST_CASE("bounds cut a level set, a margin looks beyond them", "[morphometry][d
     REQUIRE(wide.size == std::array<std::int64_t, 3>{22, 26, 22});
     REQUIRE(std::count(wide.label.begin(), wide.label.end(), 1) == 16 * 20 * 16);
     const auto a = measureMorphometry(plain), b = measureMorphometry(wide);
-    REQUIRE(a.totalVolume == Approx(box.measure()));
-    REQUIRE(b.totalVolume == Approx(box.measure()));
+    REQUIRE(a.totalVolume == Approx(box.volume()));
+    REQUIRE(b.totalVolume == Approx(box.volume()));
     REQUIRE(a.solidVolume == Approx(b.solidVolume));
 
     // The grid's own voxels: those whose centers are inside.

@@ -18,14 +18,14 @@ TEMPLATE_TEST_CASE_SIG("blocks cover the domain and wait for lower neighbors onl
     for (std::size_t i = 0; i < lattice.size(); ++i) at[lattice.order()[i]] = i;
     double own = 0, search = 0;
     for (std::uint32_t b = 0; b < lattice.size(); ++b) {
-        own += lattice.own(b).measure();
-        search += lattice.search(b).measure();
+        own += lattice.own(b).volume();
+        search += lattice.search(b).volume();
         for (const auto lower : lattice.lowerNeighbors(b)) CHECK(at[lower] < at[b]);
         for (const auto donor : lattice.poolDonors(b)) CHECK(at[donor] < at[b]);
     }
     // Both cover the lattice once: the searched parts lag behind but leave nothing out.
     CHECK(own == Approx(search));
-    CHECK(own >= bounds.measure());
+    CHECK(own >= bounds.volume());
     CHECK(lattice.longestChain() <= lattice.size());
 }
 

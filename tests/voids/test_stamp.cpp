@@ -39,11 +39,6 @@ struct Scene {
     }
 };
 
-template <int Dim>
-double volumeOf(const Box<Dim>& box) {
-    return box.measure();
-}
-
 }  // namespace
 
 TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[voids][stamp]",
@@ -187,7 +182,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
     }
     const double share = static_cast<double>(inside) / kPoints;
     const double error = std::sqrt(share * (1 - share) / kPoints);
-    CHECK(scene.stamp()->volume() / volumeOf(cube<Dim>(10 - shell)) ==
+    CHECK(scene.stamp()->volume() / cube<Dim>(10 - shell).volume() ==
           Approx(share).margin(4 * error + 5e-4));
 }
 

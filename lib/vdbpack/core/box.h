@@ -44,7 +44,7 @@ struct Box {
     /// The box grown by `margin` (mm) on every side.
     Box grown(double margin) const { return {lo - filled(margin), hi + filled(margin)}; }
     /// Volume (2D: area), mm^Dim; 0 if empty.
-    double measure() const {
+    double volume() const {
         if (empty()) return 0;
         double m = 1;
         for (int i = 0; i < Dim; ++i) m *= hi[i] - lo[i];

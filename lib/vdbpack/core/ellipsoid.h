@@ -20,7 +20,7 @@ struct Ellipsoid {
     Vec<Dim> axis;    ///< of length one; its sign means nothing
 
     /// Volume (2D: area), mm^Dim.
-    double measure() const { return a * std::pow(b, Dim - 1) * Measure<Dim>::ball(1); }
+    double volume() const { return a * std::pow(b, Dim - 1) * Measure<Dim>::ball(1); }
 
     bool contains(const Vec<Dim>& x) const {
         const Vec<Dim> to = x - center;

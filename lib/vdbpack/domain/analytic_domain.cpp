@@ -39,7 +39,7 @@ public:
           half_(box.size() * 0.5) {}
 
     Box<Dim> bounds() const override { return box_; }
-    double volume() const override { return box_.measure(); }
+    double volume() const override { return box_.volume(); }
     double wallArea() const override {
         double sum = 0;
         for (int i = 0; i < Dim; ++i) {
@@ -50,7 +50,7 @@ public:
         }
         return sum;
     }
-    double volumeDeeperThan(double depth) const override { return box_.grown(-depth).measure(); }
+    double volumeDeeperThan(double depth) const override { return box_.grown(-depth).volume(); }
 
     bool chord(const Vec<Dim>& x, double depth, double& lo, double& hi) const override {
         for (int i = 0; i + 1 < Dim; ++i)

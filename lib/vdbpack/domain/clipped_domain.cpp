@@ -192,7 +192,7 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
     if (unit.empty()) return domain;
     Box<Dim> box = domain->bounds();
     const bool axisAligned = cutAlongAxes(unit, box);
-    if (box.empty() || !(box.measure() > 0)) throw nothingLeft();
+    if (box.empty() || !(box.volume() > 0)) throw nothingLeft();
     const auto* clipped = dynamic_cast<const ClippedDomain<Dim>*>(domain.get());
     const std::string kind = domain->facts().kind;
     // A box cut along its axes is a box: every figure stays exact.

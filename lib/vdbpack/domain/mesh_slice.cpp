@@ -63,7 +63,7 @@ public:
         : facts_(domain.facts()), depth_(domain.fieldDepth()), bins_(std::move(segments)) {
         facts_.kind = "slice";
         bounds_ = bins_.bounds();
-        spacing_ = std::max(0.5 * facts_.voxelSize, std::sqrt(bounds_.measure() / kMostNodes));
+        spacing_ = std::max(0.5 * facts_.voxelSize, std::sqrt(bounds_.volume() / kMostNodes));
         outside_ = 3 * facts_.voxelSize;
         const Box<2> around = bounds_.grown(outside_ + spacing_);
         lo_ = around.lo;

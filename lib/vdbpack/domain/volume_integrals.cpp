@@ -53,7 +53,7 @@ double chordLength(const ConvexShape<Dim>& shape, const std::vector<HalfSpace<Di
 template <int Dim>
 double volumeByChords(const ConvexShape<Dim>& shape, const std::vector<HalfSpace<Dim>>& planes,
                       double depth, const Box<Dim>& box) {
-    if (box.empty() || !(box.measure() > 0)) return 0;
+    if (box.empty() || !(box.volume() > 0)) return 0;
     const int n = Dim == 3 ? kChordsPerAxis3D : kChords2D;
     const Vec<Dim> step = box.size() * (1.0 / n);
     if constexpr (Dim == 2) {
@@ -76,9 +76,9 @@ double volumeByChords(const ConvexShape<Dim>& shape, const std::vector<HalfSpace
 template <int Dim>
 double volumeBySamples(const Box<Dim>& box, double voxelSize, double depth,
                        const std::function<std::unique_ptr<DomainSampler<Dim>>()>& sampler) {
-    if (box.empty() || !(box.measure() > 0)) return 0;
+    if (box.empty() || !(box.volume() > 0)) return 0;
     const Vec<Dim> size = box.size();
-    const double finest = std::pow(box.measure() / kMostSamples, 1.0 / Dim);
+    const double finest = std::pow(box.volume() / kMostSamples, 1.0 / Dim);
     const double cell = Dim == 3 ? std::max(finest, 0.5 * voxelSize) : finest;
     std::array<int, Dim> n{};
     Vec<Dim> step;
@@ -90,7 +90,7 @@ double volumeBySamples(const Box<Dim>& box, double voxelSize, double depth,
     }
     const std::size_t last = static_cast<std::size_t>(Dim - 1);
     const double cellVolume =
-        box.measure() / std::accumulate(n.begin(), n.end(), 1.0, std::multiplies<double>());
+        box.volume() / std::accumulate(n.begin(), n.end(), 1.0, std::multiplies<double>());
     return cellVolume * sumOverRows(n[last], [&](int row) {
                const auto asker = sampler();
                double sum = 0;

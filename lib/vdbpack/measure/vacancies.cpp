@@ -27,9 +27,9 @@ public:
         : lo_(bounds.lo) {
         constexpr double kBlockPoints = 4096;
         const double wanted =
-            static_cast<double>(samplePoints) * std::clamp(bounds.measure() / volume, 1.0, 1e4);
+            static_cast<double>(samplePoints) * std::clamp(bounds.volume() / volume, 1.0, 1e4);
         const double edge =
-            std::pow(bounds.measure() * std::min(1.0, kBlockPoints / wanted), 1.0 / Dim);
+            std::pow(bounds.volume() * std::min(1.0, kBlockPoints / wanted), 1.0 / Dim);
         for (int i = 0; i < Dim; ++i) {
             const double size = bounds.hi[i] - bounds.lo[i];
             auto& n = count_[static_cast<std::size_t>(i)];
@@ -39,7 +39,7 @@ public:
         }
         points_ = static_cast<std::uint64_t>(std::ceil(wanted / static_cast<double>(blocks_)));
         spacing_ = std::pow(
-            bounds.measure() / (static_cast<double>(blocks_) * static_cast<double>(points_)),
+            bounds.volume() / (static_cast<double>(blocks_) * static_cast<double>(points_)),
             1.0 / Dim);
     }
     std::size_t blocks() const { return blocks_; }
@@ -150,7 +150,7 @@ Vacancies<Dim> findVacancies(const std::vector<Sphere<Dim>>& spheres, const Doma
     requireUsable(spheres);
     const Box<Dim> bounds = domain.bounds();
     const double volume = domain.volume();
-    if (bounds.empty() || !(volume > 0) || !(bounds.measure() > 0)) return {};
+    if (bounds.empty() || !(volume > 0) || !(bounds.volume() > 0)) return {};
 
     const SampleBlocks<Dim> blocks(bounds, volume, samplePoints);
     const CellLevels<Dim> cells(spheres);

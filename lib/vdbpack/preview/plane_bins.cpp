@@ -15,7 +15,7 @@ PlaneBins::PlaneBins(const std::vector<Box<2>>& boxes) {
     for (const auto& box : boxes) {
         bounds_.add(box.lo);
         bounds_.add(box.hi);
-        area += box.measure();
+        area += box.volume();
     }
     if (boxes.empty()) return;
     const Vec<2> size = bounds_.size();

@@ -226,7 +226,7 @@ double DomainSource::clippedVolume() const {
         });
         if (kept && sides.inside(x)) ++inside;
     }
-    return box.measure() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
+    return box.volume() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
 }
 
 DomainSource::Built DomainSource::build(double minRadius, double maxRadius,

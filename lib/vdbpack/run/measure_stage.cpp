@@ -136,7 +136,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
             result.profile = densityProfile(pack.spheres, *domain, width, deepest);
         callbacks.stopIfCancelled();
         const double edge = kLocalEdge * result.meanDiameter;
-        if (domain->bounds().measure() < 1e8 * std::pow(edge, Dim))
+        if (domain->bounds().volume() < 1e8 * std::pow(edge, Dim))
             result.local = localFraction(pack.spheres, *domain, edge);
     }
     callbacks.stopIfCancelled();

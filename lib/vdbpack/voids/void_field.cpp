@@ -59,7 +59,7 @@ template <int Dim>
 std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
                                          std::uint64_t seed, double density) {
     const Box<Dim> window = region.domain.bounds().grown(shape.reach());
-    const double expected = density * window.measure();
+    const double expected = density * window.volume();
     if (!(expected < 4e9))
         throw ResourceError(fmt::format(
             "{:.3g} voids would have to be drawn; choose fewer or larger ones", expected));
@@ -156,7 +156,7 @@ Ellipsoid<Dim> inscribed(const Vec<Dim>& sides) {
         e.a = 0.5 * sides[along];
         e.b = 0.5 * across;
         e.axis[along] = 1;
-        if (e.measure() > best.measure() * (1 + 1e-12)) best = e;
+        if (e.volume() > best.volume() * (1 + 1e-12)) best = e;
     }
     return best;
 }
