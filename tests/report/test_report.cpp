@@ -39,7 +39,7 @@ Report fullReport() {
 
 }  // namespace
 
-TEST_CASE("the report has the keys that scripts rely on", "[measure]") {
+TEST_CASE("the report has the keys that scripts rely on", "[report]") {
     const auto json = toJson(fullReport());
     const auto expected = nlohmann::ordered_json::parse(R"({
       "version": "", "command": "", "unit": "mm", "seed": 1, "threads": 2, "hash": "", "interrupted": false,
@@ -77,7 +77,7 @@ TEST_CASE("the report has the keys that scripts rely on", "[measure]") {
     REQUIRE(json["voids"]["bvtv"].is_null());
 }
 
-TEST_CASE("what was not measured is null", "[measure]") {
+TEST_CASE("what was not measured is null", "[report]") {
     const auto json = toJson(Report{});
     for (const char* path :
          {"/spheres/ks", "/spheres/requested", "/spheres/radius/min", "/solidFraction/total",
@@ -89,7 +89,7 @@ TEST_CASE("what was not measured is null", "[measure]") {
     }
 }
 
-TEST_CASE("the summary fits a terminal and says what matters", "[measure]") {
+TEST_CASE("the summary fits a terminal and says what matters", "[report]") {
     auto report = fullReport();
     const auto text = summary(report);
     CAPTURE(text);

@@ -56,7 +56,7 @@ double searchedDistance(const Vec<3>& x, const WallPiece<3>& t) {
 
 }  // namespace
 
-TEST_CASE("the distance to a triangle is that of a search over its points", "[measure]") {
+TEST_CASE("the distance to a triangle is that of a search over its points", "[verify]") {
     RandomStream random(5, 5);
     const auto point = [&](double scale) {
         return Vec<3>{{(random.uniform() - 0.5) * scale, (random.uniform() - 0.5) * scale,
@@ -75,7 +75,7 @@ TEST_CASE("the distance to a triangle is that of a search over its points", "[me
     }
 }
 
-TEST_CASE("the tree finds the nearest of all triangles", "[measure]") {
+TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
     const auto mesh = translated(torusMesh(8, 3, 40, 20), {{700, -300, 55}});
     const auto pieces = piecesOf(mesh);
     const WallTree<3> tree(pieces);
@@ -88,7 +88,7 @@ TEST_CASE("the tree finds the nearest of all triangles", "[measure]") {
     }
 }
 
-TEST_CASE("protrusion through a box of triangles is that of the formula", "[measure]") {
+TEST_CASE("protrusion through a box of triangles is that of the formula", "[verify]") {
     const Vec<3> lo{{-4, -3, -2}}, hi{{4, 3, 2}};
     auto spheres = randomSpheres<3>(400, 11, 0.3, 5, 8);
     const WallShape<3> shape = WallShape<3>::ofBox({lo, hi});
@@ -123,7 +123,7 @@ TEST_CASE("protrusion through a box of triangles is that of the formula", "[meas
     }
 }
 
-TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[measure]") {
+TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[verify]") {
     const Vec<3> center{{3, -20, 100}};
     const auto spheres = [&] {
         auto s = randomSpheres<3>(40, 24, 0.5, 4, 11);
@@ -136,7 +136,7 @@ TEST_CASE("protrusion through a ball of triangles nears that of the formula", "[
     requireAgreement(spheres, uvBallMesh(10, 120, 160, center), shape, 0.02);
 }
 
-TEST_CASE("a nested shell is a cavity whichever way it faces", "[measure]") {
+TEST_CASE("a nested shell is a cavity whichever way it faces", "[verify]") {
     const bool inward = GENERATE(true, false);
     CAPTURE(inward);
     auto mesh = hollowBallMesh(10, 5, 4, inward);
@@ -149,7 +149,7 @@ TEST_CASE("a nested shell is a cavity whichever way it faces", "[measure]") {
     REQUIRE(protrusionOf({{{0, 3.5, 0}}, 0.5}, mesh) > 1);
 }
 
-TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[measure]") {
+TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[verify]") {
     auto spheres = disjointSpheres<3>(12, 4);
     const auto mesh = boxMesh({{0, 0, 0}}, {{24, 24, 24}});
     const auto check = checkProtrusion(spheres, mesh);
@@ -168,7 +168,7 @@ TEST_CASE("a pack in a box passes, a disturbed sphere is named", "[measure]") {
     REQUIRE(cut.spheres == 144);
 }
 
-TEST_CASE("a pack in the wrong place is wholly outside", "[measure]") {
+TEST_CASE("a pack in the wrong place is wholly outside", "[verify]") {
     auto spheres = disjointSpheres<3>(20, 4);
     for (auto& s : spheres) s.center *= 1000;
     const auto check = checkProtrusion(spheres, ballMesh(1, 4));
@@ -177,7 +177,7 @@ TEST_CASE("a pack in the wrong place is wholly outside", "[measure]") {
     REQUIRE(check.worst.size() == kWorstNamed);
 }
 
-TEST_CASE("a hole in the wall is outvoted", "[measure]") {
+TEST_CASE("a hole in the wall is outvoted", "[verify]") {
     auto mesh = ballMesh(10, 4);
     // Away goes a cap about +z.
     auto& t = mesh.triangles;
@@ -193,7 +193,7 @@ TEST_CASE("a hole in the wall is outvoted", "[measure]") {
     REQUIRE(std::min(check.worst[0].i, check.worst[1].i) == 2);
 }
 
-TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no harm", "[measure]") {
+TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no harm", "[verify]") {
     // Two boxes that share an edge, and triangles without area.
     auto mesh = merged(boxMesh({{0, 0, 0}}, {{2, 2, 2}}), boxMesh({{2, 2, 0}}, {{4, 4, 2}}));
     mesh.triangles.push_back({0, 1, 1});
@@ -205,7 +205,7 @@ TEST_CASE("edges of four triangles keep the wall closed, degenerate ones do no h
     REQUIRE(check.max == Approx(3));
 }
 
-TEST_CASE("unusable meshes are refused", "[measure]") {
+TEST_CASE("unusable meshes are refused", "[verify]") {
     TriangleMesh mesh;
     REQUIRE_THROWS_AS(checkProtrusion({}, mesh), InputError);
     mesh = boxMesh({{0, 0, 0}}, {{1, 1, 1}});
@@ -222,7 +222,7 @@ TEST_CASE("unusable meshes are refused", "[measure]") {
     REQUIRE_THROWS_AS(checkProtrusion(std::vector<Sphere<3>>{}, shape), ParameterError);
 }
 
-TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[measure]") {
+TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[verify]") {
     // A needle of a box 1000 long among thousands of small triangles.
     const auto mesh = merged(rotated(boxMesh({{-500, -1, -1}}, {{500, 1, 1}}), {{1, 1, 1}}, 0.6),
                              translated(ballMesh(3, 5), {{0, 0, 40}}));
@@ -235,7 +235,7 @@ TEST_CASE("a flat or very coarse and very fine wall keeps its answers", "[measur
     REQUIRE(protrusionOf({{{0, 0, 50}}, 1}, mesh) > 1);
 }
 
-TEST_CASE("formulas of shapes give distances inside and outside", "[measure]") {
+TEST_CASE("formulas of shapes give distances inside and outside", "[verify]") {
     const auto box = WallShape<2>::ofBox({{{0, 0}}, {{4, 2}}});
     REQUIRE(box.innerDistance({{1, 1.5}}) == Approx(0.5));
     REQUIRE(box.innerDistance({{-3, -4}}) == Approx(-5));
@@ -255,7 +255,7 @@ TEST_CASE("formulas of shapes give distances inside and outside", "[measure]") {
     REQUIRE(check.max == Approx(0.2));
 }
 
-TEST_CASE("circles against a slice: segments, shape and mesh agree", "[measure]") {
+TEST_CASE("circles against a slice: segments, shape and mesh agree", "[verify]") {
     const double height = 3;
     const auto ball = hollowBallMesh(10, 5, 5);
     const auto segments = sliceSegments(ball, height);

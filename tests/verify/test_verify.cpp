@@ -58,15 +58,15 @@ void requireSame(const std::vector<Sphere<Dim>>& spheres) {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("overlaps are those of an all-pairs search", "[measure]", ((int Dim), Dim),
-                       2, 3) {
+TEMPLATE_TEST_CASE_SIG("overlaps are those of an all-pairs search", "[verify]", ((int Dim), Dim), 2,
+                       3) {
     const auto seed = GENERATE(range(1u, 6u));
     const double ratio = GENERATE(1.0, 1.9, 3.0, 10.0, 100.0);
     CAPTURE(Dim, seed, ratio);
     requireSame(randomSpheres<Dim>(600, Dim == 2 ? 120.0 : 40.0, 0.5, ratio, seed));
 }
 
-TEMPLATE_TEST_CASE_SIG("overlaps are found wherever the spheres lie", "[measure]", ((int Dim), Dim),
+TEMPLATE_TEST_CASE_SIG("overlaps are found wherever the spheres lie", "[verify]", ((int Dim), Dim),
                        2, 3) {
     const auto seed = GENERATE(range(1u, 4u));
     CAPTURE(Dim, seed);
@@ -107,7 +107,7 @@ TEMPLATE_TEST_CASE_SIG("overlaps are found wherever the spheres lie", "[measure]
     }
 }
 
-TEMPLATE_TEST_CASE_SIG("touching spheres pass, a disturbed one is named", "[measure]",
+TEMPLATE_TEST_CASE_SIG("touching spheres pass, a disturbed one is named", "[verify]",
                        ((int Dim), Dim), 2, 3) {
     std::vector<Sphere<Dim>> spheres = disjointSpheres<Dim>(Dim == 2 ? 100 : 20, 7);
     for (auto& s : spheres) s.radius = 1;
@@ -126,7 +126,7 @@ TEMPLATE_TEST_CASE_SIG("touching spheres pass, a disturbed one is named", "[meas
     for (const auto& w : check.worst) REQUIRE((w.i == victim || w.j == victim));
 }
 
-TEST_CASE("a pack of coincident spheres ends the count early", "[measure]") {
+TEST_CASE("a pack of coincident spheres ends the count early", "[verify]") {
     const std::vector<Sphere<3>> spheres(20000, Sphere<3>{{}, 1.0});
     const auto check = checkOverlap(spheres);
     REQUIRE_FALSE(check.complete);
@@ -134,14 +134,14 @@ TEST_CASE("a pack of coincident spheres ends the count early", "[measure]") {
     REQUIRE(check.max == Approx(2.0));
 }
 
-TEST_CASE("few or no spheres", "[measure]") {
+TEST_CASE("few or no spheres", "[verify]") {
     REQUIRE(checkOverlap(std::vector<Sphere<3>>{}).pairs == 0);
     REQUIRE(checkOverlap(std::vector<Sphere<3>>{{{}, 1.0}}).pairs == 0);
     REQUIRE(checkOverlap(std::vector<Sphere<2>>{{{}, 1.0}, {{{1, 0}}, 2.0}}).pairs == 1);
     REQUIRE(verifyPack(Pack<3>{}).passed());
 }
 
-TEST_CASE("spheres that are no numbers are refused by number", "[measure]") {
+TEST_CASE("spheres that are no numbers are refused by number", "[verify]") {
     auto spheres = disjointSpheres<3>(4, 1);
     const double bad = GENERATE(std::numeric_limits<double>::quiet_NaN(),
                                 std::numeric_limits<double>::infinity(), -1.0, 0.0, 1e300);
@@ -151,7 +151,7 @@ TEST_CASE("spheres that are no numbers are refused by number", "[measure]") {
     REQUIRE_THROWS_WITH(checkOverlap(spheres), Catch::Contains("sphere number 17"));
 }
 
-TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand", "[measure]") {
+TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand", "[verify]") {
     const auto uniform = [](double r) { return std::clamp(r - 1, 0.0, 1.0); };
     // Shares 1/4, 3/4 (a tie), 1 at 1.2, 1.5, 1.9: largest difference just after 1.5 or before.
     REQUIRE(ksDistance({1.5, 1.2, 1.9, 1.5}, uniform) == Approx(0.25).margin(1e-5));
@@ -163,7 +163,7 @@ TEST_CASE("the Kolmogorov-Smirnov distance is that found by hand", "[measure]") 
     REQUIRE(ksDistance(even, uniform) == Approx(0.0005).margin(1e-5));
 }
 
-TEST_CASE("atoms of a distribution are met by ties", "[measure]") {
+TEST_CASE("atoms of a distribution are met by ties", "[verify]") {
     // Radius 0.3 with weight 0.4, 0.7 with weight 0.6.
     const auto upTo = [](double r) { return (r >= 0.3 ? 0.4 : 0.0) + (r >= 0.7 ? 0.6 : 0.0); };
     const auto before = [](double r) { return (r > 0.3 ? 0.4 : 0.0) + (r > 0.7 ? 0.6 : 0.0); };
@@ -176,7 +176,7 @@ TEST_CASE("atoms of a distribution are met by ties", "[measure]") {
     REQUIRE(ksDistance({f3, f3, f7, f7, f7}, upTo, before) == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("the hash is that of the documented formula", "[measure]") {
+TEST_CASE("the hash is that of the documented formula", "[verify]") {
     // Computed by numpy with the lines that assets/guides/files.md shows.
     Pack<3> pack;
     pack.spheres = {
@@ -188,7 +188,7 @@ TEST_CASE("the hash is that of the documented formula", "[measure]") {
     REQUIRE(hashText(packHash(circles)) == "8a1f8ce4415aae6f");
 }
 
-TEST_CASE("the hash knows no order, no threads, but every bit", "[measure]") {
+TEST_CASE("the hash knows no order, no threads, but every bit", "[verify]") {
     Pack<3> pack;
     pack.spheres = randomSpheres<3>(20000, 50, 0.5, 3, 9);
     const auto hash = packHash(pack);
@@ -207,7 +207,7 @@ TEST_CASE("the hash knows no order, no threads, but every bit", "[measure]") {
     REQUIRE(packHash(turned) != hash);
 }
 
-TEST_CASE("checks give the same for any number of threads", "[measure]") {
+TEST_CASE("checks give the same for any number of threads", "[verify]") {
     const auto spheres = randomSpheres<3>(5000, 60, 0.5, 10, 3);
     const auto many = checkOverlap(spheres);
     const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
@@ -236,7 +236,7 @@ TEST_CASE("a pack is verified against its wall in one call", "[verify]") {
     }
 }
 
-TEST_CASE("a result is shown with ids, positions and a verdict", "[measure]") {
+TEST_CASE("a result is shown with ids, positions and a verdict", "[verify]") {
     Pack<3> pack;
     pack.spheres = disjointSpheres<3>(5, 2);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
