@@ -53,7 +53,11 @@ std::shared_ptr<const Domain<Dim>> functionDomain(std::function<double(const Vec
 /// about voxelSize² / (8 R) where its radius of curvature is R, more at edges (about half a voxel).
 /// The sides of the bounds are exact.
 ///
-/// @param f  as for `functionDomain`, in any unit. @throws as that and as `meshDomain`.
+/// @param f        as for `functionDomain`, in any unit.
+/// @param options  `steepest` must be the largest gradient of `f` (or more) here too, since the
+///                 contour is sampled where f / steepest is within some voxels of zero: a function
+///                 that is steeper between the points of a coarse lattice is refused.
+/// @throws as `functionDomain` and as `meshDomain`.
 std::shared_ptr<const Domain<3>> implicitDomain(std::function<double(const Vec<3>&)> f,
                                                 const Box<3>& bounds,
                                                 const FunctionOptions& options,
