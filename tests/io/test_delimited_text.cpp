@@ -117,8 +117,8 @@ TEST_CASE("texts are cut, compared and quoted without a locale", "[io]") {
     CHECK(extensionOf("a.b/skull").empty());
     CHECK((endsWith("a.stl", ".stl") && !endsWith("stl", ".stl")));
     CHECK((equalsNoCase("SoLiD", "solid") && !equalsNoCase("solids", "solid")));
-    CHECK(vdbpack::quoted("a\nb") == "'a?b'");
-    CHECK(vdbpack::quoted(std::string(41, 'x')) == "'" + std::string(40, 'x') + "...'");
+    CHECK(quotedExcerpt("a\nb") == "'a?b'");
+    CHECK(quotedExcerpt(std::string(41, 'x')) == "'" + std::string(40, 'x') + "...'");
     CHECK(oneLine("a\tb\nc") == "a b c");
     std::string text;
     for (const std::uint32_t c : {0x41u, 0xe9u, 0x20acu, 0x1f9b4u}) appendUtf8(text, c);

@@ -118,8 +118,8 @@ void requireShallow(const std::string& text, const std::string& file) {
                         file, kMostDots));
 }
 
-/// As TOML: numbers plain where they come back as they are.
-std::string quoted(const std::string& text) {
+/// As a value of TOML: a number without quotes where it is read back as the same text.
+std::string tomlValue(const std::string& text) {
     try {
         const auto parsed = toml::parse("x = " + text);
         if (parsed.size() == 1 && parsed["x"].is_number() && textOf(*parsed.get("x")) == text)
@@ -132,10 +132,10 @@ std::string quoted(const std::string& text) {
     return out.str();
 }
 
-std::string quoted(const std::vector<std::string>& texts) {
-    if (texts.size() == 1) return quoted(texts.front());
+std::string tomlValue(const std::vector<std::string>& texts) {
+    if (texts.size() == 1) return tomlValue(texts.front());
     std::string list;
-    for (const auto& text : texts) list += (list.empty() ? "" : ", ") + quoted(text);
+    for (const auto& text : texts) list += (list.empty() ? "" : ", ") + tomlValue(text);
     return '[' + list + ']';
 }
 
@@ -174,9 +174,9 @@ std::string recipeText(const CLI::App& command) {
         else if (option->get_expected_max() == 0)
             text += option->count() > 0 ? name + " = true\n" : "";
         else if (option->count() > 0)
-            text += name + " = " + quoted(option->results()) + '\n';
+            text += name + " = " + tomlValue(option->results()) + '\n';
         else if (!option->get_default_str().empty())
-            text += name + " = " + quoted(option->get_default_str()) + '\n';
+            text += name + " = " + tomlValue(option->get_default_str()) + '\n';
     }
     return text;
 }

@@ -6,6 +6,7 @@
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 

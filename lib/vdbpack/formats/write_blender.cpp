@@ -120,7 +120,7 @@ std::array<double, 3> middleOf(const PackView& pack) {
 }
 
 /// A string literal of Python: the escapes of JSON mean the same there.
-std::string quoted(const std::string& text, const std::string& file) {
+std::string pythonLiteral(const std::string& text, const std::string& file) {
     try {
         return nlohmann::json(text).dump();
     } catch (const nlohmann::json::exception&) {
@@ -179,23 +179,23 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     const auto add = [&known](const char* key, const std::string& value) {
         known += fmt::format("    \"{}\": {},\n", key, value);
     };
-    add("name", quoted(nameOf(script), script));
-    add("points", quoted(nameOf(files[1]), script));
+    add("name", pythonLiteral(nameOf(script), script));
+    add("points", pythonLiteral(nameOf(files[1]), script));
     // "" where there is no level set to show.
     std::string seen;
     if (levelSets) seen = volume.empty() ? nameOf(files[2]) : relativePath(script, volume);
-    add("volume", quoted(seen, script));
+    add("volume", pythonLiteral(seen, script));
     add("count", std::to_string(view.size()));
     add("crc32", std::to_string(crc));
     add("dim", std::to_string(Dim));
-    add("unit", quoted(unitName(options.unit), script));
+    add("unit", pythonLiteral(unitName(options.unit), script));
     std::string place = "[";
     for (const double c : center) {
         if (place.size() > 1) place += ", ";
         appendNumber(place, c);
     }
     add("center", place + "]");
-    add("generator", quoted(options.generator, script));
+    add("generator", pythonLiteral(options.generator, script));
     known += "}\n";
     std::string text = kBlenderScene;
     const auto at = text.find(kPackLine);

@@ -1,8 +1,6 @@
 // Private: numbers as text, exact both ways and without a locale.
 #pragma once
 
-#include "vdbpack/io/text.h"
-
 #include <cstdint>
 #include <optional>
 #include <string>

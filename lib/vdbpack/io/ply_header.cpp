@@ -26,7 +26,7 @@ NumberType parseType(const InputFile& file, std::string_view name) {
     };
     for (const auto& [known, type] : kTypes)
         if (name == known) return type;
-    file.failAtLine("type of a property expected, found " + quoted(name));
+    file.failAtLine("type of a property expected, found " + quotedExcerpt(name));
 }
 
 PlyFormat parseFormat(const InputFile& file, std::string_view name) {
@@ -35,7 +35,7 @@ PlyFormat parseFormat(const InputFile& file, std::string_view name) {
     if (name == "binary_big_endian") return PlyFormat::bigEndian;
     file.failAtLine(
         "format 'ascii', 'binary_little_endian' or 'binary_big_endian' expected, found " +
-        quoted(name));
+        quotedExcerpt(name));
 }
 
 PlyElement parseElement(const InputFile& file, Words words) {
@@ -44,7 +44,7 @@ PlyElement parseElement(const InputFile& file, Words words) {
     const std::string_view word = words.next();
     std::int64_t count = 0;
     if (!parseInteger(word, count))
-        file.failAtLine("the number of elements expected, found " + quoted(word));
+        file.failAtLine("the number of elements expected, found " + quotedExcerpt(word));
     if (count < 0) file.failAtLine(fmt::format("negative count: {}", count));
     element.count = static_cast<std::uint64_t>(count);
     return element;
@@ -102,12 +102,12 @@ PlyHeader readPlyHeader(InputFile& file) {
             header.elements.push_back(parseElement(file, words));
             const std::string& name = header.elements.back().name;
             if (!names.insert(name).second)
-                file.failAtLine("element " + quoted(name) + " is declared twice");
+                file.failAtLine("element " + quotedExcerpt(name) + " is declared twice");
         } else if (keyword == "property") {
             if (header.elements.empty()) file.failAtLine("property before any element");
             header.elements.back().properties.push_back(parseProperty(file, words));
         } else {
-            file.failAtLine("is not a statement of a PLY header: " + quoted(keyword));
+            file.failAtLine("is not a statement of a PLY header: " + quotedExcerpt(keyword));
         }
     }
     if (!hasFormat) file.failAtLine("the header names no format");

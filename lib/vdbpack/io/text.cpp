@@ -47,7 +47,7 @@ std::string extensionOf(std::string_view path) {
     return dot == std::string_view::npos ? "" : lowered(name.substr(dot));
 }
 
-std::string quoted(std::string_view text) {
+std::string quotedExcerpt(std::string_view text) {
     constexpr std::size_t kLongest = 40;
     std::string out = "'";
     for (const char c : text.substr(0, kLongest)) out += c >= 0x20 && c < 0x7f ? c : '?';

@@ -51,8 +51,8 @@ bool endsWith(std::string_view text, std::string_view end);
 /// The extension of a file name with its dot, in small letters; empty if there is none.
 std::string extensionOf(std::string_view path);
 
-/// `text` in quotes for a message: its first 40 characters, '?' for unprintable ones.
-std::string quoted(std::string_view text);
+/// The first 40 characters of `text` in single quotes, for a message; '?' for unprintable ones.
+std::string quotedExcerpt(std::string_view text);
 
 /// `text` as one line of a comment: control characters become blanks.
 std::string oneLine(std::string text);

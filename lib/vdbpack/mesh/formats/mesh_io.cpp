@@ -34,7 +34,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".ply") read = readPlyMesh;
     if (extension == ".off") read = readOffMesh;
     if (read == nullptr)
-        throw InputError(path + ": format " + quoted(extension) +
+        throw InputError(path + ": format " + quotedExcerpt(extension) +
                          " is not read as a mesh; convert it to .stl, .obj, .ply or .off");
     const double factor = millimetersPer(options.unit) * options.scale;
     MeshFileFacts found;

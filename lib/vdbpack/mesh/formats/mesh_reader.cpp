@@ -45,7 +45,7 @@ void MeshReader::failNumber(std::string_view word, const char* what) const {
     if (word.empty())
         file.failAtLine(std::string(what) +
                         " expected, but nothing is left; the file may be truncated");
-    file.failAtLine(std::string(what) + " expected, found " + quoted(word));
+    file.failAtLine(std::string(what) + " expected, found " + quotedExcerpt(word));
 }
 
 void MeshReader::failTotal(const char* what, std::size_t most) const {

@@ -30,7 +30,7 @@ std::int64_t vertexOf(const MeshReader& reader, std::string_view corner) {
     const std::size_t slash = corner.find('/');
     if (slash != std::string_view::npos &&
         corner.find_first_not_of("0123456789-+/", slash) != std::string_view::npos)
-        file.failAtLine("a corner of a face expected, found " + quoted(corner));
+        file.failAtLine("a corner of a face expected, found " + quotedExcerpt(corner));
     const std::int64_t index = reader.integer(corner.substr(0, slash), "a vertex index");
     if (index == 0 || index >= static_cast<std::int64_t>(kMostVertices))
         file.failAtLine(fmt::format("face names vertex {}; OBJ counts from 1", index));
@@ -82,7 +82,7 @@ void readObjMesh(MeshReader& reader) {
             readFace(reader, words, largest);
         } else if (!keyword.empty() && keyword.front() != '#' &&
                    std::isalpha(static_cast<unsigned char>(keyword.front())) == 0) {
-            file.failAtLine("is not an OBJ statement: " + quoted(keyword));
+            file.failAtLine("is not an OBJ statement: " + quotedExcerpt(keyword));
         }
     }
     if (largest.index > static_cast<std::int64_t>(vertices.size()))

@@ -42,7 +42,8 @@ Counts readCounts(MeshReader& reader) {
     std::int64_t number = 0;
     if (!parseInteger(word, number)) {
         if (!isKeyword(word))
-            file.failAtLine("'OFF', 'COFF', 'NOFF' or 'STOFF' expected, found " + quoted(word));
+            file.failAtLine("'OFF', 'COFF', 'NOFF' or 'STOFF' expected, found " +
+                            quotedExcerpt(word));
         word = words.next();
         if (equalsNoCase(word, "binary"))
             file.failAtLine("binary OFF is not read; save it as ASCII OFF or as PLY");

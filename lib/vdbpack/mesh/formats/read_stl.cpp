@@ -61,7 +61,7 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
                 fmt::format("the file ends where '{}' is expected; it is truncated, "
                             "export it again",
                             keyword));
-        file.failAtLine(fmt::format("'{}' expected, found {}", keyword, quoted(word)));
+        file.failAtLine(fmt::format("'{}' expected, found {}", keyword, quotedExcerpt(word)));
     };
     expect("solid");
     words.dropLine();
@@ -73,7 +73,7 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
         }
         if (!inSolid) {
             if (!equalsNoCase(word, "solid"))
-                file.failAtLine("'solid' expected, found " + quoted(word));
+                file.failAtLine("'solid' expected, found " + quotedExcerpt(word));
             words.dropLine();
             inSolid = true;
         } else if (equalsNoCase(word, "endsolid")) {
@@ -98,7 +98,7 @@ void readAsciiStl(MeshReader& reader, Welder& welder) {
             reader.addTriangle(corner[0], corner[1], corner[2]);
             reader.checkVertexTotal(welder.size());
         } else {
-            file.failAtLine("'facet' or 'endsolid' expected, found " + quoted(word));
+            file.failAtLine("'facet' or 'endsolid' expected, found " + quotedExcerpt(word));
         }
     }
 }
