@@ -265,19 +265,24 @@ void addInputPack(CLI::App& command, InputPack& input, const char* name, const s
     addMemoryLimit(command, input.memoryLimit);
 }
 
+void addReport(CLI::App& command, std::string& file, const std::string& help) {
+    command.add_option("--report", file, help)->option_text("FILE.json|FILE.html")->group("Run");
+}
+
+void addPrinting(CLI::App& command, PrintOptions& print) {
+    command.add_flag("--json", print.json, "print the report as JSON instead of the summary")
+        ->group("Run");
+    command.add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
+}
+
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
                    PrintOptions& print) {
     command.add_option("--seed", seed, "seed of the random numbers")
         ->option_text("S [1]")
         ->transform(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()))
         ->group("Run");
-    command
-        .add_option("--report", report, "write the report as JSON, or as a page for the browser")
-        ->option_text("FILE.json|.html")
-        ->group("Run");
-    command.add_flag("--json", print.json, "print the report as JSON instead of the summary")
-        ->group("Run");
-    command.add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
+    addReport(command, report, "write the report as JSON, or as a page for the browser");
+    addPrinting(command, print);
 }
 
 void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {

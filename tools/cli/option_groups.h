@@ -70,7 +70,11 @@ void addDensityOption(CLI::App& command, std::string& density);
 /// A pack of a file as the positional `name`, and what to compare it with.
 void addInputPack(CLI::App& command, vdbpack::InputPack& input, const char* name,
                   const std::string& help);
-/// What runs that are no study have in common.
+/// --report.
+void addReport(CLI::App& command, std::string& file, const std::string& help);
+/// --json and --quiet.
+void addPrinting(CLI::App& command, PrintOptions& print);
+/// Options of all runs with one seed.
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
                    PrintOptions& print);
 void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);

@@ -52,13 +52,8 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
-CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
-    command->add_option("DOMAIN", job.domain.source, kDomainHelp);
-    addOutputs(*command, job.outputs, kOutputHelp);
-    addDomainOptions(*command, job.domain);
-    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+/// Sizes of the spheres of `pack`, and how they are packed.
+void addSphereOptions(CLI::App* command, PackJob& job) {
     addSizeOptions(*command, job.radius, job.weightBy,
                    " (default: uniform with ratio 1:2, about 100,000 spheres)");
     command
@@ -95,8 +90,10 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
         ->check(notEmpty())
         ->group("Spheres");
     addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if the file states none");
-    addDensityOption(*command, job.density);
-    addVoidOptions(*command, job.voids, VoidsIn::pack);
+}
+
+/// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
+void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
     command
         ->add_option_function<std::string>(
             "--seed", [&job](const std::string& text) { job.seeds = parseSeeds(text); },
@@ -114,16 +111,24 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
                    "predict count, solid fraction, time, memory and sizes of files; write nothing")
         ->group("Run");
     addContactTolerance(*command, job.contactTolerance);
-    command
-        ->add_option("--report", job.reportFile,
-                     "write the report: .json for programs, .html as a page with charts for the "
-                     "browser (with the values of measure)")
-        ->option_text("FILE.json|FILE.html")
-        ->group("Run");
+    addReport(*command, job.reportFile,
+              "write the report: .json for programs, .html as a page with charts for the browser "
+              "(with the values of measure)");
     addPreviewOptions(*command, job.preview);
-    command->add_flag("--json", print.json, "print the report as JSON instead of the summary")
-        ->group("Run");
-    command->add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
+    addPrinting(*command, print);
+}
+
+CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
+    CLI::App* command =
+        app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
+    command->add_option("DOMAIN", job.domain.source, kDomainHelp);
+    addOutputs(*command, job.outputs, kOutputHelp);
+    addDomainOptions(*command, job.domain);
+    addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addSphereOptions(command, job);
+    addDensityOption(*command, job.density);
+    addVoidOptions(*command, job.voids, VoidsIn::pack);
+    addPackRunOptions(command, job, print);
     return command;
 }
 
@@ -213,12 +218,8 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
-    command
-        ->add_option(
-            "--report", job.reportFile,
-            "write all values: .json for programs, .html as a page with charts for the browser")
-        ->option_text("FILE.json|FILE.html")
-        ->group("Run");
+    addReport(*command, job.reportFile,
+              "write all values: .json for programs, .html as a page with charts for the browser");
     command->add_flag("--json", print.json, "print all values as JSON")->group("Run");
     return command;
 }
