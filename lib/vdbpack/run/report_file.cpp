@@ -24,13 +24,6 @@ void write(const std::string& path, const std::string& text) {
     file.commit();
 }
 
-void addPicture(const PreviewPicture& picture, ReportPage& page) {
-    page.picture = picture.png;
-    page.pictureWidth = picture.width;
-    page.pictureHeight = picture.height;
-    page.pictureWords = picture.words;
-}
-
 /// Names of files are any bytes; JSON is UTF-8.
 std::string jsonText(const Json& json) {
     return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
@@ -60,8 +53,8 @@ public:
     void add(const std::string& name, const std::vector<std::string>& values) {
         for (const auto& value : values) add(name, value);
     }
-    void add(const DomainRecipe& domain, const Report& report) {
-        add("DOMAIN", domain.source);
+    void add(const char* name, const DomainRecipe& domain, const Report& report) {
+        add(name, domain.source);
         if (domain.unit != Unit::millimeter) add("--unit", unitName(domain.unit));
         if (domain.scale != 1) add("--scale", domain.scale);
         add("--grid", domain.gridName);
@@ -70,9 +63,12 @@ public:
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
     }
-    void add(const InputPack& input, const char* name) {
+    void add(const char* name, const InputPack& input, const Report& report) {
         add(name, input.pack);
         if (input.packUnit != Unit::millimeter) add("--pack-unit", unitName(input.packUnit));
+        add("--domain", input.domain, report);
+        add("--radius", input.radius);
+        if (input.weightBy == WeightBy::volume) add("--weight-by", "volume");
     }
     void add(const RunSettings& settings, const Report& report, bool random = true) {
         if (random) add("--seed", std::to_string(settings.seed));
@@ -122,7 +118,7 @@ const char* nameOf(Order order) {
 std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add(recipe.domain, report);
+    s.add("DOMAIN", recipe.domain, report);
     s.add("--radius", recipe.radius.empty() ? "by default" : recipe.radius);
     if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
     s.add("--target-count", recipe.targetCount);
@@ -143,10 +139,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
 std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add(recipe, "FILE");
-    s.add(recipe.domain, report);
-    s.add("--radius", recipe.radius);
-    if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
+    s.add("FILE", recipe, report);
     s.add("--shell", recipe.shell, " mm");
     s.add(recipe, report, false);
     return s.take();
@@ -155,9 +148,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe&
 std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add(recipe, "PACK");
-    s.add("--domain", recipe.domain.source);
-    s.add(recipe.domain, report);
+    s.add("PACK", recipe, report);
     s.add(recipe.voids);
     s.add(recipe, report);
     return s.take();
@@ -166,14 +157,35 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const CarveRecipe& r
 std::vector<std::pair<std::string, std::string>> settingsOf(const DensifyRecipe& recipe,
                                                             const Report& report) {
     Settings s;
-    s.add(recipe, "PACK");
-    s.add("--domain", recipe.domain.source);
-    s.add(recipe.domain, report);
-    s.add("--radius", recipe.radius);
+    s.add("PACK", recipe, report);
     s.add("--gap", recipe.gap, " mm");
     s.add("--densify", recipe.fraction > 0 ? densifyText(recipe.fraction) : "overlaps alone");
     s.add(recipe, report);
     return s.take();
+}
+
+std::vector<std::pair<std::string, std::string>> settingsOf(const VoidsRecipe& recipe,
+                                                            const Report& report) {
+    Settings s;
+    s.add("DOMAIN", recipe.domain, report);
+    s.add(recipe.voids);
+    s.add("--seed", std::to_string(recipe.seed));
+    s.add("--threads", std::to_string(report.threads));
+    return s.take();
+}
+
+/// The page of a run on `subject`, with what all commands have in common.
+template <class Recipe>
+ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe& recipe) {
+    ReportPage page;
+    page.subject = subject;
+    page.report = run.report;
+    page.picture = run.picture.png;
+    page.pictureWidth = run.picture.width;
+    page.pictureHeight = run.picture.height;
+    page.pictureWords = run.picture.words;
+    page.settings = settingsOf(recipe, run.report);
+    return page;
 }
 
 }  // namespace
@@ -207,13 +219,9 @@ void writeReport(const RunResult& run, const PageDetails& details, const PackRec
     Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
     addTo(figures, details.structure);
-    ReportPage page;
-    page.subject = recipe.domain.source;
-    page.report = run.report;
-    addPicture(run.picture, page);
+    ReportPage page = pageOf(run, recipe.domain.source, recipe);
     page.structure = details.structure;
     page.radii = details.radii;
-    page.settings = settingsOf(recipe, run.report);
     write(recipe.reportFile, reportPage(page, figures));
 }
 
@@ -225,12 +233,8 @@ void writeOfGiven(const RunResult& run, const Recipe& recipe) {
     if (recipe.reportFile.empty()) return;
     const Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
-    ReportPage page;
-    page.subject = recipe.pack;
-    page.report = run.report;
-    addPicture(run.picture, page);
+    ReportPage page = pageOf(run, recipe.pack, recipe);
     std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
-    page.settings = settingsOf(recipe, run.report);
     write(recipe.reportFile, reportPage(page, figures));
 }
 
@@ -248,30 +252,16 @@ void writeReport(const RunResult& run, const VoidsRecipe& recipe) {
     if (recipe.reportFile.empty()) return;
     const Json figures = toJson(run);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
-    ReportPage page;
-    page.subject = recipe.domain.source;
-    page.report = run.report;
-    addPicture(run.picture, page);
-    Settings s;
-    s.add("DOMAIN", recipe.domain.source);
-    s.add(recipe.domain, run.report);
-    s.add(recipe.voids);
-    s.add("--seed", std::to_string(recipe.seed));
-    s.add("--threads", std::to_string(run.report.threads));
-    page.settings = s.take();
-    write(recipe.reportFile, reportPage(page, figures));
+    write(recipe.reportFile, reportPage(pageOf(run, recipe.domain.source, recipe), figures));
 }
 
 void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
     if (recipe.reportFile.empty()) return;
     const Json figures = toJson(result);
     if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
-    ReportPage page;
-    page.subject = recipe.pack;
-    page.report = result.run.report;
+    ReportPage page = pageOf(result.run, recipe.pack, recipe);
     page.structure = result.structure;
     page.morphometry = result.morphometry;
-    page.settings = settingsOf(recipe, result.run.report);
     if (!result.morphometry)
         std::visit(
             [&](const auto& pack) {
