@@ -6,8 +6,10 @@
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <string>
 
 namespace vdbpack::test {
 
@@ -29,6 +31,29 @@ Pack<Dim> latticePack(std::size_t count, const Vec<Dim>& center, double side, st
         pack.depth.push_back(static_cast<float>(random.uniform() * 30));
         pack.contacts.push_back(static_cast<std::int32_t>(random.bits() % 12));
     }
+    return pack;
+}
+
+/// Two texts in turn, the first for sphere 0.
+inline Column textColumn(const std::string& name, const std::array<std::string, 2>& texts,
+                         std::size_t count) {
+    Column column;
+    column.name = name;
+    for (std::size_t i = 0; i < count; ++i) column.texts.push_back(texts[i % 2]);
+    return column;
+}
+
+/// A lattice pack with ids 1, 3, 5, ..., a column of numbers and one of texts.
+inline Pack<3> packWithColumns(std::size_t count, const std::string& numbers,
+                               const std::string& text, const std::array<std::string, 2>& texts) {
+    auto pack = latticePack<3>(count, {{60, -700, 3}}, 40, 5);
+    Column thirds;
+    thirds.name = numbers;
+    for (std::size_t i = 0; i < count; ++i) {
+        pack.id.push_back(static_cast<std::int64_t>(2 * i + 1));
+        thirds.numbers.push_back(static_cast<double>(i) / 3);
+    }
+    pack.columns = {thirds, textColumn(text, texts, count)};
     return pack;
 }
 

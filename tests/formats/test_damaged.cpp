@@ -12,6 +12,7 @@
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -43,46 +44,52 @@ bool reads(const std::string& file) {
     }
 }
 
+/// A small pack in a file.
+struct WrittenPack {
+    const std::string format;
+    const TemporaryFolder scratch;
+    const std::string path = scratch.file("p.dat");
+    std::string whole;
+
+    explicit WrittenPack(std::string formatName) : format(std::move(formatName)) {
+        writePack(smallPack(), prefixed(format, path), {});
+        whole = contentOf(path);
+    }
+    bool isReadable() const { return reads(prefixed(format, path)); }
+};
+
 }  // namespace
 
 TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[formats]") {
-    const std::string format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
-    CAPTURE(format);
-    const TemporaryFolder scratch;
-    const std::string path = scratch.file("p.dat");
-    writePack(smallPack(), prefixed(format, path), {});
-    const std::string whole = contentOf(path);
-    REQUIRE(reads(prefixed(format, path)));
+    const WrittenPack file(GENERATE(from_range(std::begin(kFormats), std::end(kFormats))));
+    CAPTURE(file.format);
+    REQUIRE(file.isReadable());
     // Text cannot tell a cut between two lines, or within the last number; the others announce what
     // they hold. What follows the last sphere of a .vtp or .vdb does not matter.
-    const bool announces = format == "vdb" || format == "vtp";
+    const bool announces = file.format == "vdb" || file.format == "vtp";
     std::size_t readable = 0;
-    for (std::size_t size = whole.size(); size-- > 0;) {
+    for (std::size_t size = file.whole.size(); size-- > 0;) {
         CAPTURE(size);
-        std::filesystem::resize_file(path, size);
-        readable += reads(prefixed(format, path)) ? 1 : 0;
+        std::filesystem::resize_file(file.path, size);
+        readable += file.isReadable() ? 1 : 0;
     }
-    if (format == "ply" || format == "npz") REQUIRE(readable == 0);
+    if (file.format == "ply" || file.format == "npz") REQUIRE(readable == 0);
     if (announces) REQUIRE(readable < 260);
 }
 
 TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
-    const std::string format = GENERATE(from_range(std::begin(kFormats), std::end(kFormats)));
-    CAPTURE(format);
-    const TemporaryFolder scratch;
-    const std::string path = scratch.file("p.dat");
-    writePack(smallPack(), prefixed(format, path), {});
-    const std::string whole = contentOf(path);
+    const WrittenPack file(GENERATE(from_range(std::begin(kFormats), std::end(kFormats))));
+    CAPTURE(file.format);
     RandomStream random(22, 1);
     for (int trial = 0; trial < 500; ++trial) {
         CAPTURE(trial);
-        std::string damaged = whole;
+        std::string damaged = file.whole;
         for (int flips = 0; flips < 1 + trial % 4; ++flips)
             damaged[random.bits() % damaged.size()] ^= static_cast<char>(1 << (random.bits() % 8));
         // Written over, a file goes to the disk at once.
-        std::filesystem::remove(path);
-        putContent(path, damaged);
-        CHECK_NOTHROW(reads(prefixed(format, path)));
+        std::filesystem::remove(file.path);
+        putContent(file.path, damaged);
+        CHECK_NOTHROW(file.isReadable());
     }
 }
 

@@ -1,5 +1,5 @@
 // Data files and dumps of LAMMPS and LIGGGHTS.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 #include "formats/lattice_pack.h"
 
 #include "vdbpack/core/error.h"
@@ -391,9 +391,7 @@ Pack<3> touchingRow() {
 
 std::string written(const Pack<3>& pack, const PackWriteOptions& options = {},
                     const std::string& prefix = "lammps:") {
-    const TemporaryFolder scratch;
-    writePack(pack, prefix + (scratch.file("p.txt")), options);
-    return contentOf(scratch.file("p.txt"));
+    return writtenText(pack, prefix + "p.txt", options);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // numpy's .npz: what we write, what numpy writes, and what is broken.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 #include "formats/lattice_pack.h"
 
 #include <catch2/catch.hpp>
@@ -15,23 +15,11 @@ using Catch::Matchers::Contains;
 namespace {
 
 Pack<3> packOfAll(std::size_t count) {
-    auto pack = latticePack<3>(count, {{60, -700, 3}}, 40, 5);
-    Column numbers, texts;
-    numbers.name = "modulus/GPa";
-    texts.name = "Körper";
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        pack.id.push_back(static_cast<std::int64_t>(2 * i + 1));
-        numbers.numbers.push_back(static_cast<double>(i) / 3);
-        texts.texts.push_back(i % 2 ? "größer, \xf0\x9f\xa6\xb4" : "");
-    }
-    pack.columns = {numbers, texts};
-    return pack;
+    return packWithColumns(count, "modulus/GPa", "Körper", {"", "größer, \xf0\x9f\xa6\xb4"});
 }
 
 std::string written(const Pack<3>& pack, const PackWriteOptions& options = {}) {
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file("p.npz"), options);
-    return contentOf(scratch.file("p.npz"));
+    return writtenText(pack, "p.npz", options);
 }
 
 }  // namespace

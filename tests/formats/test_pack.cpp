@@ -1,6 +1,5 @@
+#include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-#include "support/temporary_folder.h"
-#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
@@ -53,13 +52,6 @@ private:
 
 const char* const kFiles[] = {"p.vdb", "p.vtp", "p.csv", "p.ply", "yade:p.txt"};
 
-std::string inFolder(const TemporaryFolder& scratch, const std::string& file) {
-    const auto colon = file.find(':');
-    return colon == std::string::npos
-               ? scratch.file(file)
-               : file.substr(0, colon + 1) + scratch.file(file.substr(colon + 1));
-}
-
 }  // namespace
 
 TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[formats]",
@@ -106,17 +98,15 @@ TEMPLATE_TEST_CASE_SIG("exact formats give back the pack bit for bit", "[formats
 TEMPLATE_TEST_CASE_SIG("YADE text keeps positions, radii and regions exactly", "[formats]",
                        ((int Dim), Dim), 2, 3) {
     auto pack = latticePack<Dim>(2000, Vec<Dim>{}, 900, 3);
-    const TemporaryFolder scratch;
     SECTION("with regions") {}
     SECTION("without regions") {
         pack.region.clear();
     }
-    writePack(pack, "yade:" + (scratch.file("p.txt")), {});
-    const auto text = contentOf(scratch.file("p.txt"));
+    const auto text = writtenText(pack, "yade:p.txt");
     REQUIRE(text.substr(0, text.find('\n')) ==
             (pack.region.empty() ? "#format x_y_z_r" : "#format x_y_z_r_matId"));
     REQUIRE(text.find("\n\n") == std::string::npos);
-    const auto read = readPack("yade:" + (scratch.file("p.txt")));
+    const auto read = readText("p.txt", text);
     REQUIRE(read.spheres == asSpheres(pack).spheres);
     REQUIRE(read.region == pack.region);
 }
@@ -219,17 +209,14 @@ TEST_CASE("names in XML are UTF-8, and references in them are read", "[formats]"
     pack.spheres.push_back({{{0, 0, 0}}, 1.0});
     pack.columns.push_back({"h\xf6he", {1}, {}});  // Latin-1
     pack.columns.push_back({"line\nbreak", {2}, {}});
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file("p.vtp"), PackWriteOptions{});
-    auto read = readPack(scratch.file("p.vtp"));
+    std::string text = writtenText(pack, "p.vtp");
+    auto read = readText("p.vtp", text);
     REQUIRE(read.columns.size() == 2);
     CHECK(read.columns[0].name == "h\xef\xbf\xbdhe");  // U+FFFD
     CHECK(read.columns[1].name == "line break");
-    std::string text = contentOf(scratch.file("p.vtp"));
     const std::string name = "line break";
     text.replace(text.find(name), name.size(), "h&#246;he &#x9aa8;&#x1F9B4; &#9 &#; &#x");
-    putContent(scratch.file("p.vtp"), text);
-    read = readPack(scratch.file("p.vtp"));
+    read = readText("p.vtp", text);
     REQUIRE(read.columns.size() == 2);
     CHECK(read.columns[1].name == "h\xc3\xb6he \xe9\xaa\xa8\xf0\x9f\xa6\xb4 &#9 &#; &#x");
 }
@@ -238,18 +225,14 @@ TEST_CASE("CSV numbers keep their decimal point", "[formats]") {
     Pack<3> pack;
     pack.spheres = {{{{1e-5, -3, 0.1}}, 2}, {{{1e22, 1.5e-300, -0.0}}, 1e-7}};
     pack.region = {1, 0};
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file("p.csv"), {});
-    REQUIRE(contentOf(scratch.file("p.csv")) ==
+    REQUIRE(writtenText(pack, "p.csv") ==
             "id,x,y,z,radius,region\n"
             "0,1.0000000000000001e-05,-3.0,0.10000000000000001,2.0,1\n"
             "1,1.0e+22,1.5000000000000001e-300,-0.0,9.9999999999999995e-08,0\n");
 }
 
 TEST_CASE("CSV with every attribute has the header that scripts expect", "[formats]") {
-    const TemporaryFolder scratch;
-    writePack(latticePack<3>(3, {}, 4, 8), scratch.file("p.csv"), {});
-    const auto text = contentOf(scratch.file("p.csv"));
+    const auto text = writtenText(latticePack<3>(3, {}, 4, 8), "p.csv");
     REQUIRE(text.substr(0, text.find('\n')) == "id,x,y,z,radius,region,order,depth,contacts");
 }
 

@@ -1,5 +1,5 @@
 // PLY files of other programs.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"

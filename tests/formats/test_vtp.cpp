@@ -1,5 +1,5 @@
 // .vtp of ParaView and others, in every encoding.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"

@@ -1,5 +1,5 @@
 // Extended XYZ: what we write, and what other programs do.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 #include "formats/lattice_pack.h"
 
 #include <catch2/catch.hpp>
@@ -20,54 +20,39 @@ const char* const kTwo =
 }  // namespace
 
 TEST_CASE("an .xyz file begins as ASE and OVITO expect", "[formats]") {
-    const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}, {{{2, 0, 0}}, 1}};
     pack.region = {0, 1};
-    writePack(pack, scratch.file("p.xyz"), {});
-    REQUIRE(contentOf(scratch.file("p.xyz")) ==
+    REQUIRE(writtenText(pack, "p.xyz") ==
             "2\nLattice=\"4.0 0.0 0.0 0.0 2.0 0.0 0.0 0.0 2.0\" Origin=\"-1.0 -1.0 -1.0\" "
             "Properties=species:S:1:pos:R:3:radius:R:1:id:I:1:region:I:1 pbc=\"F F F\" "
             "unit_of_length=mm\nX 0.0 0.0 0.0 1.0 0 0\nX 2.0 0.0 0.0 1.0 1 1\n");
 }
 
 TEST_CASE("an .xyz file gives back the same pack", "[formats]") {
-    const TemporaryFolder scratch;
-    auto pack = latticePack<3>(500, {{60, -700, 3}}, 40, 5);
-    Column numbers, texts, odd;
-    numbers.name = "Young's modulus";
-    texts.name = "species";
-    odd.name = "id";
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        pack.id.push_back(static_cast<std::int64_t>(2 * i + 1));
-        numbers.numbers.push_back(static_cast<double>(i) / 3);
-        texts.texts.push_back(i % 2 ? "Ca" : "P");
-        odd.texts.push_back(i % 2 ? "one two" : "");
-    }
-    pack.columns = {numbers, texts, odd};
-    writePack(pack, scratch.file("p.xyz"), {});
-    const auto read = readPack(scratch.file("p.xyz"));
+    auto pack = packWithColumns(500, "Young's modulus", "species", {"P", "Ca"});
+    pack.columns.push_back(textColumn("id", {"", "one two"}, pack.spheres.size()));
+    const auto read = readText("p.xyz", writtenText(pack, "p.xyz"));
     REQUIRE(read.spheres == pack.spheres);
     requireSameAttributes(read, pack);
     REQUIRE(read.columns.size() == 3);
     REQUIRE(read.columns[0].name == "species");
-    REQUIRE(read.columns[0].texts == texts.texts);
+    REQUIRE(read.columns[0].texts == pack.columns[1].texts);
     REQUIRE(read.columns[1].name == "Young's_modulus");
-    REQUIRE(read.columns[1].numbers == numbers.numbers);
+    REQUIRE(read.columns[1].numbers == pack.columns[0].numbers);
     REQUIRE(read.columns[2].name == "id_2");
     REQUIRE(read.columns[2].texts[1] == "one_two");
     REQUIRE(read.columns[2].texts[0] == "_");
 }
 
 TEST_CASE("the unit of an .xyz file is recorded and counts", "[formats]") {
-    const TemporaryFolder scratch;
     Pack<3> pack;
     pack.spheres = {{{{1, 2, 3}}, 0.5}};
     PackWriteOptions options;
     options.unit = Unit::meter;
-    writePack(pack, scratch.file("p.xyz"), options);
-    REQUIRE_THAT(contentOf(scratch.file("p.xyz")), Contains("\nX 0.001") && Contains("=m\n"));
-    REQUIRE(readPack(scratch.file("p.xyz")).spheres == pack.spheres);
+    const auto text = writtenText(pack, "p.xyz", options);
+    REQUIRE_THAT(text, Contains("\nX 0.001") && Contains("=m\n"));
+    REQUIRE(readText("p.xyz", text).spheres == pack.spheres);
     REQUIRE_THAT(
         errorOf("p.xyz", "1\nProperties=pos:R:3:radius:R:1 unit_of_length=inch\n1 2 3 4\n"),
         Contains("inch") && Contains("line 2"));

@@ -1,5 +1,5 @@
 // YADE's text formats.
-#include "formats/foreign.h"
+#include "formats/file_text.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"

@@ -1,4 +1,4 @@
-// Files of other programs, given as text.
+// Packs as the content of a file, ours or another program's.
 #pragma once
 
 #include "support/message_of.h"
@@ -15,12 +15,29 @@
 
 namespace vdbpack::test {
 
+/// The file of this name, which a format and a colon may precede, in a folder.
+inline std::string inFolder(const TemporaryFolder& scratch, const std::string& file) {
+    const auto colon = file.find(':');
+    return colon == std::string::npos
+               ? scratch.file(file)
+               : file.substr(0, colon + 1) + scratch.file(file.substr(colon + 1));
+}
+
 /// The pack in a file of this name (by extension; p.txt: YADE) and content.
 inline Pack<3> readText(const std::string& name, const std::string& content) {
     const TemporaryFolder scratch;
     putContent(scratch.file(name), content);
     const auto prefix = name == "p.txt" ? std::string("yade:") : std::string();
     return readPack(prefix + (scratch.file(name)));
+}
+
+/// What is written to `target`, such as "p.csv" or "yade:p.txt".
+template <int Dim>
+std::string writtenText(const Pack<Dim>& pack, const std::string& target,
+                        const PackWriteOptions& options = {}) {
+    const TemporaryFolder scratch;
+    writePack(pack, inFolder(scratch, target), options);
+    return contentOf(scratch.file(target.substr(target.find(':') + 1)));
 }
 
 /// Numbers as the bytes of a file.
