@@ -1,5 +1,6 @@
 // The planes that hold a sphere in tell the wall's distance as exactly as the wall itself does.
 #include "support/generators.h"
+#include "support/random_point.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/wall_planes.h"
@@ -15,6 +16,7 @@
 #include <limits>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
 
@@ -34,13 +36,6 @@ Body bodyAt(const Vec<Dim>& x, double radius) {
             static_cast<float>(radius / kQuantum)};
 }
 
-template <int Dim>
-Vec<Dim> randomWithin(RandomStream& random, const Box<Dim>& box) {
-    Vec<Dim> x;
-    for (int d = 0; d < Dim; ++d) x[d] = box.lo[d] + random.uniform() * (box.hi[d] - box.lo[d]);
-    return x;
-}
-
 /// Asks at random places inside, goes a share `slide` of the radius from there, and compares.
 /// @param curved  whether the wall is, so that planes are right to second order only.
 template <int Dim>
@@ -53,7 +48,7 @@ void requirePlanesOf(const Domain<Dim>& domain, double radius, double slide, boo
     const double tolerance = (curved ? 2 * slide * slide : 0) * radius + 1e-5 * radius;
     int asked = 0;
     for (int k = 0; k < 20000 && asked < 500; ++k) {
-        const Vec<Dim> x = randomWithin(random, domain.bounds());
+        const Vec<Dim> x = randomPoint(random, domain.bounds());
         WallPoint<Dim> wall;
         if (!sampler->contains(x) || !sampler->nearestWall(x, 1.2 * radius, wall) ||
             wall.distance < 0.8 * radius)

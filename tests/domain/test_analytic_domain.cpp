@@ -1,3 +1,5 @@
+#include "support/random_point.h"
+
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
@@ -10,15 +12,9 @@
 #include <cmath>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
-
-template <int Dim>
-Vec<Dim> randomPoint(RandomStream& random, const Box<Dim>& box) {
-    Vec<Dim> x;
-    for (int i = 0; i < Dim; ++i) x[i] = box.lo[i] + random.uniform() * (box.hi[i] - box.lo[i]);
-    return x;
-}
 
 template <int Dim>
 Box<Dim> sampleBox() {

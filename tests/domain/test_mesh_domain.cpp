@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/random_point.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
@@ -29,12 +30,6 @@ FieldOptions options(double voxelSize, double depth = 2) {
     o.detail = voxelSize;
     o.name = "bone";
     return o;
-}
-
-Vec<3> randomPoint(RandomStream& random, const Box<3>& box) {
-    Vec<3> x;
-    for (int i = 0; i < 3; ++i) x[i] = box.lo[i] + random.uniform() * (box.hi[i] - box.lo[i]);
-    return x;
 }
 
 /// Largest and mean difference of two domains' signed distances where neither is clamped.

@@ -1,3 +1,4 @@
+#include "support/cube.h"
 #include "support/generators.h"
 #include "voids/stamping.h"
 
@@ -14,12 +15,9 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 
 namespace {
-
-Box<3> cube(double half) {
-    return {Box<3>::filled(-half), Box<3>::filled(half)};
-}
 
 /// Pieces of the voxels inside, found one by one.
 struct Flood {
@@ -126,7 +124,7 @@ std::size_t voxelsOf(const Flood& flood) {
 
 TEST_CASE("solid is the surface without the voids", "[voids][solid]") {
     const auto domain = ballDomain<3>(8);
-    const auto voids = anyVoids<3>(60, cube(8), 0.8, 2, 0.5, 3, 61);
+    const auto voids = anyVoids<3>(60, cube<3>(16), 0.8, 2, 0.5, 3, 61);
     const double shell = GENERATE(0.0, 1.2);
     CAPTURE(shell);
     const double h = 0.2;
@@ -179,9 +177,9 @@ TEST_CASE("pieces are those of a flood voxel by voxel", "[voids][solid]") {
     const double shell = GENERATE(0.0, 0.6);
     const auto seed = GENERATE(71u, 72u, 73u);
     CAPTURE(shell, seed);
-    const auto domain = boxDomain<3>(cube(6));
+    const auto domain = boxDomain<3>(cube<3>(12));
     // Little is left between so many.
-    const auto voids = anyVoids<3>(700, cube(7), 0.7, 1.1, 0.5, 2, seed);
+    const auto voids = anyVoids<3>(700, cube<3>(14), 0.7, 1.1, 0.5, 2, seed);
     const auto cut = cutOf(*domain, voids, 0.15, shell, false);
     const Flood flood = floodOf(cut.image);
     const std::size_t all = voxelsOf(flood);
@@ -296,7 +294,7 @@ TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]"
 TEST_CASE("the surface of a mesh is known in voxels of any size", "[domain]") {
     FieldOptions options;
     options.voxelSize = 0.2;
-    const auto mesh = meshDomain(test::ballMesh(6, 5), options);
+    const auto mesh = meshDomain(ballMesh(6, 5), options);
     const std::vector<HalfSpace<3>> planes{{{{1, 0.3, -0.2}}, 2}};
     // Voxels of 0.7 mm reach farther than the field of the mesh.
     for (const double h : {0.2, 0.35, 0.7})

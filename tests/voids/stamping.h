@@ -1,6 +1,9 @@
 // Voids by formula, and their exact distances.
 #pragma once
 
+#include "support/cube.h"
+#include "support/random_point.h"
+
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/domain.h"
@@ -16,23 +19,10 @@
 
 namespace vdbpack {
 
-/// A box of side 2 `half` about the origin.
-template <int Dim>
-Box<Dim> cube(double half) {
-    return {Box<Dim>::filled(-half), Box<Dim>::filled(half)};
-}
-
-template <int Dim>
-Vec<Dim> pointIn(const Box<Dim>& box, RandomStream& random) {
-    Vec<Dim> x;
-    for (int d = 0; d < Dim; ++d) x[d] = box.lo[d] + random.uniform() * box.size()[d];
-    return x;
-}
-
 /// A random direction, not aligned with the axes and not uniform.
 template <int Dim>
 Vec<Dim> anyDirection(RandomStream& random) {
-    return normalized(pointIn<Dim>({Box<Dim>::filled(-1), Box<Dim>::filled(1)}, random));
+    return normalized(test::randomPoint(random, test::cube<Dim>(2)));
 }
 
 /// Centers in `box`, half-axes b in [least, most], a / b in [flat, lengthy].
@@ -42,7 +32,7 @@ std::vector<Ellipsoid<Dim>> anyVoids(std::size_t count, const Box<Dim>& box, dou
     RandomStream random(seed, Dim);
     std::vector<Ellipsoid<Dim>> voids(count);
     for (auto& e : voids) {
-        e.center = pointIn(box, random);
+        e.center = test::randomPoint(random, box);
         e.b = least + (most - least) * random.uniform();
         e.a = e.b * (flat + (lengthy - flat) * random.uniform());
         e.axis = anyDirection<Dim>(random);

@@ -21,6 +21,7 @@
 #include <vector>
 
 using namespace vdbpack;
+using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
@@ -32,7 +33,7 @@ std::vector<Sphere<Dim>> anySpheres(std::size_t count, double half, double least
     RandomStream random(seed, 100 + Dim);
     std::vector<Sphere<Dim>> spheres(count);
     for (auto& s : spheres) {
-        s.center = pointIn(cube<Dim>(half), random);
+        s.center = randomPoint(random, cube<Dim>(2 * half));
         s.radius = least + (most - least) * random.uniform();
     }
     return spheres;
@@ -53,8 +54,8 @@ std::vector<std::int32_t> someCandidates(std::size_t count) {
 
 TEMPLATE_TEST_CASE_SIG("culling by lookup agrees with the ellipsoids themselves", "[voids][cull]",
                        ((int Dim), Dim), 2, 3) {
-    const auto domain = boxDomain<Dim>(cube<Dim>(10));
-    const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(11), 0.8, 2, 0.5, 3, 21);
+    const auto domain = boxDomain<Dim>(cube<Dim>(20));
+    const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(22), 0.8, 2, 0.5, 3, 21);
     const double h = GENERATE(0.1, 0.2);
     const auto spheres = anySpheres<Dim>(20000, 10, 0.1, 0.8, 22);
     auto options = stampOptions(*domain, h);
@@ -104,7 +105,7 @@ TEMPLATE_TEST_CASE_SIG("deeper than the shell, spheres that meet a void are remo
                        "[voids][cull]", ((int Dim), Dim), 2, 3) {
     const double h = 0.1, shell = 1.5;
     const auto domain = ballDomain<Dim>(10);
-    const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(9), 0.8, 2, 0.5, 3, 23);
+    const auto voids = anyVoids<Dim>(Dim == 3 ? 100 : 25, cube<Dim>(18), 0.8, 2, 0.5, 3, 23);
     const auto spheres = anySpheres<Dim>(20000, 7, 0.1, 0.6, 24);
     auto options = stampOptions(*domain, h, shell);
     options.reach = 0.6 + 2 * h;
@@ -144,7 +145,7 @@ TEMPLATE_TEST_CASE_SIG("depth below a shell is decided by the distance to the wa
         CHECK(deeper > 1000);
         CHECK(deeperThan(spheres, domain, 0) == std::vector<std::int32_t>(spheres.size(), 1));
     };
-    check(*boxDomain<Dim>(cube<Dim>(6)));
+    check(*boxDomain<Dim>(cube<Dim>(12)));
     check(*ballDomain<Dim>(6));
     FieldOptions options;
     options.voxelSize = 0.5;

@@ -1,4 +1,5 @@
 #include "support/message_of.h"
+#include "support/random_point.h"
 #include "support/text_file.h"
 #include "voids/turning.h"
 
@@ -30,6 +31,7 @@ std::string failure(const std::string& table) {
 }
 
 constexpr double kSide = 60;
+const Box<3> kBox{{}, {{kSide, kSide, kSide}}};
 
 /// The turning field at scattered points 3 mm apart, each direction times `factor(i)`.
 template <class Factor>
@@ -37,7 +39,7 @@ std::string turningTable(const Factor& factor) {
     std::string text = "uz,uy,ux,z,y,x\n";
     RandomStream random(6, 1);
     for (int i = 0; i < 8000; ++i) {
-        const Vec<3> x = randomPoint(random, kSide);
+        const Vec<3> x = randomPoint(random, kBox);
         const Vec<3> u = turning(x, kSide) * factor(i);
         text += fmt::format("{},{},{},{},{},{}\n", u[2], u[1], u[0], x[2], x[1], x[0]);
     }
@@ -57,7 +59,7 @@ TEST_CASE("a field that turns across the bone is interpolated between its points
     RandomStream random(7, 1);
     double worst = 0, sum = 0;
     for (int i = 0; i < 4000; ++i) {
-        const Vec<3> x = randomPoint(random, kSide);
+        const Vec<3> x = randomPoint(random, kBox);
         const Vec<3> u = field->at(x);
         REQUIRE(length(u) == Approx(1));
         const double error = degreesBetween(u, turning(x, kSide));
@@ -76,7 +78,7 @@ TEST_CASE("signs and lengths of directions have no effect", "[voids]") {
     const auto scaled = fieldOf(turningTable([](int i) { return 1e-3 * (1 + i % 1000); }));
     RandomStream random(9, 1);
     for (int i = 0; i < 500; ++i) {
-        const Vec<3> x = randomPoint(random, kSide);
+        const Vec<3> x = randomPoint(random, kBox);
         REQUIRE(degreesBetween(field->at(x), flipped->at(x)) < 1e-6);
         REQUIRE(degreesBetween(field->at(x), scaled->at(x)) < 1e-6);
     }
@@ -85,7 +87,7 @@ TEST_CASE("signs and lengths of directions have no effect", "[voids]") {
 TEST_CASE("the main axis of a stress belongs to the eigenvalue of largest magnitude", "[voids]") {
     RandomStream random(10, 1);
     for (int i = 0; i < 200; ++i) {
-        const Vec<3> a = normalized(randomPoint(random, 2) - Vec<3>{{1, 1, 1}});
+        const Vec<3> a = normalized(randomPoint(random, 1));
         const Vec<3> b = normalized(cross(a, {{0.2, 1, 0.5}}));
         const Matrix<3> axes{a, b, cross(a, b)};
         const double size = std::pow(10.0, 40 * random.uniform() - 20);
@@ -162,17 +164,18 @@ TEST_CASE("a table without z is a field of the plane", "[voids]") {
 
 TEST_CASE("the nearest points are those of a search of all points", "[voids]") {
     RandomStream random(11, 1);
+    const Box<3> box{{}, {{10, 10, 10}}};
     for (const int count : {1, 2, 12, 13, 100, 3000}) {
         std::vector<PointTensors::Sample> samples;
         for (int i = 0; i < count; ++i) {
             // Many on one plane, so that splits meet ties.
-            Vec<3> x = randomPoint(random, 10);
+            Vec<3> x = randomPoint(random, box);
             if (i % 3 == 0) x[i % 2] = 5;
-            samples.push_back({x, dyad(randomPoint(random, 2) - Vec<3>{{1, 1, 1}})});
+            samples.push_back({x, dyad(randomPoint(random, 1))});
         }
         const PointTensors tree(samples);
         for (int k = 0; k < 100; ++k) {
-            const Vec<3> x = randomPoint(random, 12) - Vec<3>{{1, 1, 1}};
+            const Vec<3> x = randomPoint(random, box.grown(1));
             std::vector<double> all;
             for (const auto& s : samples) all.push_back(squaredLength(s.x - x));
             std::sort(all.begin(), all.end());

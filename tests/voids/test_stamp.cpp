@@ -27,12 +27,12 @@ namespace {
 /// Some voids that overlap in a box of side 20, and what stamping them gives.
 template <int Dim>
 struct Scene {
-    std::shared_ptr<const Domain<Dim>> domain = boxDomain<Dim>(cube<Dim>(10));
+    std::shared_ptr<const Domain<Dim>> domain = boxDomain<Dim>(cube<Dim>(20));
     std::vector<Ellipsoid<Dim>> voids;
     StampOptions<Dim> options;
 
     explicit Scene(double voxelSize, double shell = 0)
-        : voids(anyVoids<Dim>(Dim == 3 ? 120 : 30, cube<Dim>(11), 0.8, 2, 0.5, 3, 5)),
+        : voids(anyVoids<Dim>(Dim == 3 ? 120 : 30, cube<Dim>(22), 0.8, 2, 0.5, 3, 5)),
           options(stampOptions(*domain, voxelSize, shell)) {}
     std::shared_ptr<const StampedVoids<Dim>> stamp() const {
         return stampVoids(voids, *domain, options);
@@ -50,7 +50,7 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
     RandomStream random(6, Dim);
     double worst = 0;
     for (int i = 0; i < 40000; ++i) {
-        const Vec<Dim> x = voxelAt(pointIn(cube<Dim>(9.9), random), scene.options);
+        const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19.8)), scene.options);
         const double exact = distancesTo(scene.voids, x)[0];
         const double error = std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h)));
         worst = std::max(worst, error);
@@ -62,7 +62,7 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
 
 TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in the voxel size",
                        "[voids][stamp]", ((int Dim), Dim), 2, 3) {
-    const auto domain = boxDomain<Dim>(cube<Dim>(10));
+    const auto domain = boxDomain<Dim>(cube<Dim>(20));
     Ellipsoid<Dim> e;
     e.a = 6;
     e.b = 3;
@@ -75,7 +75,7 @@ TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in th
         typename StampedVoids<Dim>::Sampler distance(*stamped);
         double worst = 0;
         for (int i = 0; i < 40000; ++i) {
-            const Vec<Dim> x = pointIn(cube<Dim>(8), random);
+            const Vec<Dim> x = randomPoint(random, cube<Dim>(16));
             const double exact = e.signedDistance(x);
             if (std::fabs(exact) < h) worst = std::max(worst, std::fabs(distance(x) - exact));
         }
@@ -96,7 +96,7 @@ TEMPLATE_TEST_CASE_SIG("next to the interface the gradient of distances is one",
     RandomStream random(8, Dim);
     int looked = 0;
     for (int i = 0; i < 200000 && looked < 4000; ++i) {
-        const Vec<Dim> x = voxelAt(pointIn(cube<Dim>(9.5), random), scene.options);
+        const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19)), scene.options);
         if (std::fabs(distance(x)) >= 1.5 * h) continue;
         // Not where two voids meet, nor where one is as narrow as the step.
         const auto nearest = distancesTo(scene.voids, x);
@@ -116,7 +116,7 @@ TEMPLATE_TEST_CASE_SIG("next to the interface the gradient of distances is one",
 
 TEMPLATE_TEST_CASE_SIG("signs are right far inside a void and far outside", "[voids][stamp]",
                        ((int Dim), Dim), 2, 3) {
-    const auto domain = boxDomain<Dim>(cube<Dim>(20));
+    const auto domain = boxDomain<Dim>(cube<Dim>(40));
     // Larger than hundreds of voxels, side by side and across one another.
     std::vector<Ellipsoid<Dim>> voids(3);
     for (auto& e : voids) e.axis[0] = 1;
@@ -128,7 +128,7 @@ TEMPLATE_TEST_CASE_SIG("signs are right far inside a void and far outside", "[vo
     typename StampedVoids<Dim>::Sampler distance(*stamped);
     RandomStream random(9, Dim);
     for (int i = 0; i < 40000; ++i) {
-        const Vec<Dim> x = pointIn(cube<Dim>(20), random);
+        const Vec<Dim> x = randomPoint(random, cube<Dim>(40));
         const double exact = distancesTo(voids, x)[0];
         if (std::fabs(exact) < 0.01) continue;
         CAPTURE(x.c, exact);
@@ -154,7 +154,7 @@ TEMPLATE_TEST_CASE_SIG("stamping is the same for any number of threads and any o
         RandomStream random(10, Dim);
         std::vector<double> all{stamped.volume(), static_cast<double>(stamped.activeVoxels())};
         for (int i = 0; i < 50000; ++i)
-            all.push_back(distance(voxelAt(pointIn(cube<Dim>(10.3), random), scene.options)));
+            all.push_back(distance(voxelAt(randomPoint(random, cube<Dim>(20.6)), scene.options)));
         return all;
     };
     const auto one = withThreads(1, [&] { return values(*scene.stamp()); });
@@ -173,7 +173,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
     constexpr int kPoints = 200000;
     int inside = 0;
     for (int i = 0; i < kPoints; ++i) {
-        const Vec<Dim> x = pointIn(cube<Dim>(10 - shell), random);
+        const Vec<Dim> x = randomPoint(random, cube<Dim>(20 - 2 * shell));
         for (const auto& e : scene.voids)
             if (e.contains(x)) {
                 ++inside;
@@ -182,7 +182,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids are measured once", "[voids][stamp]", 
     }
     const double share = static_cast<double>(inside) / kPoints;
     const double error = std::sqrt(share * (1 - share) / kPoints);
-    CHECK(scene.stamp()->volume() / cube<Dim>(10 - shell).volume() ==
+    CHECK(scene.stamp()->volume() / cube<Dim>(20 - 2 * shell).volume() ==
           Approx(share).margin(4 * error + 5e-4));
 }
 
@@ -291,7 +291,7 @@ std::shared_ptr<const MeshDomain> fieldOf(TriangleMesh mesh, double voxelSize, d
 
 TEMPLATE_TEST_CASE_SIG("no voxel of a void lies in the shell of a shape", "[voids][stamp]",
                        ((int Dim), Dim), 2, 3) {
-    checkShell<Dim>(*boxDomain<Dim>(cube<Dim>(5)), 0.2, 1.5);
+    checkShell<Dim>(*boxDomain<Dim>(cube<Dim>(10)), 0.2, 1.5);
     checkShell<Dim>(*ballDomain<Dim>(5), 0.2, 0.7);
     Vec<Dim> normal;
     normal[0] = 1;
@@ -328,7 +328,7 @@ TEST_CASE("voids have their full band even if the field of the bone is shallow",
 TEST_CASE("the shell stays solid to the last voxel", "[voids][stamp]") {
     const auto mesh = fieldOf(test::ballMesh(6, 4), 0.3, 3.6);
     const std::vector<std::shared_ptr<const Domain<3>>> domains{
-        mesh, boxDomain<3>(cube<3>(5)), ballDomain<3>(5),
+        mesh, boxDomain<3>(cube<3>(10)), ballDomain<3>(5),
         clippedDomain<3>(mesh, {{{{1, 0.3, -0.2}}, 2}}), cylinderDomain(4, 9)};
     const double shell = 1.5, h = 0.2;
     const bool keepConnected = GENERATE(false, true);
@@ -372,13 +372,13 @@ TEST_CASE("a wide reach for culling does not change the level set", "[voids][sta
     wide.reach = 3;
     const auto narrow = scene.stamp(), far = stampVoids(scene.voids, *scene.domain, wide);
     CHECK(narrow->volume() == far->volume());
-    const auto a = sampleLevelSet(*narrow->grid(), cube<3>(10)),
-               b = sampleLevelSet(*far->grid(), cube<3>(10));
+    const auto a = sampleLevelSet(*narrow->grid(), cube<3>(20)),
+               b = sampleLevelSet(*far->grid(), cube<3>(20));
     CHECK(a.distance == b.distance);
     StampedVoids<3>::Sampler distance(*far);
     RandomStream random(13, 3);
     for (int i = 0; i < 20000; ++i) {
-        const Vec<3> x = voxelAt(pointIn(cube<3>(9.9), random), wide);
+        const Vec<3> x = voxelAt(randomPoint(random, cube<3>(19.8)), wide);
         const double exact = distancesTo(scene.voids, x)[0];
         REQUIRE(distance(x) == Approx(std::clamp(exact, -0.75, 3.0)).margin(2e-3));
     }

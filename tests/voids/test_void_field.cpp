@@ -52,7 +52,7 @@ TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][f
     // One realization scatters by about sqrt(p (1 - p) v / V): 0.002 in a cube of 40 half-axes. A
     // square of 40 would give 0.015, too much for this test; hence 400 in the plane.
     const double halfAxis = 1, side = (Dim == 3 ? 40 : 400) * halfAxis;
-    const auto domain = boxDomain<Dim>(cube<Dim>(side / 2));
+    const auto domain = boxDomain<Dim>(cube<Dim>(side));
     const auto shape = shapeOf<Dim>("constant:0.5", "constant:2", domain->bounds());
     REQUIRE(shape.reach() == halfAxis);
     REQUIRE(shape.meanMeasure() == Approx(Dim == 3 ? kPi / 3 : kPi / 2));
@@ -83,7 +83,7 @@ TEMPLATE_TEST_CASE_SIG("voids of many sizes leave the share exp(-n v) of their m
 
 TEMPLATE_TEST_CASE_SIG("voids are the same for any number of threads", "[voids][field]",
                        ((int Dim), Dim), 2, 3) {
-    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 15 : 100));
+    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 30 : 200));
     const auto shape = shapeOf<Dim>("uniform:0.3,1", "uniform:1,3", domain->bounds());
     const double density = Dim == 3 ? 1.2 : 0.8;
     const auto draw = [&](double n) { return booleanVoids<Dim>({*domain, 1}, shape, 9, n); };
@@ -116,7 +116,7 @@ TEMPLATE_TEST_CASE_SIG("all listed voids can reach deeper than the shell", "[voi
         }
     };
     check(*ballDomain<Dim>(10));
-    check(*boxDomain<Dim>(cube<Dim>(8)));
+    check(*boxDomain<Dim>(cube<Dim>(16)));
     FieldOptions options;
     options.voxelSize = 0.3;  // the field knows distances outside to 0.45 mm
     options.depth = 3;
@@ -168,7 +168,7 @@ TEMPLATE_TEST_CASE_SIG("an ellipsoid fills each box that a matrix selects", "[vo
 TEMPLATE_TEST_CASE_SIG(
     "boxes kept at a smaller probability are a subset of those kept at a larger one",
     "[voids][field]", ((int Dim), Dim), 2, 3) {
-    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 10 : 40));
+    const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 20 : 80));
     const std::string cell = Dim == 3 ? "1,0.8,1" : "1,0.8";
     const double h = Dim == 3 ? 0.1 : 0.06;
     const auto lattice = voidLattice<Dim>(domain->bounds(), cell, nullptr);
@@ -198,7 +198,7 @@ TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to 
     VoidMatrix matrix;
     matrix.size = {2, 2, 1};
     matrix.cells = {1, 0, 0, 1};
-    const auto plane = boxDomain<2>(cube<2>(4));
+    const auto plane = boxDomain<2>(cube<2>(8));
     const auto lattice = voidLattice<2>(plane->bounds(), "2", &matrix);
     CHECK(lattice.count[0] == 4);
     const auto voids = latticeVoids<2>({*plane}, lattice, &matrix, 1, 1);
@@ -208,7 +208,7 @@ TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to 
                   j = static_cast<int>((e.center[1] + 4) / 2);
         CHECK((i + j) % 2 == 0);
     }
-    const auto space = boxDomain<3>(cube<3>(4));
+    const auto space = boxDomain<3>(cube<3>(8));
     const auto cubes = voidLattice<3>(space->bounds(), "", &matrix);
     CHECK(cubes.count == std::array<std::int64_t, 3>{2, 2, 2});
     CHECK(latticeVoids<3>({*space}, cubes, &matrix, 1, 1).size() == 4);
@@ -227,10 +227,10 @@ TEMPLATE_TEST_CASE_SIG("ellipsoids lie inside spheres or enclose them", "[voids]
     std::vector<Sphere<Dim>> spheres(500);
     RandomStream random(14, Dim);
     for (auto& s : spheres) {
-        s.center = pointIn(cube<Dim>(20), random);
+        s.center = randomPoint(random, cube<Dim>(40));
         s.radius = 1 + random.uniform();
     }
-    const auto shape = shapeOf<Dim>("constant:1", "uniform:0.5,3", cube<Dim>(20));
+    const auto shape = shapeOf<Dim>("constant:1", "uniform:0.5,3", cube<Dim>(40));
     const auto inside = voidsAtSpheres(spheres, true, shape, 3);
     const auto about = voidsAtSpheres(spheres, false, shape, 3);
     REQUIRE(inside.size() == 500);

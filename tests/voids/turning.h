@@ -1,7 +1,6 @@
 // A direction field by formula.
 #pragma once
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/vec.h"
 
@@ -20,12 +19,6 @@ inline Vec<3> turning(const Vec<3>& x, double length) {
 /// Angle between two directions of length one, whatever their signs, degrees.
 inline double degreesBetween(const Vec<3>& a, const Vec<3>& b) {
     return std::atan2(length(cross(a, b)), std::fabs(dot(a, b))) * 180 / kPi;
-}
-
-inline Vec<3> randomPoint(RandomStream& random, double side) {
-    Vec<3> x;
-    for (int d = 0; d < 3; ++d) x[d] = side * random.uniform();
-    return x;
 }
 
 }  // namespace vdbpack

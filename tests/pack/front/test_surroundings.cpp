@@ -83,6 +83,23 @@ void fillWith(Surroundings<Dim>& around, const Scene<Dim>& scene) {
     }
 }
 
+template <int Dim>
+using Sites = std::vector<typename Surroundings<Dim>::Site>;
+
+/// The sites of a scene where a probe of radius 1 fits, with limits up to 2.
+/// @param least  radius that a site has to allow.
+template <int Dim>
+Sites<Dim> sitesOf(const Scene<Dim>& scene, float least = 0,
+                   std::uint32_t body = Surroundings<Dim>::kAll,
+                   const typename Surroundings<Dim>::Region* region = nullptr) {
+    Surroundings<Dim> around;
+    fillWith(around, scene);
+    Sites<Dim> sites;
+    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, least, 2.0f}, body, region,
+                     sites);
+    return sites;
+}
+
 /// Centers of spheres of radius r that touch the pivot and the bodies, by Newton steps from many
 /// starts: nothing in common with the code under test.
 template <int Dim>
@@ -152,12 +169,8 @@ TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and th
     CAPTURE(Dim, seed);
     RandomStream random(seed, Dim);
     const auto scene = randomScene<Dim>(random, 2);
-    Surroundings<Dim> around;
-    fillWith(around, scene);
     const double probe = 1.0;
-    std::vector<typename Surroundings<Dim>::Site> sites;
-    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
-                     Surroundings<Dim>::kAll, nullptr, sites);
+    const auto sites = sitesOf(scene);
     for (const auto& site : sites) {
         const Vec<Dim> x = toDouble<Dim>(site.start);
         CHECK(length(x) == Approx(scene.pivotRadius + probe).epsilon(1e-5));
@@ -183,11 +196,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and th
         }
     // Those that touch one body are the same as found alone.
     for (std::uint32_t body = 0; body < count; ++body) {
-        std::vector<typename Surroundings<Dim>::Site> some;
-        Surroundings<Dim> fresh;
-        fillWith(fresh, scene);
-        fresh.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f}, body, nullptr,
-                        some);
+        const auto some = sitesOf(scene, 0, body);
         const auto expected = std::count_if(sites.begin(), sites.end(), [&](const auto& site) {
             return std::find(site.bodies.begin(), site.bodies.end(), body) != site.bodies.end();
         });
@@ -197,11 +206,7 @@ TEMPLATE_TEST_CASE_SIG("sites are the free positions that touch the pivot and th
     typename Surroundings<Dim>::Region region;
     region.lo.fill(-0.3f);
     region.hi.fill(9.0f);
-    std::vector<typename Surroundings<Dim>::Site> some;
-    Surroundings<Dim> fresh;
-    fillWith(fresh, scene);
-    fresh.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
-                    Surroundings<Dim>::kAll, &region, some);
+    const auto some = sitesOf(scene, 0, Surroundings<Dim>::kAll, &region);
     std::size_t next = 0;
     for (const auto& site : sites) {
         if (std::any_of(site.start.begin(), site.start.end(), [](float x) { return x < -0.3f; }))
@@ -219,12 +224,7 @@ TEMPLATE_TEST_CASE_SIG("a site's limit is where a growing sphere meets a further
     CAPTURE(Dim, seed);
     RandomStream random(seed, 10 + Dim);
     const auto scene = randomScene<Dim>(random, 3);
-    Surroundings<Dim> around;
-    fillWith(around, scene);
-    std::vector<typename Surroundings<Dim>::Site> sites;
-    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
-                     Surroundings<Dim>::kAll, nullptr, sites);
-    for (const auto& site : sites) {
+    for (const auto& site : sitesOf(scene)) {
         const double limit = static_cast<double>(site.limit);
         REQUIRE(limit >= 1);
         REQUIRE(limit <= 2);
@@ -247,14 +247,8 @@ TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to
     RandomStream random(seed, 20 + Dim);
     const auto scene = randomScene<Dim>(random, 3);
     const float least = 1.3f;
-    Surroundings<Dim> around, again;
-    std::vector<typename Surroundings<Dim>::Site> all, some;
-    fillWith(around, scene);
-    around.findSites(static_cast<float>(scene.pivotRadius), {1.0f, 0.0f, 2.0f},
-                     Surroundings<Dim>::kAll, nullptr, all);
-    fillWith(again, scene);
-    again.findSites(static_cast<float>(scene.pivotRadius), {1.0f, least, 2.0f},
-                    Surroundings<Dim>::kAll, nullptr, some);
+    auto all = sitesOf(scene);
+    const auto some = sitesOf(scene, least);
     const auto tooSmall = [&](const auto& site) { return site.limit < least; };
     all.erase(std::remove_if(all.begin(), all.end(), tooSmall), all.end());
     some.erase(std::remove_if(some.begin(), some.end(), tooSmall), some.end());
