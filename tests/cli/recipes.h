@@ -7,10 +7,13 @@
 
 namespace vdbpack::test {
 
-inline PackRecipe recipeFor(const std::string& domain, const std::string& radius) {
+/// @param output  a file to write; empty: none.
+inline PackRecipe recipeFor(const std::string& domain, const std::string& radius,
+                            const std::string& output = {}) {
     PackRecipe recipe;
     recipe.domain.source = domain;
     recipe.radius = radius;
+    if (!output.empty()) recipe.outputs = {output};
     return recipe;
 }
 

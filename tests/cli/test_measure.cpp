@@ -43,9 +43,7 @@ TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
           std::make_pair(folder.file("b.obj"), "lognormal:1,0.3,0.5,2"),
           std::make_pair(std::string("rect:60,60"), "constant:1")}) {
         CAPTURE(domain);
-        PackRecipe pack = recipeFor(domain, radius);
-        pack.outputs = {folder.file("p.csv")};
-        const RunResult made = runPack(pack);
+        const RunResult made = runPack(recipeFor(domain, radius, folder.file("p.csv")));
         MeasureRecipe recipe;
         recipe.pack = folder.file("p.csv");
         recipe.domain.source = domain;
@@ -96,9 +94,7 @@ TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
 
 TEST_CASE("measure needs no domain", "[run]") {
     const TemporaryFolder folder;
-    PackRecipe pack = recipeFor("box:80,80,80", "uniform:1,2");
-    pack.outputs = {folder.file("p.vtp")};
-    const RunResult made = runPack(pack);
+    const RunResult made = runPack(recipeFor("box:80,80,80", "uniform:1,2", folder.file("p.vtp")));
     MeasureRecipe recipe;
     recipe.pack = folder.file("p.vtp");
     const auto result = runMeasure(recipe);
@@ -147,9 +143,7 @@ TEST_CASE("measure needs no domain", "[run]") {
 
 TEST_CASE("circles are distinguished from spheres where no domain says so", "[run]") {
     const TemporaryFolder folder;
-    PackRecipe pack = recipeFor("rect:40,40", "uniform:1,2");
-    pack.outputs = {folder.file("p.csv")};
-    const RunResult made = runPack(pack);
+    const RunResult made = runPack(recipeFor("rect:40,40", "uniform:1,2", folder.file("p.csv")));
     MeasureRecipe recipe;
     recipe.pack = folder.file("p.csv");
     const auto result = runMeasure(recipe);

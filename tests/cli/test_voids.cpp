@@ -331,13 +331,8 @@ TEST_CASE("BV/TV is that of the level set that is written", "[run][voids]") {
 
 TEST_CASE("thickness and BV/TV are met together", "[run][voids][.slow]") {
     const TemporaryFolder folder;
-    VoidsRecipe recipe;
-    recipe.domain.source = "box:10,10,10";
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:0.4";
-    recipe.voids.targetBvtv = 0.15;
+    VoidsRecipe recipe = booleanRecipe(0.15, "constant:0.4", folder.file("v.vdb"));
     recipe.voids.targetTbth = 0.25;
-    recipe.outputs = {folder.file("v.vdb")};
     const auto run = runVoids(recipe);
     MeasureRecipe measure;
     measure.pack = folder.file("v.vdb");
@@ -507,13 +502,8 @@ TEST_CASE("carve takes any pack as it is, and keeps what it does not know", "[ru
 
 TEST_CASE("a solid that voids left can be filled", "[run][voids]") {
     const TemporaryFolder folder;
-    VoidsRecipe voids;
-    voids.domain.source = "box:10,10,10";
-    voids.voids.method = "boolean";
-    voids.voids.radius = "constant:1";
-    voids.voids.targetBvtv = 0.3;
+    VoidsRecipe voids = booleanRecipe(0.3, "constant:1", folder.file("v.vdb"));
     voids.voids.voxelSize = 0.1;
-    voids.outputs = {folder.file("v.vdb")};
     runVoids(voids);
     PackRecipe pack = recipeFor(folder.file("v.vdb"), "constant:0.1");
     pack.domain.gridName = "solid";

@@ -15,6 +15,19 @@ PackRecipe packOf(const std::string& method) {
     return recipe;
 }
 
+/// Voids of the Boolean model in a box of side 10, for a BV/TV.
+/// @param radius  SPEC of the shorter half-axis.
+inline VoidsRecipe booleanRecipe(double bvtv, const std::string& radius,
+                                 const std::string& output) {
+    VoidsRecipe recipe;
+    recipe.domain.source = "box:10,10,10";
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = radius;
+    recipe.voids.targetBvtv = bvtv;
+    recipe.outputs = {output};
+    return recipe;
+}
+
 /// A recipe of each method, as one would write it.
 template <int Dim>
 PackRecipe methodRecipe(const std::string& method) {

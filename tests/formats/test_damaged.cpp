@@ -1,6 +1,7 @@
 // Files cut short, with flipped bits or with numbers that lie must give an error or a pack, never
 // a crash, and in no time.
 #include "formats/lattice_pack.h"
+#include "support/flipped_bits.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
@@ -83,12 +84,7 @@ TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
     RandomStream random(22, 1);
     for (int trial = 0; trial < 500; ++trial) {
         CAPTURE(trial);
-        std::string damaged = file.whole;
-        for (int flips = 0; flips < 1 + trial % 4; ++flips)
-            damaged[random.bits() % damaged.size()] ^= static_cast<char>(1 << (random.bits() % 8));
-        // Written over, a file goes to the disk at once.
-        std::filesystem::remove(file.path);
-        putContent(file.path, damaged);
+        putContent(file.path, withFlippedBits(file.whole, 1 + trial % 4, random));
         CHECK_NOTHROW(file.isReadable());
     }
 }

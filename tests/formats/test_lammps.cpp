@@ -1,6 +1,7 @@
 // Data files and dumps of LAMMPS and LIGGGHTS.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
+#include "support/flipped_bits.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
@@ -362,9 +363,7 @@ TEST_CASE("a damaged LAMMPS file is an error or another pack", "[formats]") {
             const auto line = content.substr(0, from);
             content = content.substr(std::min(from, content.size())) + line;
         } else {
-            for (int flips = 0; flips < 1 + trial % 8; ++flips)
-                content[random.bits() % content.size()] ^=
-                    static_cast<char>(1 << (random.bits() % 8));
+            content = withFlippedBits(content, 1 + trial % 8, random);
         }
         CHECK_NOTHROW(reads(name, content));
     }

@@ -26,11 +26,11 @@ std::string failure(const std::string& content) {
     return messageOf<InputError>([&] { read(content); });
 }
 
-using Cells = std::vector<std::array<int, 3>>;
+using Indices = std::vector<std::array<int, 3>>;
 
-/// Indices of the cells that are 1, x fastest.
-Cells onesOf(const VoidMatrix& m) {
-    Cells ones;
+/// Those of the cells that are 1, x fastest.
+Indices onesOf(const VoidMatrix& m) {
+    Indices ones;
     for (int k = 0; k < m.size[2]; ++k)
         for (int j = 0; j < m.size[1]; ++j)
             for (int i = 0; i < m.size[0]; ++i)
@@ -44,7 +44,7 @@ TEST_CASE("a void matrix is read as printed on paper", "[voids]") {
     const auto m = read("110\n000\n001\n100\n");
     REQUIRE(m.size == std::array<int, 3>{3, 4, 1});
     // The first row is the top.
-    CHECK(onesOf(m) == Cells{{0, 0, 0}, {2, 1, 0}, {0, 3, 0}, {1, 3, 0}});
+    CHECK(onesOf(m) == Indices{{0, 0, 0}, {2, 1, 0}, {0, 3, 0}, {1, 3, 0}});
 }
 
 TEST_CASE("cells of a void matrix may be separated in any way", "[voids]") {
@@ -62,7 +62,7 @@ TEST_CASE("cells of a void matrix may be separated in any way", "[voids]") {
 TEST_CASE("blank lines separate the layers of a void matrix, the lowest first", "[voids]") {
     const auto m = read("10\n00\n\n\n# upper\n01\n11\n\n00\n00\n");
     REQUIRE(m.size == std::array<int, 3>{2, 2, 3});
-    CHECK(onesOf(m) == Cells{{0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
+    CHECK(onesOf(m) == Indices{{0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}});
 }
 
 TEST_CASE("any void matrix is read back from its text", "[voids]") {
