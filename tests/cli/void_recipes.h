@@ -3,6 +3,8 @@
 
 #include "cli/recipes.h"
 
+#include "vdbpack/run/run.h"
+
 #include <string>
 
 namespace vdbpack::test {

@@ -1,11 +1,8 @@
 #include "support/cube.h"
-#include "support/generators.h"
 #include "voids/stamping.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
-#include "vdbpack/domain/clipped_domain.h"
-#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/solid.h"
 
 #include <catch2/catch.hpp>
@@ -19,23 +16,23 @@ using namespace vdbpack::test;
 
 namespace {
 
-/// Pieces of the voxels inside, found one by one.
+/// Connected components of the voxels inside, found one by one.
 struct Flood {
-    std::vector<std::uint32_t> piece;  ///< of each voxel, 0 outside
-    std::vector<std::size_t> size{0};  ///< voxels of each
+    std::vector<std::uint32_t> component;  ///< of each voxel, 0 outside
+    std::vector<std::size_t> size{0};      ///< voxels of each
 };
 
 /// @param faces  voxels are connected by faces; else by edges as well.
 Flood floodOf(const VoxelImage& image, bool faces = true) {
     Flood flood;
-    flood.piece.assign(image.voxels(), 0);
+    flood.component.assign(image.voxels(), 0);
     const auto nx = image.size[0], ny = image.size[1], nz = image.size[2];
     std::vector<std::size_t> stack;
     for (std::size_t start = 0; start < image.voxels(); ++start) {
-        if (image.distance[start] >= 0 || flood.piece[start] != 0) continue;
+        if (image.distance[start] >= 0 || flood.component[start] != 0) continue;
         const auto name = static_cast<std::uint32_t>(flood.size.size());
         flood.size.push_back(0);
-        flood.piece[start] = name;
+        flood.component[start] = name;
         stack.push_back(start);
         while (!stack.empty()) {
             const auto at = static_cast<std::int64_t>(stack.back());
@@ -52,8 +49,8 @@ Flood floodOf(const VoxelImage& image, bool faces = true) {
                             continue;
                         const auto next =
                             static_cast<std::size_t>(i + a + nx * (j + b + ny * (k + c)));
-                        if (image.distance[next] >= 0 || flood.piece[next] != 0) continue;
-                        flood.piece[next] = name;
+                        if (image.distance[next] >= 0 || flood.component[next] != 0) continue;
+                        flood.component[next] = name;
                         stack.push_back(next);
                     }
         }
@@ -94,16 +91,16 @@ Cut cutOf(const Domain<3>& domain, const std::vector<Ellipsoid<3>>& voids, doubl
     return cut;
 }
 
-/// Share of the voxels that lie in pieces that hold a part of the shell (without one: in the
-/// largest piece).
+/// Number of voxels in components that contain a part of the shell (without one: in the largest
+/// component).
 std::size_t attachedVoxels(const VoxelImage& image, const Flood& flood, const Domain<3>& domain,
                            double shell) {
     std::vector<bool> attached(flood.size.size());
     if (shell > 0) {
         const auto sampler = domain.sampler();
         for (std::size_t i = 0; i < image.voxels(); ++i)
-            if (flood.piece[i] != 0 && sampler->isWallCloser(centerOf(image, i), 0.9 * shell))
-                attached[flood.piece[i]] = true;
+            if (flood.component[i] != 0 && sampler->isWallCloser(centerOf(image, i), 0.9 * shell))
+                attached[flood.component[i]] = true;
     } else {
         attached[static_cast<std::size_t>(std::max_element(flood.size.begin(), flood.size.end()) -
                                           flood.size.begin())] = true;
@@ -149,7 +146,7 @@ TEST_CASE("a void all around parts a ball from the bone", "[voids][solid]") {
     const auto voids = sphericalGap(5, 0.8);
     const double h = 0.2;
     const auto cut = cutOf(*domain, voids, h, shell, false);
-    CHECK(cut.solid.pieces == 2);
+    CHECK(cut.solid.components == 2);
     const Flood flood = floodOf(cut.image);
     REQUIRE(flood.size.size() == 3);
     const auto all = static_cast<double>(voxelsOf(flood));
@@ -162,18 +159,18 @@ TEST_CASE("a void all around parts a ball from the bone", "[voids][solid]") {
 
     const auto dropped = cutOf(*domain, voids, h, shell, true);
     CHECK(dropped.solid.dropped == Approx((all - held) * h * h * h).epsilon(1e-12));
-    CHECK(dropped.solid.pieces == 2);
+    CHECK(dropped.solid.components == 2);
     CHECK(dropped.solid.attached == cut.solid.attached);
     const Flood left = floodOf(dropped.image);
     REQUIRE(left.size.size() == 2);
     CHECK(static_cast<double>(left.size[1]) == held);
     // Nothing else has changed.
     for (std::size_t i = 0; i < cut.image.voxels(); ++i)
-        if (cut.image.distance[i] < 0 && left.piece[i] != 0)
+        if (cut.image.distance[i] < 0 && left.component[i] != 0)
             REQUIRE(cut.image.distance[i] == dropped.image.distance[i]);
 }
 
-TEST_CASE("pieces are those of a flood voxel by voxel", "[voids][solid]") {
+TEST_CASE("components are those of a search voxel by voxel", "[voids][solid]") {
     const double shell = GENERATE(0.0, 0.6);
     const auto seed = GENERATE(71u, 72u, 73u);
     CAPTURE(shell, seed);
@@ -187,7 +184,7 @@ TEST_CASE("pieces are those of a flood voxel by voxel", "[voids][solid]") {
     // Some touch one another by edges only.
     CHECK(floodOf(cut.image, false).size.size() < flood.size.size());
     CHECK(flood.size.size() > 30);
-    CHECK(cut.solid.pieces == flood.size.size() - 1);
+    CHECK(cut.solid.components == flood.size.size() - 1);
     const std::size_t held = attachedVoxels(cut.image, flood, *domain, shell);
     CHECK(cut.solid.attached ==
           Approx(static_cast<double>(held) / static_cast<double>(all)).epsilon(1e-12));
@@ -198,7 +195,7 @@ TEST_CASE("pieces are those of a flood voxel by voxel", "[voids][solid]") {
     CHECK(voxelsOf(left) == held);
 }
 
-TEST_CASE("a piece is one across leaves and tiles of any size", "[voids][solid]") {
+TEST_CASE("a component extends across leaves and tiles of any size", "[voids][solid]") {
     // 480 voxels across: tiles of 128 voxels lie deep inside, beside those of eight.
     const auto domain = ballDomain<3>(60, {{3, -7, 11}});
     const double h = 0.25;
@@ -207,13 +204,13 @@ TEST_CASE("a piece is one across leaves and tiles of any size", "[voids][solid]"
     const auto surface = surfaceLevelSet(*domain, h);
     const auto whole = stampVoids<3>({}, *domain, stampOptions(*domain, h, 2));
     const auto uncut = cutVoids(*surface, *whole->grid(), 2, true);
-    CHECK(uncut.pieces == 1);
+    CHECK(uncut.components == 1);
     CHECK(uncut.attached == 1);
     CHECK(uncut.dropped == 0);
     const auto stamped = stampVoids(voids, *domain, stampOptions(*domain, h, 2));
     const bool keepConnected = GENERATE(false, true);
     const auto cut = cutVoids(*surface, *stamped->grid(), 2, keepConnected);
-    CHECK(cut.pieces == 2);
+    CHECK(cut.components == 2);
     const double core = std::pow(41, 3), ring = std::pow(60, 3) - std::pow(49, 3);
     CHECK(cut.attached == Approx(ring / (ring + core)).margin(0.01));
     const auto at = [&](const Vec<3>& x) {
@@ -237,7 +234,7 @@ TEST_CASE("surface and voids must lie on one lattice", "[voids][solid]") {
     CHECK_THROWS_AS(cutVoids(*surface, *shifted, 0, false), ParameterError);
 }
 
-TEST_CASE("voids that take all leave no piece", "[voids][solid]") {
+TEST_CASE("voids that take all leave no component", "[voids][solid]") {
     const auto domain = ballDomain<3>(5);
     Ellipsoid<3> e;
     e.a = e.b = 7;
@@ -245,81 +242,7 @@ TEST_CASE("voids that take all leave no piece", "[voids][solid]") {
     const auto surface = surfaceLevelSet(*domain, 0.25);
     const auto stamped = stampVoids<3>({e}, *domain, stampOptions(*domain, 0.25));
     const auto solid = cutVoids(*surface, *stamped->grid(), 0, true);
-    CHECK(solid.pieces == 0);
+    CHECK(solid.components == 0);
     CHECK(solid.attached == 0);
     CHECK(solid.dropped == 0);
-}
-
-TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]") {
-    struct Case {
-        const char* name;
-        std::shared_ptr<const Domain<3>> domain;
-        bool exact;  ///< outside of edges, too
-    };
-    const std::vector<Case> cases{
-        {"box", boxDomain<3>({{{-3, 1, 2}}, {{9, 8, 7}}}), true},
-        {"ball", ballDomain<3>(5, {{1, 2, 3}}), true},
-        {"cylinder", cylinderDomain(4, 9), true},
-        {"half a ball",
-         clippedDomain<3>(ballDomain<3>(6), {{{{1, 0.5, 0}}, 1}, {{{0, -0.3, 1}}, 2}}), false},
-        // 400 voxels across: most of it in tiles.
-        {"large ball", ballDomain<3>(50), true}};
-    for (const auto& [name, domain, exact] : cases) {
-        CAPTURE(name);
-        const double h = domain->bounds().size()[0] > 50 ? 0.5 : 0.2;
-        const auto grid = surfaceLevelSet(*domain, h);
-        CHECK(voxelSizeOf(*grid) == Approx(h));
-        const auto image = sampleLevelSet(*grid, domain->bounds().grown(5 * h));
-        const auto sampler = domain->sampler();
-        std::size_t inside = 0, deep = 0;
-        for (std::size_t i = 0; i < image.voxels(); ++i) {
-            const double d = static_cast<double>(image.distance[i]);
-            inside += d < 0;
-            deep += d < -2.999 * h;
-            if (i % 29 != 0) continue;
-            const Vec<3> x = centerOf(image, i);
-            WallPoint<3> wall;
-            REQUIRE(sampler->nearestWall(x, 1e3, wall));
-            const double truth = sampler->contains(x) ? -wall.distance : wall.distance;
-            CAPTURE(x.c, d, truth);
-            if (std::fabs(truth) > 1e-6) REQUIRE((d < 0) == (truth < 0));
-            if (exact || truth < 0)
-                REQUIRE(std::fabs(d - std::clamp(truth, -3 * h, 3 * h)) < 1e-5 * h + 1e-5);
-        }
-        CHECK(static_cast<double>(inside) * h * h * h == Approx(domain->volume()).epsilon(0.01));
-        CHECK(deep > 100);
-    }
-}
-
-TEST_CASE("the surface of a mesh is known in voxels of any size", "[domain]") {
-    FieldOptions options;
-    options.voxelSize = 0.2;
-    const auto mesh = meshDomain(ballMesh(6, 5), options);
-    const std::vector<HalfSpace<3>> planes{{{{1, 0.3, -0.2}}, 2}};
-    // Voxels of 0.7 mm reach farther than the field of the mesh.
-    for (const double h : {0.2, 0.35, 0.7})
-        for (const bool clipped : {false, true}) {
-            const std::shared_ptr<const Domain<3>> domain =
-                clipped ? clippedDomain<3>(mesh, planes) : mesh;
-            CAPTURE(h, clipped, domain->fieldDepth());
-            const auto image =
-                sampleLevelSet(*surfaceLevelSet(*domain, h), domain->bounds().grown(4 * h));
-            const auto sampler = domain->sampler();
-            std::size_t inside = 0;
-            for (std::size_t i = 0; i < image.voxels(); ++i) {
-                const double d = static_cast<double>(image.distance[i]);
-                inside += d < 0;
-                if (i % 29 != 0) continue;
-                const Vec<3> x = centerOf(image, i);
-                WallPoint<3> wall;
-                REQUIRE(sampler->nearestWall(x, 1e3, wall));
-                CAPTURE(x.c, d, wall.distance);
-                if (!sampler->contains(x)) continue;
-                // OpenVDB misses the nearest triangle at some voxels far into the band.
-                REQUIRE(std::fabs(d + std::min(wall.distance, 3 * h)) < 0.5 * h);
-                if (wall.distance < h) REQUIRE(std::fabs(d + wall.distance) < 0.1 * h);
-            }
-            CHECK(static_cast<double>(inside) * h * h * h ==
-                  Approx(domain->volume()).epsilon(0.01));
-        }
 }

@@ -4,6 +4,7 @@
 #include "voids/turning.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/core/tensor.h"
 #include "vdbpack/voids/direction_field.h"
 

@@ -355,7 +355,7 @@ TEST_CASE("the shell stays solid to the last voxel", "[voids][stamp]") {
         CHECK(lost == 0);
         CHECK(left == 0);
         CHECK(shellVoxels > 1000);
-        CHECK(solid.pieces == 1);
+        CHECK(solid.components == 1);
         CHECK(solid.attached == 1);
         CHECK(solid.dropped == 0);
     }

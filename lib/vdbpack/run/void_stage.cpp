@@ -46,7 +46,7 @@ std::string timesSpec(const std::string& spec, double f, int dim) {
     return SizeDistribution::parse(spec, dim).scaled(f).spec();
 }
 
-/// Stamps a list, and cuts it where pieces are to be dropped; sets BV/TV.
+/// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
 template <int Dim>
 void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     StampOptions<Dim> options;
@@ -71,7 +71,7 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
     made.voids = made.stamped->grid();
     made.solid = cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected);
     made.report.solidAttached = made.solid.attached;
-    made.report.solidPieces = made.solid.pieces;
+    made.report.solidPieces = made.solid.components;
     made.report.bvtv =
         std::max(0.0, 1 - (made.stamped->volume() + made.solid.dropped) / made.report.totalVolume);
 }

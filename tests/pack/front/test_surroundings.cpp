@@ -248,7 +248,7 @@ TEMPLATE_TEST_CASE_SIG("a least radius leaves out only sites that cannot grow to
     const auto scene = randomScene<Dim>(random, 3);
     const float least = 1.3f;
     auto all = sitesOf(scene);
-    const auto some = sitesOf(scene, least);
+    auto some = sitesOf(scene, least);
     const auto tooSmall = [&](const auto& site) { return site.limit < least; };
     all.erase(std::remove_if(all.begin(), all.end(), tooSmall), all.end());
     some.erase(std::remove_if(some.begin(), some.end(), tooSmall), some.end());

@@ -1,0 +1,92 @@
+#include "support/generators.h"
+#include "voids/stamping.h"
+
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/field/voxel_image.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+TEST_CASE("the surface of a shape in voxels is where the shape ends", "[domain]") {
+    struct Case {
+        const char* name;
+        std::shared_ptr<const Domain<3>> domain;
+        bool exact;  ///< outside of edges, too
+    };
+    const std::vector<Case> cases{
+        {"box", boxDomain<3>({{{-3, 1, 2}}, {{9, 8, 7}}}), true},
+        {"ball", ballDomain<3>(5, {{1, 2, 3}}), true},
+        {"cylinder", cylinderDomain(4, 9), true},
+        {"half a ball",
+         clippedDomain<3>(ballDomain<3>(6), {{{{1, 0.5, 0}}, 1}, {{{0, -0.3, 1}}, 2}}), false},
+        // 400 voxels across: most of it in tiles.
+        {"large ball", ballDomain<3>(50), true}};
+    for (const auto& [name, domain, exact] : cases) {
+        CAPTURE(name);
+        const double h = domain->bounds().size()[0] > 50 ? 0.5 : 0.2;
+        const auto grid = surfaceLevelSet(*domain, h);
+        CHECK(voxelSizeOf(*grid) == Approx(h));
+        const auto image = sampleLevelSet(*grid, domain->bounds().grown(5 * h));
+        const auto sampler = domain->sampler();
+        std::size_t inside = 0, deep = 0;
+        for (std::size_t i = 0; i < image.voxels(); ++i) {
+            const double d = static_cast<double>(image.distance[i]);
+            inside += d < 0;
+            deep += d < -2.999 * h;
+            if (i % 29 != 0) continue;
+            const Vec<3> x = centerOf(image, i);
+            WallPoint<3> wall;
+            REQUIRE(sampler->nearestWall(x, 1e3, wall));
+            const double truth = sampler->contains(x) ? -wall.distance : wall.distance;
+            CAPTURE(x.c, d, truth);
+            if (std::fabs(truth) > 1e-6) REQUIRE((d < 0) == (truth < 0));
+            if (exact || truth < 0)
+                REQUIRE(std::fabs(d - std::clamp(truth, -3 * h, 3 * h)) < 1e-5 * h + 1e-5);
+        }
+        CHECK(static_cast<double>(inside) * h * h * h == Approx(domain->volume()).epsilon(0.01));
+        CHECK(deep > 100);
+    }
+}
+
+TEST_CASE("the surface of a mesh is known in voxels of any size", "[domain]") {
+    FieldOptions options;
+    options.voxelSize = 0.2;
+    const auto mesh = meshDomain(ballMesh(6, 5), options);
+    const std::vector<HalfSpace<3>> planes{{{{1, 0.3, -0.2}}, 2}};
+    // Voxels of 0.7 mm reach farther than the field of the mesh.
+    for (const double h : {0.2, 0.35, 0.7})
+        for (const bool clipped : {false, true}) {
+            const std::shared_ptr<const Domain<3>> domain =
+                clipped ? clippedDomain<3>(mesh, planes) : mesh;
+            CAPTURE(h, clipped, domain->fieldDepth());
+            const auto image =
+                sampleLevelSet(*surfaceLevelSet(*domain, h), domain->bounds().grown(4 * h));
+            const auto sampler = domain->sampler();
+            std::size_t inside = 0;
+            for (std::size_t i = 0; i < image.voxels(); ++i) {
+                const double d = static_cast<double>(image.distance[i]);
+                inside += d < 0;
+                if (i % 29 != 0) continue;
+                const Vec<3> x = centerOf(image, i);
+                WallPoint<3> wall;
+                REQUIRE(sampler->nearestWall(x, 1e3, wall));
+                CAPTURE(x.c, d, wall.distance);
+                if (!sampler->contains(x)) continue;
+                // OpenVDB misses the nearest triangle at some voxels far into the band.
+                REQUIRE(std::fabs(d + std::min(wall.distance, 3 * h)) < 0.5 * h);
+                if (wall.distance < h) REQUIRE(std::fabs(d + wall.distance) < 0.1 * h);
+            }
+            CHECK(static_cast<double>(inside) * h * h * h ==
+                  Approx(domain->volume()).epsilon(0.01));
+        }
+}
