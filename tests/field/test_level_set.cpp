@@ -1,16 +1,15 @@
-// Level sets as domains; the only test of this room that needs OpenVDB's headers.
+// Level sets as domains.
 #include "support/generators.h"
+#include "support/grids.h"
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/mesh_domain.h"
-#include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/field/voxel_image.h"
 
 #include <catch2/catch.hpp>
-#include <openvdb/tools/LevelSetSphere.h>
 
 #include <algorithm>
 #include <cmath>
@@ -162,8 +161,7 @@ TEST_CASE("a truncated level set is refused", "[domain]") {
 
 TEST_CASE("level sets whose voxels lie aslant are sampled, not copied", "[morphometry][domain]") {
     initializeOpenVdb();
-    auto ball = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(2.0f, openvdb::Vec3f(0),
-                                                                         0.1f, 3.0f);
+    auto ball = ballGrid(2.0f, openvdb::Vec3f(0), 0.1f);
     const auto transform = openvdb::math::Transform::createLinearTransform(0.1);
     transform->postRotate(0.5, openvdb::math::Z_AXIS);
     transform->postTranslate(openvdb::Vec3d(7, 8, 9));

@@ -1,4 +1,5 @@
 // Fields of directions in .vdb files, written here as others would.
+#include "support/grids.h"
 #include "support/message_of.h"
 #include "support/text_file.h"
 #include "voids/turning.h"
@@ -9,7 +10,6 @@
 #include "vdbpack/voids/direction_field.h"
 
 #include <catch2/catch.hpp>
-#include <openvdb/openvdb.h>
 
 #include <algorithm>
 #include <cmath>
@@ -52,8 +52,7 @@ Vec<3> expectedAt(const Vec<3>& x) {
 template <class GridType, class Value>
 typename GridType::Ptr filled(const std::string& name, const Value& value,
                               const openvdb::math::Transform::Ptr& transform = turnedTransform()) {
-    openvdb::initialize();
-    auto grid = GridType::create();
+    const auto grid = newGrid<GridType>();
     grid->setName(name);
     grid->setTransform(transform);
     auto accessor = grid->getAccessor();
@@ -206,8 +205,7 @@ TEST_CASE("voxels without a direction leave it to their neighbors", "[voids]") {
 }
 
 TEST_CASE("a field in another unit and one made of tiles are placed in mm", "[voids]") {
-    openvdb::initialize();
-    const auto grid = openvdb::Vec3SGrid::create();
+    const auto grid = newGrid<openvdb::Vec3SGrid>();
     grid->setTransform(openvdb::math::Transform::createLinearTransform(0.001));
     grid->fill(openvdb::CoordBBox(Coord(0), Coord(63)), openvdb::Vec3s(0, -2, 0));
     const auto field = VdbFile({grid}).read(1000);

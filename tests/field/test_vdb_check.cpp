@@ -1,5 +1,6 @@
 // .vdb files that are damaged or lie, before OpenVDB sees them.
 #include "support/flipped_bits.h"
+#include "support/grids.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 
@@ -10,8 +11,6 @@
 
 #include <catch2/catch.hpp>
 #include <openvdb/io/Stream.h>
-#include <openvdb/openvdb.h>
-#include <openvdb/tools/LevelSetSphere.h>
 
 #include <cmath>
 #include <cstdint>
@@ -102,7 +101,7 @@ TEST_CASE("what OpenVDB writes passes, however it is packed", "[domain]") {
         COMPRESS_ZIP | COMPRESS_ACTIVE_MASK, COMPRESS_BLOSC | COMPRESS_ACTIVE_MASK);
     const bool asHalf = GENERATE(false, true);
     CAPTURE(compression, asHalf);
-    const auto vectors = openvdb::Vec3DGrid::create(openvdb::Vec3d(1, 2, 3));
+    const auto vectors = newGrid<openvdb::Vec3DGrid>(openvdb::Vec3d(1, 2, 3));
     vectors->setName("vectors");
     vectors->fill(openvdb::CoordBBox(openvdb::Coord(0), openvdb::Coord(127)),
                   openvdb::Vec3d(0, 0, 1));
@@ -110,9 +109,9 @@ TEST_CASE("what OpenVDB writes passes, however it is packed", "[domain]") {
     vectors->insertMeta("a", openvdb::Vec3IMetadata(openvdb::Vec3i(1, 2, 3)));
     vectors->insertMeta("b", openvdb::StringMetadata("text"));
     vectors->transform().postRotate(0.3, openvdb::math::X_AXIS);
-    const auto mask = openvdb::MaskGrid::create();
+    const auto mask = newGrid<openvdb::MaskGrid>();
     mask->tree().setValueOn(openvdb::Coord(3));
-    const auto whole = openvdb::Int64Grid::create(-7);
+    const auto whole = newGrid<openvdb::Int64Grid>(-7);
     whole->tree().setValue(openvdb::Coord(100, 0, 0), 1 << 20);
     const auto surface = ball();
     const auto same = openvdb::FloatGrid::create(*surface);  // an instance: no tree of its own
@@ -303,11 +302,9 @@ TEST_CASE("a level set whose surface runs between large active tiles is refused,
 }
 
 TEST_CASE("a level set whose inside is active has the contour of its narrow band", "[domain]") {
-    openvdb::initialize();
     const Files files;
     // Without a name, as well.
-    const auto grid = openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-        120.0f, openvdb::Vec3f(64), 1.0f, 3.0f);
+    const auto grid = ballGrid(120.0f, openvdb::Vec3f(64), 1.0f);
     const TriangleMesh narrow =
         levelSetMesh(files.save({grid}, openvdb::io::COMPRESS_ACTIVE_MASK), "", 1);
     std::size_t large = 0;

@@ -1,17 +1,15 @@
 // What stands in a .vdb file, seen through OpenVDB itself.
 #include "formats/lattice_pack.h"
+#include "support/grids.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/formats/pack_file.h"
 
-#include <openvdb/openvdb.h>
 #include <openvdb/points/PointConversion.h>
 #include <openvdb/points/PointCount.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <openvdb/tools/LevelSetSphere.h>
 
 #include <algorithm>
 #include <cmath>
@@ -41,10 +39,8 @@ struct Opened {
     openvdb::GridPtrVecPtr grids;
 };
 
-std::shared_ptr<const VdbGrid> ballGrid() {
-    openvdb::initialize();
-    return std::make_shared<VdbGrid>(openvdb::tools::createLevelSetSphere<openvdb::FloatGrid>(
-        10.f, openvdb::Vec3f(3, 4, 5), 0.5f, 3.f));
+std::shared_ptr<const VdbGrid> ballSurface() {
+    return std::make_shared<VdbGrid>(ballGrid(10.0f, openvdb::Vec3f(3, 4, 5), 0.5f));
 }
 
 }  // namespace
@@ -161,7 +157,7 @@ TEST_CASE("the surface is written as a level set beside the points", "[formats]"
     const double scale = unit == Unit::meter ? 1e-3 : 1;
     CAPTURE(unitName(unit));
     const TemporaryFolder scratch;
-    const auto surface = ballGrid();
+    const auto surface = ballSurface();
     PackWriteOptions options;
     options.unit = unit;
     surface->grid->setName("surface");
@@ -231,7 +227,7 @@ TEST_CASE("point grids of other programs are read", "[formats]") {
         REQUIRE_THROWS_WITH(readPack(path, options), Contains("'others'") && Contains("'grains'"));
     }
     SECTION("a file with a level set alone holds no pack") {
-        openvdb::io::File(path).write({ballGrid()->grid});
+        openvdb::io::File(path).write({ballSurface()->grid});
         REQUIRE_THROWS_AS(readPack(path), InputError);
         REQUIRE_THROWS_WITH(readPack(path), Contains(path));
     }
