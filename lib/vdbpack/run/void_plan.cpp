@@ -45,7 +45,7 @@ VoidExtent listed(const VoidRecipe& recipe, const Extent& e) {
     double volume = 0;
     for (const auto& v : list) {
         plan.wall += surfaceArea(Dim, v.a, v.b);
-        volume += v.measure();
+        volume += v.volume();
     }
     plan.wall *= shareOutside(volume, e);
     plan.voxelSize = voidVoxelFor(recipe, leastHalfAxis(list));
