@@ -78,10 +78,10 @@ TEST_CASE("a densified pack has the requested count, which a dry run predicts", 
     CHECK(run.passed);
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
     CHECK(run.report.solidFractionTotal.value_or(0) >= 0.625);
-    const auto forecast = dryRunPack(recipe);
-    CHECK(forecast.densified);
-    CHECK(forecast.solidFraction == Approx(0.625).margin(0.003));
-    CHECK(forecast.count == Approx(3000).epsilon(0.02));
+    const auto predicted = dryRunPack(recipe);
+    CHECK(predicted.densified);
+    CHECK(predicted.solidFraction == Approx(0.625).margin(0.003));
+    CHECK(predicted.count == Approx(3000).epsilon(0.02));
     recipe.targetCount = 0;
     recipe.densify = 0.7;
     const auto less = dryRunPack(recipe);

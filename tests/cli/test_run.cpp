@@ -419,18 +419,18 @@ TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
     for (auto& [name, recipe] : cases) {
         CAPTURE(name);
         recipe.outputs = {folder.file("pack.csv")};
-        const DryRun forecast = dryRunPack(recipe);
+        const DryRun predicted = dryRunPack(recipe);
         CHECK_FALSE(std::filesystem::exists(folder.file("pack.csv")));
         recipe.outputs = {};
         const auto run = runPack(recipe);
-        CHECK(forecast.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
-        CHECK(forecast.solidFraction == Approx(total(run)).margin(0.01));
-        CHECK(forecast.seconds.pack > 0);
-        CHECK(forecast.estimate.memory() > 4e7);
-        const auto json = toJson(forecast);
+        CHECK(predicted.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
+        CHECK(predicted.solidFraction == Approx(total(run)).margin(0.01));
+        CHECK(predicted.seconds.pack > 0);
+        CHECK(predicted.estimate.memory() > 4e7);
+        const auto json = toJson(predicted);
         CHECK(json["dryRun"] == true);
-        CHECK(json["spheres"]["count"] == std::llround(forecast.count));
-        CHECK_THAT(summary(forecast), Catch::Contains("dry run"));
+        CHECK(json["spheres"]["count"] == std::llround(predicted.count));
+        CHECK_THAT(summary(predicted), Catch::Contains("dry run"));
     }
     PackRecipe bad = recipeFor("box:40,40,40", "uniform:1,2");
     bad.outputs = {folder.file("none/pack.csv")};
