@@ -17,7 +17,6 @@
 using namespace vdbpack;
 using namespace vdbpack::test;
 using Catch::Matchers::Contains;
-using test::vdbPackWithin;
 using Words = std::vector<std::string>;
 
 namespace {
