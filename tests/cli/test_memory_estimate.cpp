@@ -11,7 +11,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/run/pack_stage.h"
+#include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>

@@ -2,8 +2,8 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/densify/acceptance.h"
 #include "vdbpack/densify/further_spheres.h"
+#include "vdbpack/densify/input_check.h"
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"

@@ -5,7 +5,7 @@
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/pack_each.h"
-#include "vdbpack/run/pack_stage.h"
+#include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,5 @@
-// Private to runs: the stages of a run, in their order. Each command is a short list of them.
+// Private to runs: the stages of a run, in their order. Each command is a list of those that it
+// needs; `pack` reads and builds its domain once for all of its runs (`prepare` in run_pack.cpp).
 //
 //   checkSettings   outputs, report, picture and texts, before anything is read
 //   (command)       domain and input pack are read

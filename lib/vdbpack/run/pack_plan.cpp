@@ -1,4 +1,4 @@
-#include "vdbpack/run/pack_stage.h"
+#include "vdbpack/run/pack_plan.h"
 
 #include "vdbpack/run/void_stage.h"
 

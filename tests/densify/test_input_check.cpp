@@ -2,7 +2,7 @@
 #include "measure/packs.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/densify/acceptance.h"
+#include "vdbpack/densify/input_check.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/verify/verify.h"
 

@@ -1,4 +1,4 @@
-#include "vdbpack/densify/acceptance.h"
+#include "vdbpack/densify/input_check.h"
 
 #include "vdbpack/core/cell_levels.h"
 
