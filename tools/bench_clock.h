@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 
 /// Seconds on a monotonic clock.
 inline double now() {
@@ -15,4 +16,12 @@ double secondsOf(const Work& work) {
     const double start = now();
     work();
     return now() - start;
+}
+
+/// Seconds of processor that all threads of the program take for `work`.
+template <class Work>
+double processorSecondsOf(const Work& work) {
+    const std::clock_t start = std::clock();
+    work();
+    return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
 }

@@ -76,9 +76,8 @@ const Command kCommands[] = {
      "density and speed of packs of boxes, squares and meshes, and the time to check them", 0, kAny,
      [](const Arguments& a) { return benchPacks(a.quick, a.threads, a.words) ? 0 : 1; }},
     {"fields", "MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...",
-     "seconds to make the field of each mesh, and of one call of meshToVolume at the same\n    "
-     "voxel "
-     "size and band; the least of three runs each, in turn",
+     "seconds of the domain of each mesh, of an exact narrow band, and of one call of\n    "
+     "meshToVolume with the same voxels and widths; the least of three runs each, in turn",
      1, kAny,
      [](const Arguments& a) {
          benchFields(a.words);

@@ -1,68 +1,183 @@
-// The only source that instantiates `meshToVolume`, which takes most of a minute: OpenVDB's library
-// has it for points in float alone.
 #include "vdbpack/field/narrow_band.h"
 
-#include <openvdb/tools/MeshToVolume.h>
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/field/band/band_features.h"
+#include "vdbpack/field/band/column_crossings.h"
+#include "vdbpack/field/band/leaf_distances.h"
+#include "vdbpack/field/band/leaf_lists.h"
+
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
 
 namespace vdbpack {
 
 namespace {
 
-/// What `meshToVolume` asks of a mesh.
-class Adapter {
-public:
-    explicit Adapter(const LatticeMesh& triangles)
-        : triangles_(triangles), inverse_(1 / triangles.voxelSize) {}
+using openvdb::Coord;
+using openvdb::FloatGrid;
+using Root = openvdb::FloatTree::RootNodeType;
+using Upper = Root::ChildNodeType;
+using Node = Upper::ChildNodeType;
+using Leaf = Node::ChildNodeType;
+static_assert(Leaf::DIM == kLeafSide && Node::DIM == kLeafSide * kNodeSide);
 
-    std::size_t polygonCount() const {
-        return triangles_.chosen.empty() ? triangles_.mesh.triangles.size()
-                                         : triangles_.chosen.size();
-    }
-    std::size_t pointCount() const { return triangles_.mesh.vertices.size(); }
-    std::size_t vertexCount(std::size_t) const { return 3; }
-    void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& p) const {
-        const TriangleMesh& mesh = triangles_.mesh;
-        const std::size_t triangle =
-            triangles_.chosen.empty() ? polygon : triangles_.chosen[polygon];
-        const Vec<3> x = mesh.vertices[mesh.triangles[triangle][corner]] - triangles_.origin;
-        p = openvdb::Vec3d(x[0] * inverse_, x[1] * inverse_, x[2] * inverse_);
+/// Makes the grid from lists of candidates, node by node.
+class BandBuilder {
+public:
+    BandBuilder(const BandMesh& mesh, const BandFeatures& features, const LeafLists& lists,
+                const ColumnCrossings& crossings, double voxelSize, const Callbacks& callbacks)
+        : mesh_(mesh),
+          features_(features),
+          lists_(lists),
+          crossings_(crossings),
+          voxelSize_(static_cast<float>(voxelSize)),
+          outside_(static_cast<float>(mesh.outside * voxelSize)),
+          inside_(static_cast<float>(-mesh.inside * voxelSize)),
+          request_(callbacks.cancelled) {}
+
+    FloatGrid::Ptr build() {
+        const std::size_t leafCount = lists_.leaves.size();
+        std::vector<std::unique_ptr<Leaf>> leaves(leafCount);
+        tbb::enumerable_thread_specific<LeafDistances> distances(
+            [&] { return LeafDistances(mesh_); });
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leafCount, 16),
+                          [&](const tbb::blocked_range<std::size_t>& part) {
+                              request_.stop();
+                              LeafDistances& d = distances.local();
+                              for (std::size_t i = part.begin(); i < part.end(); ++i)
+                                  leaves[i] = leafOf(lists_.leaves[i], d);
+                          });
+        const std::size_t nodeCount = lists_.nodeStart.size() - 1;
+        std::vector<std::unique_ptr<Node>> nodes(nodeCount);
+        tbb::parallel_for(std::size_t{0}, nodeCount, [&](std::size_t n) {
+            const std::uint32_t first = lists_.nodeStart[n], last = lists_.nodeStart[n + 1];
+            if (std::any_of(leaves.begin() + first, leaves.begin() + last,
+                            [](const auto& leaf) { return leaf != nullptr; }))
+                nodes[n] = nodeOf(n, leaves);
+        });
+        request_.stop();
+        const auto grid = FloatGrid::create(outside_);
+        for (std::size_t n = 0; n < nodeCount; ++n) {
+            const auto origin = lists_.nodeOrigin(n);
+            const Coord at(origin[0], origin[1], origin[2]);
+            const float tile = valueOfTile(at);
+            if (!nodes[n] && tile == outside_) continue;
+            Root& root = grid->tree().root();
+            Upper* upper = root.probeNode<Upper>(at);
+            if (!upper) {
+                root.addChild(new Upper(at, outside_, false));
+                upper = root.probeNode<Upper>(at);
+            }
+            if (nodes[n])
+                upper->addChild(nodes[n].release());
+            else
+                upper->addTile(Upper::coordToOffset(at), tile, false);
+        }
+        return grid;
     }
 
 private:
-    const LatticeMesh& triangles_;
-    double inverse_;
+    float valueOfTile(const Coord& at) const {
+        return crossings_.inside(at[0], at[1], at[2]) ? inside_ : outside_;
+    }
+
+    /// A leaf with its active voxels; null if it has none.
+    std::unique_ptr<Leaf> leafOf(const BandLeaf& at, LeafDistances& distances) const {
+        distances.start(at.origin);
+        for (std::uint64_t k = at.start[0]; k < at.start[1]; ++k)
+            distances.addTriangle(lists_.items[k]);
+        for (std::uint64_t k = at.start[1]; k < at.start[2]; ++k)
+            distances.addEdge(features_.edges[lists_.items[k]]);
+        for (std::uint64_t k = at.start[2]; k < at.start[3]; ++k)
+            distances.addVertex(features_.vertices[lists_.items[k]]);
+        auto leaf = std::make_unique<Leaf>(Coord(at.origin[0], at.origin[1], at.origin[2]),
+                                           outside_, false);
+        float* const values = leaf->buffer().data();
+        Leaf::NodeMaskType active;
+        bool any = false;
+        for (int x = 0; x < kLeafSide; ++x)
+            for (int y = 0; y < kLeafSide; ++y) {
+                const unsigned inside =
+                    crossings_.insideOfEight(at.origin[0] + x, at.origin[1] + y, at.origin[2]);
+                for (int z = 0; z < kLeafSide; ++z) {
+                    const auto k = static_cast<openvdb::Index>((x * kLeafSide + y) * kLeafSide + z);
+                    const float distance = std::sqrt(distances.squared(k));
+                    const bool within = (inside >> z & 1u) != 0;
+                    if (distance < (within ? mesh_.inside : mesh_.outside)) {
+                        values[k] = (within ? -distance : distance) * voxelSize_;
+                        active.setOn(k);
+                        any = true;
+                    } else {
+                        values[k] = within ? inside_ : outside_;
+                    }
+                }
+            }
+        if (!any) return nullptr;
+        leaf->setValueMask(active);
+        return leaf;
+    }
+
+    std::unique_ptr<Node> nodeOf(std::size_t n, std::vector<std::unique_ptr<Leaf>>& leaves) const {
+        const auto origin = lists_.nodeOrigin(n);
+        const Coord first(origin[0], origin[1], origin[2]);
+        auto node = std::make_unique<Node>(first, outside_, false);
+        std::vector<char> hasLeaf(Node::NUM_VALUES, 0);
+        for (std::uint32_t i = lists_.nodeStart[n]; i < lists_.nodeStart[n + 1]; ++i) {
+            if (!leaves[i]) continue;
+            hasLeaf[Node::coordToOffset(leaves[i]->origin())] = 1;
+            node->addLeaf(leaves[i].release());
+        }
+        for (openvdb::Index k = 0; k < Node::NUM_VALUES; ++k) {
+            if (hasLeaf[k]) continue;
+            const Coord at = node->offsetToGlobalCoord(k);
+            if (valueOfTile(at) == inside_) node->addTile(k, inside_, false);
+        }
+        return node;
+    }
+
+    const BandMesh& mesh_;
+    const BandFeatures& features_;
+    const LeafLists& lists_;
+    const ColumnCrossings& crossings_;
+    const float voxelSize_, outside_, inside_;
+    mutable StopRequest request_;
 };
 
-/// What OpenVDB asks, from any thread, whether to go on.
-struct Interrupter {
-    explicit Interrupter(const Callbacks& callbacks) : request(callbacks.cancelled) {}
-    void start(const char* = nullptr) {}
-    void end() {}
-    bool wasInterrupted(int = -1) { return request.made(); }
-
-    StopRequest request;
-};
-
-openvdb::FloatGrid::Ptr band(const LatticeMesh& triangles, float inside, float outside, int flags,
-                             const Callbacks& callbacks) {
-    Interrupter interrupter(callbacks);
-    const auto transform = openvdb::math::Transform::createLinearTransform(triangles.voxelSize);
-    auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        interrupter, Adapter(triangles), *transform, outside, inside, flags);
-    interrupter.request.stop();  // an unfinished grid is no field
-    return grid;
+BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Facing& facing) {
+    BandMesh mesh;
+    const double inverse = 1 / from.voxelSize;
+    mesh.vertices.resize(from.mesh.vertices.size());
+    forAll(mesh.vertices.size(), [&](std::size_t v) {
+        mesh.vertices[v] = (from.mesh.vertices[v] - from.origin) * inverse;
+    });
+    mesh.triangles = &from.mesh.triangles;
+    mesh.facing = facing;
+    mesh.inside = inside;
+    mesh.outside = outside;
+    return mesh;
 }
 
 }  // namespace
 
-openvdb::FloatGrid::Ptr narrowBand(const LatticeMesh& triangles, float inside, float outside,
-                                   const Callbacks& callbacks) {
-    return band(triangles, inside, outside, openvdb::tools::DISABLE_RENORMALIZATION, callbacks);
-}
-
-openvdb::FloatGrid::Ptr unsignedBand(const LatticeMesh& triangles, float width,
-                                     const Callbacks& callbacks) {
-    return band(triangles, width, width, openvdb::tools::UNSIGNED_DISTANCE_FIELD, callbacks);
+FloatGrid::Ptr narrowBand(const LatticeMesh& lattice, float inside, float outside,
+                          const Facing& facing, const Callbacks& callbacks) {
+    const double h = lattice.voxelSize;
+    FloatGrid::Ptr grid;
+    if (lattice.mesh.triangles.empty()) {
+        grid = FloatGrid::create(static_cast<float>(outside * h));
+    } else {
+        const BandMesh mesh = bandMesh(lattice, inside, outside, facing);
+        const BandFeatures features = bandFeatures(mesh, callbacks);
+        const LeafLists lists(mesh, features, callbacks);
+        const ColumnCrossings crossings(mesh.vertices, *mesh.triangles, callbacks);
+        grid = BandBuilder(mesh, features, lists, crossings, h, callbacks).build();
+    }
+    grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+    grid->setGridClass(openvdb::GRID_LEVEL_SET);
+    return grid;
 }
 
 }  // namespace vdbpack

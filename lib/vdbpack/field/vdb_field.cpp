@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/band_width.h"
 #include "vdbpack/field/level_set.h"
-#include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/sealed_band.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 
@@ -79,11 +79,11 @@ VdbField::VdbField(const TriangleMesh& mesh, const std::vector<std::uint8_t>& de
         if (deepest > 0)
             for (std::size_t i = 0; i < depthOfTriangle.size(); ++i)
                 if (depthOfTriangle[i] == level) chosen.push_back(static_cast<std::uint32_t>(i));
-        const LatticeMesh triangles{mesh, std::move(chosen), impl_->origin, voxelSize};
+        const LatticeMesh lattice{mesh, impl_->origin, voxelSize};
         const auto inside = static_cast<float>(insideVoxels);
         // What lies outside of a cavity's shell is inside of the bone.
         const bool cavity = level % 2 == 1;
-        return narrowBand(triangles, cavity ? kOutsideVoxels : inside,
+        return sealedBand(lattice, chosen, cavity ? kOutsideVoxels : inside,
                           cavity ? inside : kOutsideVoxels, callbacks);
     };
     try {

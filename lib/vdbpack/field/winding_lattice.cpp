@@ -1,7 +1,7 @@
 #include "vdbpack/field/winding_lattice.h"
 
 #include "vdbpack/core/box.h"
-#include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/sealed_band.h"
 #include "vdbpack/mesh/edge_table.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -322,7 +322,7 @@ void WindingLattice::Impl::follow() {
 WindingLattice::WindingLattice(const TriangleMesh& mesh, const std::vector<EdgeKey>& crossed,
                                Winding winding, const Callbacks& callbacks)
     : impl_(std::make_unique<Impl>(Impl{mesh, std::move(winding), callbacks, {}, {}})) {
-    impl_->grid = unsignedBand({mesh, {}, {}, 1}, kBandVoxels, callbacks);
+    impl_->grid = unsignedBand({mesh, {}, 1}, kBandVoxels, callbacks);
     impl_->grid->tree().voxelizeActiveTiles();
     impl_->evaluate(crossed);
 }

@@ -1,0 +1,73 @@
+// Private: the faces, edges and vertices of a mesh, each with the part of a narrow band whose
+// nearest point it may hold.
+#pragma once
+
+#include "vdbpack/core/box.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/core/vec.h"
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace vdbpack {
+
+/// Widths of a band on the side that the normal of a triangle points to and on the other, voxels.
+struct BandWidths {
+    float above = 0, below = 0;
+    float larger() const { return above > below ? above : below; }
+};
+
+/// A mesh on a lattice.
+struct BandMesh {
+    std::vector<Vec<3>> vertices;  ///< in voxels
+    const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
+    std::vector<std::int8_t>
+        facing;                     ///< of each triangle: 1 outward, -1 inward, 0 unknown; or empty
+    float inside = 0, outside = 0;  ///< widths of the band, voxels
+
+    const Vec<3>& corner(std::size_t triangle, std::size_t k) const {
+        return vertices[(*triangles)[triangle][k]];
+    }
+    BandWidths widths(std::size_t triangle) const {
+        const int side = facing.empty() ? 0 : facing[triangle];
+        if (side == 0) return {std::max(inside, outside), std::max(inside, outside)};
+        return side > 0 ? BandWidths{outside, inside} : BandWidths{inside, outside};
+    }
+};
+
+/// Unit normal of a triangle; zero if it is degenerate: its edges hold all of its points to 1e-7
+/// of a voxel.
+Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);
+
+/// An edge that is nearest to points of the band: of the wedge between its two triangles on the
+/// side where they bend away.
+struct BandEdge {
+    static constexpr std::uint32_t kNone = 0xffffffff;
+    std::uint32_t a, b;    ///< vertices, a < b
+    std::uint32_t c0, c1;  ///< third vertices of two triangles, which bound the wedge, or kNone
+    float reach;           ///< distance to the farthest point, voxels
+};
+
+/// A vertex that is nearest to points of the band: in a cone.
+struct BandVertex {
+    std::uint32_t vertex;
+    float reach;
+    std::array<float, 3> axis;  ///< of the cone, unit length
+    float cosine;               ///< of half the angle of the cone; -1: all directions
+};
+
+struct BandFeatures {
+    std::vector<BandEdge> edges;
+    std::vector<BandVertex> vertices;
+};
+
+/// The edges and vertices that matter. A point of the band is nearest to one of them, or to the
+/// inside of a triangle; flat edges and vertices (to 1e-7) are left out.
+///
+/// The region of an edge is the set of points whose projection onto none of its triangles comes
+/// nearer (the product of the point with the direction into each triangle is not positive), that
+/// of a vertex the polar cone of its edges.
+BandFeatures bandFeatures(const BandMesh& mesh, const Callbacks& callbacks);
+
+}  // namespace vdbpack

@@ -1,0 +1,43 @@
+// Private: distances of the voxels of a leaf to its candidates, eight at a time.
+#pragma once
+
+#include "vdbpack/core/lanes.h"
+#include "vdbpack/field/band/band_features.h"
+#include "vdbpack/field/band/leaf_lists.h"
+
+#include <array>
+#include <cstdint>
+
+namespace vdbpack {
+
+/// Squared distances of the 512 voxels of a leaf, in voxels, to the nearest of some triangles,
+/// edges and vertices.
+///
+/// Voxels are in blocks of 4^3, of 2^3 within these: the lanes of a vector are the eight blocks of
+/// a leaf, the eight blocks of a block or eight voxels. A candidate is compared with the larger
+/// blocks first. Constants are computed in double relative to the center of the leaf, so that
+/// distances are exact to some 1e-6 voxel wherever the leaf is.
+class LeafDistances {
+public:
+    explicit LeafDistances(const BandMesh& mesh) : mesh_(mesh) {}
+
+    /// Starts a leaf: all distances are infinite.
+    void start(const std::array<std::int32_t, 3>& origin);
+
+    void addTriangle(std::uint32_t triangle);
+    void addEdge(const BandEdge& edge);
+    void addVertex(const BandVertex& vertex);
+
+    /// The squared distance of voxel k in the order of OpenVDB (z fastest).
+    float squared(std::size_t k) const { return squares_[kPlaceOf[k]]; }
+
+    /// Place of each voxel among the blocks.
+    static const std::array<std::uint16_t, 512> kPlaceOf;
+
+private:
+    const BandMesh& mesh_;
+    Vec<3> center_;
+    alignas(32) std::array<float, 512> squares_;
+};
+
+}  // namespace vdbpack

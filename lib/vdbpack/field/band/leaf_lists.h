@@ -1,0 +1,41 @@
+// Private: which triangles, edges and vertices each leaf of a narrow band has to look at.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/field/band/band_features.h"
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+namespace vdbpack {
+
+/// Voxels along a side of a leaf, leaves along a side of a node.
+inline constexpr int kLeafSide = 8, kNodeSide = 16;
+
+/// A leaf of 8^3 voxels and its candidates.
+struct BandLeaf {
+    std::array<std::int32_t, 3> origin;  ///< its first voxel
+    std::array<std::uint64_t, 4> start;  ///< triangles, edges, vertices in `LeafLists::items`; end
+};
+
+/// The leaves that parts of the band may reach, node by node (128^3 voxels).
+///
+/// Memory: 96 KiB for each node that is met, 4 bytes for each candidate.
+class LeafLists {
+public:
+    LeafLists(const BandMesh& mesh, const BandFeatures& features, const Callbacks& callbacks);
+
+    /// Node `n` holds the leaves [nodeStart[n], nodeStart[n + 1]); nodes by z, y, x.
+    std::vector<std::uint32_t> nodeStart;
+    std::vector<BandLeaf> leaves;
+    std::vector<std::uint32_t> items;
+
+    std::array<std::int32_t, 3> firstNode{}, nodeCount{};
+    std::array<std::int32_t, 3> nodeOrigin(std::size_t n) const;  ///< its first voxel
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,207 @@
+// Narrow bands against distances to all triangles and winding numbers.
+#include "support/generators.h"
+
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/vdb_init.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+/// Distance to a triangle by the region of its plane (Ericson 2005, Real-Time Collision Detection,
+/// 5.1.5); of a triangle without area to its sides.
+double distanceTo(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+    const auto toSide = [&](const Vec<3>& from, const Vec<3>& to) {
+        const Vec<3> along = to - from;
+        const double square = squaredLength(along);
+        const double t = square > 0 ? std::clamp(dot(p - from, along) / square, 0.0, 1.0) : 0.0;
+        return length(p - from - along * t);
+    };
+    double least = std::min({toSide(a, b), toSide(b, c), toSide(c, a)});
+    const Vec<3> n = cross(b - a, c - a);
+    const double square = squaredLength(n);
+    if (square > 1e-24 && dot(cross(n, b - a), p - a) >= 0 && dot(cross(n, c - b), p - b) >= 0 &&
+        dot(cross(n, a - c), p - c) >= 0)
+        least = std::min(least, std::abs(dot(n, p - a)) / std::sqrt(square));
+    return least;
+}
+
+/// Solid angle of a triangle (Van Oosterom, Strackee 1983, doi:10.1109/TBME.1983.325207).
+double solidAngle(const Vec<3>& p, const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+    const Vec<3> x = a - p, y = b - p, z = c - p;
+    const double lx = length(x), ly = length(y), lz = length(z);
+    return 2 * std::atan2(dot(x, cross(y, z)),
+                          lx * ly * lz + dot(x, y) * lz + dot(y, z) * lx + dot(z, x) * ly);
+}
+
+struct Oracle {
+    double distance;
+    bool inside;
+};
+
+/// @param p  in voxels.
+Oracle oracleAt(const LatticeMesh& lattice, const Vec<3>& p) {
+    Oracle oracle{1e300, false};
+    double angle = 0;
+    const auto at = [&](std::uint32_t v) {
+        return (lattice.mesh.vertices[v] - lattice.origin) * (1 / lattice.voxelSize);
+    };
+    for (const auto& t : lattice.mesh.triangles) {
+        const Vec<3> a = at(t[0]), b = at(t[1]), c = at(t[2]);
+        oracle.distance = std::min(oracle.distance, distanceTo(p, a, b, c));
+        angle += solidAngle(p, a, b, c);
+    }
+    oracle.inside = std::lround(angle / (4 * 3.14159265358979)) % 2 != 0;
+    return oracle;
+}
+
+/// The box between two corners; each side of its triangles divided in two, `times` times.
+TriangleMesh fineBox(const Vec<3>& lo, const Vec<3>& hi, int times) {
+    TriangleMesh mesh = boxMesh(lo, hi);
+    for (int i = 0; i < times; ++i) mesh = subdivided(mesh);
+    return mesh;
+}
+
+/// A box whose vertices are moved at random: convex and concave edges, saddles, slivers.
+TriangleMesh crumpled(int times, unsigned seed) {
+    TriangleMesh mesh = fineBox({{-5, -5, -5}}, {{5, 5, 5}}, times);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shift(-0.35, 0.35);
+    for (auto& v : mesh.vertices)
+        for (int i = 0; i < 3; ++i) v[i] += shift(random) * 10 / (1 << times);
+    return mesh;
+}
+
+struct Case {
+    std::string name;
+    TriangleMesh mesh;
+    double voxelSize;
+    Vec<3> origin{};
+    int facing = 1;  ///< 0: unknown
+};
+
+std::vector<Case> cases() {
+    std::vector<Case> all;
+    all.push_back({"crumpled", crumpled(3, 1), 0.4});
+    all.push_back({"crumpled, facing unknown", crumpled(2, 2), 0.5, {}, 0});
+    all.push_back({"faces on lattice planes", fineBox({{-4, -4, -4}}, {{4, 4, 4}}, 2), 0.5});
+    all.push_back({"coplanar faces between lattice planes",
+                   fineBox({{-3.3, -2.9, -4.1}}, {{3.7, 4.2, 3.9}}, 2), 0.5});
+    all.push_back({"large triangles", boxMesh({{-30.3, -10.2, -8.1}}, {{30.1, 9.7, 8.4}}), 0.5});
+    const TriangleMesh cavity = merged(fineBox({{-6, -6, -6}}, {{6, 6, 6}}, 1),
+                                       fineBox({{-3.1, -3.2, -3.3}}, {{3.4, 3.5, 3.6}}, 1));
+    all.push_back({"a cavity whose shell faces outward", cavity, 0.5, {}, 0});
+    const TriangleMesh needle = merged(boxMesh({{-0.02, -0.03, -9.7}}, {{0.025, 0.02, 9.9}}),
+                                       fineBox({{3, 3, -9}}, {{3.3, 3.2, 9}}, 2));
+    all.push_back({"needles", needle, 0.5});
+    TriangleMesh split = boxMesh({{-4.2, -4.2, -4.2}}, {{4.1, 4.1, 4.1}});
+    {
+        // A vertex on a side of the first triangle, closed by a triangle without area.
+        const Triangle t = split.triangles[0];
+        split.vertices.push_back((split.vertices[t[0]] + split.vertices[t[1]]) * 0.5);
+        const auto middle = static_cast<std::uint32_t>(split.vertices.size() - 1);
+        split.triangles[0] = {t[0], middle, t[2]};
+        split.triangles.push_back({middle, t[1], t[2]});
+        split.triangles.push_back({t[0], t[1], middle});
+    }
+    all.push_back({"a T-junction closed by a triangle without area", split, 0.5});
+    TriangleMesh doubled = crumpled(2, 3);
+    const Triangle t = doubled.triangles[5];
+    doubled.triangles.insert(doubled.triangles.end(), {t, {t[0], t[2], t[1]}});
+    all.push_back({"a triangle three times, once flipped", doubled, 0.6, {}, 0});
+    const Vec<3> away{{1e6, -1e6, 1e6}};
+    const TriangleMesh far = translated(crumpled(2, 4), away);
+    all.push_back({"far from zero", far, 0.5, away + Vec<3>{{0.1, 0.2, 0.3}}});
+    return all;
+}
+
+Facing facingOf(const Case& c) {
+    return c.facing == 0 ? Facing{} : Facing(c.mesh.triangles.size(), 1);
+}
+
+}  // namespace
+
+TEST_CASE("narrow bands are exact", "[field]") {
+    initializeOpenVdb();
+    constexpr float kInside = 5, kOutside = 3;
+    for (const Case& c : cases()) {
+        INFO(c.name);
+        const LatticeMesh lattice{c.mesh, c.origin, c.voxelSize};
+        const auto grid = narrowBand(lattice, kInside, kOutside, facingOf(c));
+        // Every voxel around the mesh: those in the band active and exact, all others a side.
+        Box<3> box;
+        for (const auto& v : c.mesh.vertices) box.add((v - c.origin) * (1 / c.voxelSize));
+        std::vector<openvdb::Coord> voxels;
+        const auto lowest = [&](int i) { return static_cast<int>(std::floor(box.lo[i])) - 5; };
+        const auto highest = [&](int i) { return static_cast<int>(std::ceil(box.hi[i])) + 5; };
+        for (int x = lowest(0); x <= highest(0); ++x)
+            for (int y = lowest(1); y <= highest(1); ++y)
+                for (int z = lowest(2); z <= highest(2); ++z) voxels.emplace_back(x, y, z);
+        // A part of them, spread without a pattern.
+        std::shuffle(voxels.begin(), voxels.end(), std::mt19937(7));
+        voxels.resize(std::min(voxels.size(), std::size_t{3000000} / c.mesh.triangles.size()));
+        struct Found {
+            bool wrongState, wrongSign;
+            double error;
+        };
+        std::vector<Found> found(voxels.size());
+        forAll(voxels.size(), [&](std::size_t i) {
+            const openvdb::Coord& at = voxels[i];
+            const Oracle truth = oracleAt(lattice, {{double(at[0]), double(at[1]), double(at[2])}});
+            const bool active = grid->tree().isValueOn(at);
+            const double value = grid->tree().getValue(at) / c.voxelSize;
+            const double width = truth.inside ? kInside : kOutside;
+            found[i].wrongState =
+                active != (truth.distance < width) && std::abs(truth.distance - width) > 1e-4;
+            found[i].wrongSign = (value < 0) != truth.inside && truth.distance > 1e-5;
+            found[i].error = active ? std::abs(std::abs(value) - truth.distance)
+                                    : std::abs(std::abs(value) - width);
+        });
+        std::size_t states = 0, signs = 0;
+        double worst = 0;
+        for (const Found& f : found) {
+            states += f.wrongState;
+            signs += f.wrongSign;
+            if (!f.wrongState) worst = std::max(worst, f.error);
+        }
+        CHECK(states == 0);
+        CHECK(signs == 0);
+        CHECK(worst < 1e-5);
+    }
+}
+
+TEST_CASE("a narrow band is the same for any number of threads", "[field]") {
+    initializeOpenVdb();
+    const Case c = cases().front();
+    const auto make = [&](int threads) {
+        return withThreads(threads, [&] {
+            return narrowBand({c.mesh, c.origin, c.voxelSize}, 5, 3, facingOf(c));
+        });
+    };
+    const auto one = make(1), three = make(3);
+    REQUIRE(one->activeVoxelCount() == three->activeVoxelCount());
+    for (auto value = one->cbeginValueOn(); value; ++value)
+        REQUIRE(three->tree().getValue(value.getCoord()) == *value);
+}
+
+TEST_CASE("which way triangles face does not matter to a narrow band", "[field]") {
+    initializeOpenVdb();
+    const Case c = cases().front();
+    const LatticeMesh lattice{c.mesh, c.origin, c.voxelSize};
+    const auto known = narrowBand(lattice, 5, 3, facingOf(c)), unknown = narrowBand(lattice, 5, 3);
+    REQUIRE(known->activeVoxelCount() == unknown->activeVoxelCount());
+    for (auto value = known->cbeginValueOn(); value; ++value)
+        REQUIRE(unknown->tree().getValue(value.getCoord()) == *value);
+}
