@@ -8,7 +8,7 @@ namespace {
 
 /// Standard deviation of the radii up to which spheres are nearly equal, in mean radii.
 constexpr double kNarrowDeviation = 0.06;
-/// A relaxation that succeeds does so within this many memories, 1 / (1 - inertia).
+/// A relaxation that succeeds does so within this many spans of 1 / (1 - inertia).
 constexpr double kMemories = 14;
 
 bool areNearlyEqual(const std::vector<double>& radii) {
@@ -45,7 +45,7 @@ int mostSteps(const RelaxationPace& pace) {
 }
 
 bool Jam::add(int step, double worst) {
-    const auto window = static_cast<std::size_t>(step / memory_);
+    const auto window = static_cast<std::size_t>(step / span_);
     if (window == least_.size()) {
         if (isJammed()) return true;
         least_.push_back(worst);

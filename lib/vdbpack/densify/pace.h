@@ -38,21 +38,21 @@ private:
 int mostSteps(const RelaxationPace& pace);
 
 /// Whether a relaxation has jammed. One that will succeed reduces its worst overlap to a tenth in
-/// three memories of 1 / (1 - inertia) steps, from the sixth on; in one that has jammed, the
-/// overlap stays.
+/// three spans of 1 / (1 - inertia) steps, from the sixth on; in one that has jammed, the overlap
+/// stays above 0.4 of its value.
 class Jam {
 public:
-    explicit Jam(const RelaxationPace& pace) : memory_(1 / (1 - pace.inertia)) {}
+    explicit Jam(const RelaxationPace& pace) : span_(1 / (1 - pace.inertia)) {}
 
     /// Takes note of a step's worst overlap. @return whether the relaxation has jammed.
     bool add(int step, double worst);
 
 private:
-    /// By the memories that are complete.
+    /// By the spans that are complete.
     bool isJammed() const;
 
-    double memory_;
-    std::vector<double> least_;  // smallest worst overlap in each memory
+    double span_;
+    std::vector<double> least_;  // smallest worst overlap in each span
 };
 
 }  // namespace vdbpack
