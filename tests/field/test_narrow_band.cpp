@@ -151,7 +151,7 @@ TEST_CASE("narrow bands are exact", "[field]") {
                 for (int z = lowest(2); z <= highest(2); ++z) voxels.emplace_back(x, y, z);
         // A part of them, spread without a pattern.
         std::shuffle(voxels.begin(), voxels.end(), std::mt19937(7));
-        voxels.resize(std::min(voxels.size(), std::size_t{3000000} / c.mesh.triangles.size()));
+        voxels.resize(std::min(voxels.size(), std::size_t{1000000} / c.mesh.triangles.size()));
         struct Found {
             bool wrongState, wrongSign;
             double error;

@@ -57,7 +57,7 @@ void rasterizeWith(const std::array<Corner, 3>& c, const Visit& visit) {
     if (twice == 0) return;
     const std::int64_t x0 = ceilOf(xLow), x1 = floorOf(xHigh);
     for (std::int64_t y = ceilOf(yLow); y <= floorOf(yHigh); ++y) {
-        const std::int64_t py = y << kFractionBits;
+        const std::int64_t py = y * kOne;
         std::int64_t from = x0, to = x1;
         if (to - from > 8) {
             // The part of the row between the sides, with a voxel to spare on both ends.
@@ -81,7 +81,7 @@ void rasterizeWith(const std::array<Corner, 3>& c, const Visit& visit) {
             to = std::min(to, floorOf(static_cast<std::int64_t>(high)) + 2);
         }
         for (std::int64_t x = from; x <= to; ++x) {
-            const std::int64_t px = x << kFractionBits;
+            const std::int64_t px = x * kOne;
             const Side<Integer> s0(c[1], c[2], px, py), s1(c[2], c[0], px, py),
                 s2(c[0], c[1], px, py);
             if (s0.left != s1.left || s1.left != s2.left) continue;
