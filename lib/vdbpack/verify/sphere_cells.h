@@ -150,18 +150,20 @@ struct RowSearch {
     std::size_t i;
     const SphereCells<Dim>& through;
     const Visit& visit;
+    const CellNumbers* own = nullptr;  ///< cell of sphere i, if the two classes are the same
 
     /// Cells `first` to `last` of a row; in slots shared with other cells a sphere counts only for
-    /// its own. `after`: positions above that alone.
-    void operator()(const CellNumbers& first, std::int64_t last, std::int64_t after = -1) const {
+    /// its own. Of two spheres in one cell, the later one is visited from the earlier one.
+    void operator()(const CellNumbers& first, std::int64_t last) const {
         const Sphere<Dim> a = from.sphere(i);
         through.forEachInRow(first, last, [&](const Sphere<Dim>& b, std::uint32_t j) {
             const double square = squaredLength(a.center - b.center);
             const double sum = a.radius + b.radius;
-            if (!(square < sum * sum) || static_cast<std::int64_t>(j) <= after) return;
+            if (!(square < sum * sum)) return;
             const CellNumbers cell = through.cellsOf(b.center);
             if (cell[1] != first[1] || cell[2] != first[2]) return;
             if (cell[0] < first[0] || cell[0] > last) return;
+            if (own && cell == *own && j <= i) return;
             visit(from.index(i), a, through.index(j), b, square);
         });
     }
@@ -174,13 +176,11 @@ void SphereClasses<Dim>::overlapsWithin(const SphereCells<Dim>& cells, const Vis
     const auto work = [&](const tbb::blocked_range<std::size_t>& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             if (stopped()) return;
-            const RowSearch<Dim, Visit> search{cells, i, cells, visit};
-            const CellRange<Dim> range(cells, cells.sphere(i));
-            // Of two cells the later one, by z, y, x, is searched from the earlier one; of two
-            // spheres in a cell the later one from the earlier one.
+            // Of two cells the later one, by z, y, x, is searched from the earlier one.
             const CellNumbers own = cells.cellsOf(cells.sphere(i).center);
-            search(own, own[0], static_cast<std::int64_t>(i));
-            if (own[0] < range.last[0]) search({own[0] + 1, own[1], own[2]}, range.last[0]);
+            const RowSearch<Dim, Visit> search{cells, i, cells, visit, &own};
+            const CellRange<Dim> range(cells, cells.sphere(i));
+            search(own, range.last[0]);
             for (std::int64_t y = own[1] + 1; y <= range.last[1]; ++y)
                 search({range.first[0], y, own[2]}, range.last[0]);
             for (std::int64_t z = own[2] + 1; z <= range.last[2]; ++z)
