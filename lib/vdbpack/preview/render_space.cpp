@@ -1,5 +1,6 @@
 // Draws scenes in space, tile by tile.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/space_tracer.h"
@@ -19,38 +20,66 @@ namespace {
 /// Side of a tile, and the width of the border whose samples smooth its light, pixels.
 constexpr int kTile = 80, kApron = 2;
 
-/// Averages the light of a sample, which is noisy with so few rays, over the 4 x 4 pixels around it
-/// (border pixels have half weight), which together contain all points of the sequence. Only
-/// samples of about the same plane and normal are used.
-void smooth(const SpaceTracer& tracer, const std::vector<Sample>& samples, int columns, int rows,
-            int x, int y, Sample& s) {
-    const auto at = [&](int i, int j) {
-        return (static_cast<std::size_t>(j) * static_cast<std::size_t>(columns) +
-                static_cast<std::size_t>(i)) *
-               kSamples;
-    };
-    const float tolerance = 2.5f * static_cast<float>(tracer.footprint()) *
-                            std::sqrt(dot(s.at - tracer.eye(), s.at - tracer.eye()));
-    float open = 0, lit = 0, sum = 0;
-    for (int j = std::max(0, y - kApron); j <= std::min(rows - 1, y + kApron); ++j)
-        for (int i = std::max(0, x - kApron); i <= std::min(columns - 1, x + kApron); ++i) {
-            const float share = (std::abs(i - x) == kApron ? 0.5f : 1.0f) *
-                                (std::abs(j - y) == kApron ? 0.5f : 1.0f);
-            const Sample* near = &samples[at(i, j)];
-            for (int m = 0; m < kSamples; ++m, ++near) {
-                if (!near->hit) continue;
-                const float cosine = dot(near->normal, s.normal);
-                if (cosine < 0.7f) continue;
-                if (std::fabs(dot(near->at - s.at, s.normal)) > tolerance) continue;
-                const float weight = share * (cosine - 0.65f);
-                open += weight * near->open;
-                lit += weight * near->lit;
-                sum += weight;
+/// The light of the samples of a tile, which is noisy with so few rays, and its average over the
+/// 4 x 4 pixels around a sample (border pixels have half weight), which together contain all points
+/// of the sequence. Only samples of about the same plane and normal are used.
+class TileLight {
+public:
+    TileLight(int columns, int rows)
+        : stride_(padded(kSamples * static_cast<std::size_t>(columns + 2 * kApron) + kSamples)),
+          values_(kParts * stride_ * static_cast<std::size_t>(rows + 2 * kApron)) {}
+
+    /// Sample `k` of pixel (i, j) of the tile.
+    void set(int i, int j, int k, const Sample& s) {
+        if (!s.hit) return;
+        const float parts[kParts] = {s.at.x,     s.at.y,     s.at.z, s.normal.x,
+                                     s.normal.y, s.normal.z, s.open, s.lit};
+        float* to = rowAt(j + kApron) + static_cast<std::size_t>(kSamples * (i + kApron) + k);
+        for (const float part : parts) {
+            *to = part;
+            to += stride_;
+        }
+    }
+
+    void smooth(int i, int j, float tolerance, Sample& s) const {
+        static_assert(kSamples == 4 && kApron == 2, "the weights of a row are those of 5 x 4");
+        constexpr Float8 kShare[] = {{0.5f, 0.5f, 0.5f, 0.5f, 1, 1, 1, 1},
+                                     {1, 1, 1, 1, 1, 1, 1, 1},
+                                     {0.5f, 0.5f, 0.5f, 0.5f, 0, 0, 0, 0}};
+        Float8 open{}, lit{}, all{};
+        for (int row = 0; row <= 2 * kApron; ++row) {
+            const float ofRow = row == 0 || row == 2 * kApron ? 0.5f : 1.0f;
+            const float* from = rowAt(j + row) + static_cast<std::size_t>(kSamples * i);
+            for (const Float8& ofPixel : kShare) {
+                const auto part = [&](std::size_t p) { return load(from + p * stride_); };
+                // Without a hit the normal is zero.
+                const Float8 cosine =
+                    part(3) * s.normal.x + part(4) * s.normal.y + part(5) * s.normal.z;
+                const Float8 off = (part(0) - s.at.x) * s.normal.x +
+                                   (part(1) - s.at.y) * s.normal.y +
+                                   (part(2) - s.at.z) * s.normal.z;
+                const Float8 weight = where8((cosine >= 0.7f) & (absolute(off) <= tolerance),
+                                             (cosine - 0.65f) * ofPixel * ofRow);
+                open += weight * part(6);
+                lit += weight * part(7);
+                all += weight;
+                from += kLanes;
             }
         }
-    s.open = open / sum;
-    s.lit = lit / sum;
-}
+        s.open = sum(open) / sum(all);
+        s.lit = sum(lit) / sum(all);
+    }
+
+private:
+    static constexpr std::size_t kParts = 8;
+    float* rowAt(int j) { return values_.data() + kParts * stride_ * static_cast<std::size_t>(j); }
+    const float* rowAt(int j) const {
+        return values_.data() + kParts * stride_ * static_cast<std::size_t>(j);
+    }
+
+    std::size_t stride_;         ///< from one part of a row to the next
+    std::vector<float> values_;  ///< row by row: all x, all y, ...; a border of kApron pixels
+};
 
 void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
     const int x1 = std::min(x0 + kTile, image.width), y1 = std::min(y0 + kTile, image.height);
@@ -58,10 +87,14 @@ void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
     const int columns = std::min(image.width, x1 + kApron) - left;
     const int rows = std::min(image.height, y1 + kApron) - top;
     std::vector<Sample> samples(static_cast<std::size_t>(columns * rows) * kSamples);
+    TileLight light(columns, rows);
     std::size_t next = 0;
     for (int j = 0; j < rows; ++j)
         for (int i = 0; i < columns; ++i)
-            for (int k = 0; k < kSamples; ++k) tracer.trace(left + i, top + j, k, samples[next++]);
+            for (int k = 0; k < kSamples; ++k, ++next) {
+                tracer.trace(left + i, top + j, k, samples[next]);
+                light.set(i, j, k, samples[next]);
+            }
     for (int y = y0; y < y1; ++y)
         for (int x = x0; x < x1; ++x) {
             Color sum;
@@ -71,7 +104,7 @@ void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
                                    static_cast<std::size_t>(k)];
                 Color behind{1, 1, 1};
                 if (s.hit) {
-                    if (!s.flat) smooth(tracer, samples, columns, rows, i, j, s);
+                    if (!s.flat) light.smooth(i, j, tracer.planeTolerance(s.at), s);
                     behind = tracer.shade(s);
                 }
                 // Clamped per sample: a very bright one would make edges ragged.

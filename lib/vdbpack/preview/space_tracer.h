@@ -7,6 +7,7 @@
 #include "vdbpack/preview/section.h"
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -48,10 +49,10 @@ public:
 
     Color shade(const Sample& s) const;
 
-    int width() const { return options_.width; }
-    int height() const { return options_.height; }
-    double footprint() const { return pixel_; }
-    const Float3& eye() const { return eye_; }
+    /// Distance within which points around one lie in about the same plane: 2.5 pixels.
+    float planeTolerance(const Float3& at) const {
+        return 2.5f * static_cast<float>(pixel_) * std::sqrt(dot(at - eye_, at - eye_));
+    }
 
 private:
     /// The start of a ray: at the cut face, or at the eye.
