@@ -48,8 +48,12 @@ bool DelimitedText::split(std::string_view line, char separator, Cells& cells) {
     // It never grows beyond the line, so views of it stay valid.
     storage_.reserve(line.size());
     const bool blanks = separator == ' ';
-    const std::string_view separators = blanks ? " \t" : std::string_view(&separator, 1);
     if (blanks) line = trimmed(line);
+    const auto endOfCell = [&](std::size_t from) {
+        if (!blanks) return std::min(line.find(separator, from), line.size());
+        while (from < line.size() && line[from] != ' ' && line[from] != '\t') ++from;
+        return from;
+    };
     std::size_t at = 0;
     for (;;) {
         std::size_t begin = at;
@@ -65,9 +69,9 @@ bool DelimitedText::split(std::string_view line, char separator, Cells& cells) {
                 storage_ += line[begin];
             }
             cells.push_back(std::string_view(storage_).substr(start));
-            at = std::min(line.find_first_of(separators, begin), line.size());
+            at = endOfCell(begin);
         } else {
-            at = std::min(line.find_first_of(separators, blanks ? begin : at), line.size());
+            at = endOfCell(blanks ? begin : at);
             cells.push_back(trimmed(line.substr(begin, at - std::min(begin, at))));
         }
         if (at >= line.size()) return true;
