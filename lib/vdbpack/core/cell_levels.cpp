@@ -185,14 +185,7 @@ void CellLevels<Dim>::sortByCell(Level& level, const std::vector<Sphere<Dim>>& s
                           for (std::size_t k = block.begin(); k < block.end(); ++k)
                               next[key[k]].fetch_add(1, std::memory_order_relaxed);
                       });
-    level.start.resize(cells + 1);
-    std::uint32_t sum = 0;
-    for (std::size_t c = 0; c < cells; ++c) {
-        level.start[c] = sum;
-        sum += next[c].load(std::memory_order_relaxed);
-        next[c].store(level.start[c], std::memory_order_relaxed);
-    }
-    level.start[cells] = sum;
+    firstPositions(next, level.start, "spheres", "take fewer spheres");
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
                       [&](const tbb::blocked_range<std::size_t>& block) {
                           for (std::size_t k = block.begin(); k < block.end(); ++k) {

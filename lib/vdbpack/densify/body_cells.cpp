@@ -1,5 +1,6 @@
 #include "vdbpack/densify/body_cells.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 
@@ -117,13 +118,7 @@ bool BodyCells::sort(const std::vector<Home>& homes, const Body* bodies, float l
         cells_[i] = cellAt(levels_[levelOf(bodies[i].radius)], homes[i]);
         fill[cells_[i]].fetch_add(1, std::memory_order_relaxed);
     });
-    std::uint32_t sum = 0;
-    for (std::size_t c = 0; c < cells; ++c) {
-        starts_[c] = sum;
-        sum += fill[c].load(std::memory_order_relaxed);
-        fill[c].store(starts_[c], std::memory_order_relaxed);
-    }
-    starts_[cells] = sum;
+    firstPositions(fill, starts_, "spheres", "densify fewer spheres");
     forAll(n, [&](std::size_t i) {
         order_[fill[cells_[i]].fetch_add(1, std::memory_order_relaxed)] =
             static_cast<std::uint32_t>(i);

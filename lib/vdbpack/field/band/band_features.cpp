@@ -1,5 +1,6 @@
 #include "vdbpack/field/band/band_features.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/parallel.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -27,15 +28,8 @@ struct Corners {
         forAll(triangles.size(), [&](std::size_t i) {
             for (const auto v : triangles[i]) next[v].fetch_add(1, std::memory_order_relaxed);
         });
-        start.resize(next.size() + 1);
-        std::uint32_t sum = 0;
-        for (std::size_t v = 0; v < next.size(); ++v) {
-            start[v] = sum;
-            sum += next[v].load(std::memory_order_relaxed);
-            next[v].store(start[v], std::memory_order_relaxed);
-        }
-        start.back() = sum;
-        triangle.resize(sum);
+        triangle.resize(
+            firstPositions(next, start, "corners of triangles", "use a mesh of fewer triangles"));
         forAll(triangles.size(), [&](std::size_t i) {
             for (const auto v : triangles[i])
                 triangle[next[v].fetch_add(1, std::memory_order_relaxed)] =

@@ -1,5 +1,6 @@
 #include "vdbpack/field/band/column_crossings.h"
 
+#include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 
@@ -144,15 +145,8 @@ ColumnCrossings::ColumnCrossings(const std::vector<Vec<3>>& vertices,
         });
     });
     callbacks.stopIfCancelled();
-    start_.resize(lines + 1);
-    std::uint32_t sum = 0;
-    for (std::size_t i = 0; i < lines; ++i) {
-        start_[i] = sum;
-        sum += next[i].load(std::memory_order_relaxed);
-        next[i].store(start_[i], std::memory_order_relaxed);
-    }
-    start_[lines] = sum;
-    above_.resize(sum);
+    above_.resize(firstPositions(next, start_, "crossings of lines of voxels with the mesh",
+                                 "give a larger `voxelSize`"));
     forAll(triangles.size(), [&](std::size_t i) {
         rasterize(cornersOf(i), [&](std::int32_t x, std::int32_t y, std::int32_t z) {
             above_[next[columnOf(x, y)].fetch_add(1, std::memory_order_relaxed)] = z;
