@@ -5,7 +5,6 @@
 #include "cli/terminal.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/outputs.h"

@@ -5,12 +5,7 @@
 
 #include <catch2/catch.hpp>
 
-#include <cerrno>
-#include <cmath>
 #include <limits>
-#include <new>
-#include <stdexcept>
-#include <system_error>
 
 using namespace vdbpack;
 using Catch::Matchers::Contains;
@@ -28,12 +23,8 @@ TEST_CASE("what there is of memory and space is reported", "[memory]") {
     CHECK(residentMemory() > 1e6);
     CHECK(residentMemory() < 1e12);
     CHECK(availableMemory() > 0);
-    std::uint64_t here = 0, there = 0;
-    CHECK(availableSpace("/tmp/p.csv", here) > 0);
-    CHECK(availableSpace("/tmp/q.csv", there) > 0);
-    CHECK(here == there);
-    CHECK(availableSpace("/nowhere/at/all/p.csv", there) ==
-          std::numeric_limits<double>::infinity());
+    CHECK(availableSpace("/tmp/p.csv") > 0);
+    CHECK(availableSpace("/nowhere/at/all/p.csv") == std::numeric_limits<double>::infinity());
 }
 
 TEST_CASE("what may be cancelled is stopped beyond a limit of memory", "[memory]") {
@@ -50,14 +41,4 @@ TEST_CASE("what may be cancelled is stopped beyond a limit of memory", "[memory]
         CHECK_THROWS_WITH(packSpheres(*domain, options, withinMemory({}, 1), {}),
                           Contains("are allowed") && Contains("memoryLimit"));
     }
-}
-
-TEST_CASE("exceptions that mean too little memory or too few threads are recognized", "[memory]") {
-    CHECK(isShortage(std::bad_alloc()));
-    CHECK(isShortage(ResourceError("")));
-    CHECK(isShortage(std::system_error(EAGAIN, std::generic_category())));
-    CHECK(isShortage(std::runtime_error("pthread_create has failed: Resource temporarily ...")));
-    CHECK_FALSE(isShortage(std::runtime_error("TBB Warning")));
-    CHECK_FALSE(isShortage(std::system_error(ENOENT, std::generic_category())));
-    CHECK_FALSE(isShortage(InputError("no spheres")));
 }

@@ -1,6 +1,7 @@
 // Errors: what, where, value, remedy. Parameters stand in backquotes by their fields: `voxelSize`.
 #pragma once
 
+#include <exception>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -52,5 +53,9 @@ class Interrupted : public Error {
 public:
     Interrupted() : Error("interrupted; nothing was complete, and nothing is written") {}
 };
+
+/// Whether an exception means that the system is out of memory or threads: `std::bad_alloc`,
+/// ResourceError, `std::system_error` of that kind, and the exception of TBB when no thread starts.
+bool isShortage(const std::exception& failure);
 
 }  // namespace vdbpack

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
@@ -14,8 +13,6 @@
 #include <fstream>
 #include <limits>
 #include <memory>
-#include <new>
-#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -91,24 +88,12 @@ double memoryLimit(double limit) {
     return limit > 0 ? limit : residentMemory() + availableMemory();
 }
 
-double availableSpace(const std::string& path, std::uint64_t& device) {
-    const auto folder = std::filesystem::path(path).parent_path() / ".";
-    struct stat info {};
-    device = ::stat(folder.c_str(), &info) == 0 ? info.st_dev : 0;
+double availableSpace(const std::string& path) {
     std::error_code failed;
-    const auto space = std::filesystem::space(folder, failed);
+    const auto space =
+        std::filesystem::space(std::filesystem::path(path).parent_path() / ".", failed);
     // File systems without blocks of their own (/dev, /proc) report no capacity.
     return failed || space.capacity == 0 ? kInfinite : static_cast<double>(space.available);
-}
-
-bool isShortage(const std::exception& failure) {
-    if (const auto* system = dynamic_cast<const std::system_error*>(&failure))
-        return system->code() == std::errc::not_enough_memory ||
-               system->code() == std::errc::resource_unavailable_try_again;
-    // TBB throws a std::runtime_error that only its text identifies.
-    return dynamic_cast<const std::bad_alloc*>(&failure) != nullptr ||
-           dynamic_cast<const ResourceError*>(&failure) != nullptr ||
-           std::string_view(failure.what()).find("pthread_create") != std::string_view::npos;
 }
 
 Callbacks withinMemory(Callbacks callbacks, double limit) {

@@ -3,8 +3,6 @@
 
 #include "vdbpack/core/progress.h"
 
-#include <cstdint>
-#include <exception>
 #include <string>
 
 namespace vdbpack {
@@ -23,12 +21,8 @@ double residentMemory();
 double memoryLimit(double limit);
 
 /// Bytes that a file in the folder of `path` may still take; infinite where the file system does
-/// not report it. `device` is set to the number of the file system.
-double availableSpace(const std::string& path, std::uint64_t& device);
-
-/// Whether an exception means that the system is out of memory or threads: `std::bad_alloc`,
-/// ResourceError, `std::system_error` of that kind, and the exception of TBB when no thread starts.
-bool isShortage(const std::exception& failure);
+/// not report it.
+double availableSpace(const std::string& path);
 
 /// The same callbacks, but `cancelled` throws ResourceError once the process holds more than
 /// `limit` bytes (as `memoryLimit`): every computation that can be interrupted stops there.

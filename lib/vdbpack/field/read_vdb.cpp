@@ -1,7 +1,6 @@
 #include "vdbpack/field/read_vdb.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/vdb_check.h"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "vdbpack/field/vdb_check.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/vdb_bytes.h"
 #include "vdbpack/field/vdb_init.h"
 

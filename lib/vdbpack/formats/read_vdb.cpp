@@ -1,6 +1,5 @@
 // OpenVDB files: a point grid as spheres.
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/vdb_check.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_builder.h"

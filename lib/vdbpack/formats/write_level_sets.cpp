@@ -1,6 +1,5 @@
 // OpenVDB files of level sets, as they are or as fog, and of the grids that other writers add.
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/memory.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/format_words.h"

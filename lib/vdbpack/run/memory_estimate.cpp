@@ -11,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 
 namespace vdbpack {
 
@@ -141,17 +140,13 @@ void requireResources(const Estimate& e, double limit) {
             "would take about {} of memory, and {} may be taken (`memoryLimit`): {}; {}",
             bytesText(e.memory()), bytesText(limit), e.memoryText(), most->remedy));
     }
-    std::map<std::uint64_t, double> onDevice;
-    for (const auto& file : e.files) {
-        std::uint64_t device = 0;
-        const double available = availableSpace(filePart(file.name), device);
-        const double needed = onDevice[device] += file.bytes;
-        if (kFileTolerance * needed > available)
+    for (const auto& file : e.files)
+        if (const double available = availableSpace(filePart(file.name));
+            kFileTolerance * file.bytes > available)
             throw ResourceError(fmt::format(
-                "{}: would take about {}, with the files before it {}, and {} are free there; "
-                "write a smaller format (.vdb), fewer spheres, or to another disk",
-                file.name, bytesText(file.bytes), bytesText(needed), bytesText(available)));
-    }
+                "{}: would take about {}, and {} are free there; write a smaller format (.vdb), "
+                "fewer spheres, or to another disk",
+                file.name, bytesText(file.bytes), bytesText(available)));
 }
 
 void requireResources(const Extent& extent, const RunSettings& settings) {

@@ -50,8 +50,8 @@ struct Estimate {
 /// compares it with measured peaks.
 Estimate estimate(const Extent& extent, const RunSettings& settings);
 
-/// Refuses memory beyond `limit` bytes (as `memoryLimit`), and files larger than the free space of
-/// their disks. @throws ResourceError with the parts of the estimate, what is available, a remedy.
+/// Refuses memory beyond `limit` bytes (as `memoryLimit`), and any file larger than the free space
+/// of its disk. @throws ResourceError with the parts of the estimate, what is available, a remedy.
 void requireResources(const Estimate& estimate, double limit);
 
 /// The same for a run of this extent with these settings.
