@@ -1,5 +1,6 @@
 #include "vdbpack/field/narrow_band.h"
 
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/field/band/band_features.h"
 #include "vdbpack/field/band/column_crossings.h"
@@ -98,23 +99,25 @@ private:
         float* const values = leaf->buffer().data();
         Leaf::NodeMaskType active;
         bool any = false;
-        for (int x = 0; x < kLeafSide; ++x)
-            for (int y = 0; y < kLeafSide; ++y) {
-                const unsigned inside =
-                    crossings_.insideOfEight(at.origin[0] + x, at.origin[1] + y, at.origin[2]);
-                for (int z = 0; z < kLeafSide; ++z) {
-                    const auto k = static_cast<openvdb::Index>((x * kLeafSide + y) * kLeafSide + z);
-                    const float distance = std::sqrt(distances.squared(k));
-                    const bool within = (inside >> z & 1u) != 0;
-                    if (distance < (within ? mesh_.inside : mesh_.outside)) {
-                        values[k] = (within ? -distance : distance) * voxelSize_;
-                        active.setOn(k);
-                        any = true;
-                    } else {
-                        values[k] = within ? inside_ : outside_;
-                    }
-                }
+        constexpr Int8 kBits{1, 2, 4, 8, 16, 32, 64, 128};
+        for (unsigned x = 0; x < kLeafSide; ++x) {
+            std::uint64_t on = 0;
+            for (unsigned y = 0; y < kLeafSide; ++y) {
+                const Int8 inside =
+                    (kBits & static_cast<std::int32_t>(crossings_.insideOfEight(
+                                 at.origin[0] + static_cast<std::int32_t>(x),
+                                 at.origin[1] + static_cast<std::int32_t>(y), at.origin[2]))) != 0;
+                const Float8 distance = distances.row(x, y);
+                const Int8 within =
+                    distance < choose(inside, everyLane(mesh_.inside), everyLane(mesh_.outside));
+                store(values + kLeafSide * (kLeafSide * x + y),
+                      choose(within, choose(inside, -distance, distance) * voxelSize_,
+                             choose(inside, everyLane(inside_), everyLane(outside_))));
+                on |= std::uint64_t{bitsOf(within)} << (kLeafSide * y);
             }
+            active.getWord<openvdb::Index64>(x) = on;
+            any |= on != 0;
+        }
         if (!any) return nullptr;
         leaf->setValueMask(active);
         return leaf;

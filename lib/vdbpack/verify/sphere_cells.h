@@ -36,10 +36,7 @@ public:
     /// them; farther out, where doubles are sparser than cells, each double is a cell.
     std::int64_t cellAt(double x) const {
         const double v = x * perCell_;
-        if (std::abs(v) < 0x1p52) {
-            const auto whole = static_cast<std::int64_t>(v);
-            return static_cast<double>(whole) > v ? whole - 1 : whole;
-        }
+        if (std::abs(v) < 0x1p52) return static_cast<std::int64_t>(std::floor(v));
         const double size = std::abs(v), first = 0x1p52;
         std::int64_t bits, firstBits;  // of positive doubles: rise with them
         std::memcpy(&bits, &size, sizeof bits);
@@ -56,14 +53,16 @@ public:
     /// Calls `visit(sphere, j)`, j being its position, for (at least) the spheres in the cells from
     /// `first` to `last` of one row: the first numbers of the two differ at most. A sphere of
     /// another cell may come with them.
+    /// @param from  position in `first` before which no sphere of that cell has to be visited.
     template <typename Visit>
-    void forEachInRow(const CellNumbers& first, std::int64_t last, const Visit& visit) const {
+    void forEachInRow(const CellNumbers& first, std::int64_t last, const Visit& visit,
+                      std::size_t from = 0) const {
         const auto cells = static_cast<std::uint64_t>(last - first[0]);
         if (cells >= mask_) return visitSlots(0, mask_, visit);
         const std::uint64_t a = slotOf(first), b = (a + cells) & mask_;
-        if (a <= b) return visitSlots(a, b, visit);
+        if (a <= b) return visitSlots(a, b, visit, from);
         visitSlots(0, b, visit);
-        visitSlots(a, mask_, visit);
+        visitSlots(a, mask_, visit, from);
     }
 
     std::size_t size() const { return spheres_.size(); }
@@ -80,10 +79,12 @@ private:
         return (row + static_cast<std::uint64_t>(cell[0])) & mask_;
     }
     template <typename Visit>
-    void visitSlots(std::uint64_t first, std::uint64_t last, const Visit& visit) const {
+    void visitSlots(std::uint64_t first, std::uint64_t last, const Visit& visit,
+                    std::size_t from = 0) const {
         const std::uint32_t end = start_[last + 1];
         const Sphere<Dim>* const spheres = spheres_.data();
-        for (std::uint32_t j = start_[first]; j < end; ++j) visit(spheres[j], j);
+        for (auto j = std::max(start_[first], static_cast<std::uint32_t>(from)); j < end; ++j)
+            visit(spheres[j], j);
     }
     void chooseSlots(const std::vector<Sphere<Dim>>& spheres,
                      const std::vector<std::uint32_t>& members);
@@ -156,16 +157,19 @@ struct RowSearch {
     /// its own. Of two spheres in one cell, the later one is visited from the earlier one.
     void operator()(const CellNumbers& first, std::int64_t last) const {
         const Sphere<Dim> a = from.sphere(i);
-        through.forEachInRow(first, last, [&](const Sphere<Dim>& b, std::uint32_t j) {
-            const double square = squaredLength(a.center - b.center);
-            const double sum = a.radius + b.radius;
-            if (!(square < sum * sum)) return;
-            const CellNumbers cell = through.cellsOf(b.center);
-            if (cell[1] != first[1] || cell[2] != first[2]) return;
-            if (cell[0] < first[0] || cell[0] > last) return;
-            if (own && cell == *own && j <= i) return;
-            visit(from.index(i), a, through.index(j), b, square);
-        });
+        through.forEachInRow(
+            first, last,
+            [&](const Sphere<Dim>& b, std::uint32_t j) {
+                const double square = squaredLength(a.center - b.center);
+                const double sum = a.radius + b.radius;
+                if (!(square < sum * sum)) return;
+                const CellNumbers cell = through.cellsOf(b.center);
+                if (cell[1] != first[1] || cell[2] != first[2]) return;
+                if (cell[0] < first[0] || cell[0] > last) return;
+                if (own && cell == *own && j <= i) return;
+                visit(from.index(i), a, through.index(j), b, square);
+            },
+            own && first == *own ? i + 1 : 0);
     }
 };
 

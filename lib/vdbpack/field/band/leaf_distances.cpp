@@ -71,21 +71,7 @@ VDBPACK_INLINE void walk(const Float3& middle, float* squares, const Hits& hits,
     });
 }
 
-constexpr std::array<std::uint16_t, 512> places() {
-    std::array<std::uint16_t, 512> at{};
-    for (unsigned k = 0; k < 512; ++k) {
-        const unsigned x = k >> 6, y = k >> 3 & 7u, z = k & 7u;
-        const auto lane = [&](unsigned bit) {
-            return 4 * (x >> bit & 1u) + 2 * (y >> bit & 1u) + (z >> bit & 1u);
-        };
-        at[k] = static_cast<std::uint16_t>(64 * lane(2) + 8 * lane(1) + lane(0));
-    }
-    return at;
-}
-
 }  // namespace
-
-const std::array<std::uint16_t, 512> LeafDistances::kPlaceOf = places();
 
 void LeafDistances::start(const std::array<std::int32_t, 3>& origin) {
     constexpr double kMiddle = 0.5 * (kLeafSide - 1);

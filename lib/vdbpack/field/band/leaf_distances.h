@@ -6,7 +6,9 @@
 #include "vdbpack/field/band/leaf_lists.h"
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 namespace vdbpack {
 
@@ -28,11 +30,16 @@ public:
     void addEdge(const BandEdge& edge);
     void addVertex(const BandVertex& vertex);
 
-    /// The squared distance of voxel k in the order of OpenVDB (z fastest).
-    float squared(std::size_t k) const { return squares_[kPlaceOf[k]]; }
-
-    /// Place of each voxel among the blocks.
-    static const std::array<std::uint16_t, 512> kPlaceOf;
+    /// Distances of the voxels (x, y, 0) to (x, y, 7), voxels.
+    Float8 row(unsigned x, unsigned y) const {
+        // Voxels z and z + 1 lie side by side for even z.
+        const auto place = [&](unsigned bit) { return 4 * (x >> bit & 1u) + 2 * (y >> bit & 1u); };
+        const float* const first = squares_.data() + 64 * place(2) + 8 * place(1) + place(0);
+        std::array<float, kLanes> squares;
+        for (std::size_t z = 0; z < kLanes; z += 2)
+            std::memcpy(&squares[z], first + 64 * (z >> 2) + 8 * (z >> 1 & 1u), 2 * sizeof(float));
+        return squareRoot(load(squares.data()));
+    }
 
 private:
     const BandMesh& mesh_;
