@@ -157,6 +157,10 @@ BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Fa
         mesh.vertices[v] = (from.mesh.vertices[v] - from.origin) * inverse;
     });
     mesh.triangles = &from.mesh.triangles;
+    mesh.normals.resize(mesh.triangles->size());
+    forAll(mesh.normals.size(), [&](std::size_t i) {
+        mesh.normals[i] = bandNormal(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2));
+    });
     mesh.facing = facing;
     mesh.inside = inside;
     mesh.outside = outside;

@@ -18,7 +18,7 @@ constexpr double kFlat = 1e-7;
 /// Cones of vertices with more edges are not computed: all directions count.
 constexpr std::size_t kMostEdges = 24;
 
-/// The triangles at each vertex, by rising number.
+/// The triangles at each vertex, in any order.
 struct Corners {
     std::vector<std::uint32_t> start, triangle;
 
@@ -42,119 +42,120 @@ struct Corners {
 struct Use {
     std::uint32_t other;  ///< the vertex at the other end
     std::uint32_t triangle;
-    std::uint32_t third;  ///< the triangle's third vertex
+    std::uint32_t side;  ///< of the triangle: 0 from its first vertex to the second, ...
+    bool forward;        ///< the triangle runs from this vertex to the other
 };
 
-enum class Bend { flat, above, below, unknown };
+/// The side to which the wedge between the triangles at an edge opens: that of their normals, the
+/// other, ...
+enum class Bend : std::uint8_t { flat, above, below, unknown };
 
-/// How the triangles at an edge meet.
-struct Wedge {
-    Bend bend = Bend::unknown;  ///< where it opens: to the side of the normals, to the other, ...
-    float reach = 0;
-    bool bounded = false;  ///< by one or two triangles
-};
+float reachOf(Bend bend, const BandWidths& widths) {
+    return bend == Bend::above   ? widths.above
+           : bend == Bend::below ? widths.below
+                                 : widths.larger();
+}
 
 Vec<3> unit(const Vec<3>& v) {
     const double l = length(v);
     return l > 0 ? v * (1 / l) : Vec<3>{};
 }
 
+/// Works on one vertex at a time.
 class Neighborhood {
 public:
-    explicit Neighborhood(const BandMesh& mesh) : mesh_(mesh) {}
+    /// @param bends  of the three sides of each triangle: written by `addEdges`, read by
+    ///               `addVertex`.
+    Neighborhood(const BandMesh& mesh, std::vector<std::array<Bend, 3>>& bends)
+        : mesh_(mesh), bends_(bends) {}
 
-    void collect(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last) {
+    /// Adds the edges from `v` to higher vertices. @param first, last  the triangles at `v`.
+    void addEdges(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                  std::vector<BandEdge>& edges) {
         uses_.clear();
-        for (; first != last; ++first) {
-            const auto& t = (*mesh_.triangles)[*first];
-            for (std::size_t k = 0; k < 3; ++k) {
-                if (t[k] != v) continue;
-                const std::uint32_t p = t[(k + 1) % 3], q = t[(k + 2) % 3];
-                if (p == v || q == v) continue;  // collapsed: no more than its edges
-                uses_.push_back({p, *first, q});
-                uses_.push_back({q, *first, p});
-            }
-        }
+        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
+            const auto& t = (*mesh_.triangles)[triangle];
+            const std::uint32_t next = t[(k + 1) % 3], before = t[(k + 2) % 3];
+            if (next > v) uses_.push_back({next, triangle, k, true});
+            if (before > v) uses_.push_back({before, triangle, (k + 2) % 3, false});
+        });
         std::sort(uses_.begin(), uses_.end(), [](const Use& a, const Use& b) {
             return a.other != b.other ? a.other < b.other : a.triangle < b.triangle;
         });
+        const Use* const end = uses_.data() + uses_.size();
+        for (const Use *from = uses_.data(), *to = from; from != end; from = to) {
+            while (to != end && to->other == from->other) ++to;
+            BandEdge edge{v, from->other, 0, {}, {}};
+            const Bend bend = wedgeOf(from, to, edge);
+            for (const Use* use = from; use != to; ++use) {
+                bends_[use->triangle][use->side] = bend;
+                edge.reach = std::max(edge.reach, reachOf(bend, mesh_.widths(use->triangle)));
+            }
+            if (bend != Bend::flat) edges.push_back(edge);
+        }
     }
 
-    /// The wedge at the edge from `v` of the uses [first, last).
-    Wedge wedgeOf(std::uint32_t v, const Use* first, const Use* last) const {
-        Wedge wedge;
-        const Vec<3>& a = mesh_.vertices[v];
-        const Vec<3> along = unit(mesh_.vertices[first->other] - a);
-        for (const Use* u = first; u != last; ++u)
-            wedge.reach = std::max(wedge.reach, mesh_.widths(u->triangle).larger());
-        const auto count = last - first;
-        if (count > 2) return wedge;
-        Vec<3> into[2], normal[2];
-        for (int k = 0; k < count; ++k) {
-            const Use& use = first[k];
-            normal[k] = normalOf(use.triangle);
-            if (!(squaredLength(normal[k]) > 0)) return wedge;
-            const Vec<3> to = mesh_.vertices[use.third] - a;
-            into[k] = unit(to - along * dot(to, along));
-        }
-        wedge.bounded = true;
-        if (count == 1) return wedge;
-        const Vec<3> opens = (into[0] + into[1]) * -1.0;
-        if (!(length(opens) > kFlat)) {
-            wedge.bend = Bend::flat;
-            return wedge;
-        }
-        const double side0 = dot(normal[0], opens), side1 = dot(normal[1], opens);
-        // Folded back, or triangles that face different ways.
-        if (std::min(std::abs(side0), std::abs(side1)) < 1e-3 * length(opens) ||
-            (side0 > 0) != (side1 > 0))
-            return wedge;
-        wedge.bend = side0 > 0 ? Bend::above : Bend::below;
-        wedge.reach = 0;
-        for (int k = 0; k < 2; ++k) {
-            const BandWidths w = mesh_.widths(first[k].triangle);
-            wedge.reach = std::max(wedge.reach, side0 > 0 ? w.above : w.below);
-        }
-        return wedge;
-    }
-
-    /// Adds the edges from `v` to higher vertices, and `v`.
-    void add(std::uint32_t v, BandFeatures& to) {
+    /// Adds `v`, if it matters.
+    void addVertex(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                   std::vector<BandVertex>& vertices) {
         bool above = false, below = false, general = false;
         float reach = 0;
-        others_.clear();
-        for (const Use* first = uses_.data(); first != uses_.data() + uses_.size();) {
-            const Use* last = first;
-            while (last != uses_.data() + uses_.size() && last->other == first->other) ++last;
-            const Wedge wedge = wedgeOf(v, first, last);
-            others_.push_back(first->other);
-            above |= wedge.bend == Bend::above;
-            below |= wedge.bend == Bend::below;
-            general |= wedge.bend == Bend::unknown;
-            if (wedge.bend != Bend::flat) {
-                reach = std::max(reach, wedge.reach);
-                if (v < first->other) {
-                    const bool two = wedge.bounded && last - first == 2;
-                    to.edges.push_back({v, first->other,
-                                        wedge.bounded ? first->third : BandEdge::kNone,
-                                        two ? first[1].third : BandEdge::kNone, wedge.reach});
-                }
+        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
+            for (const std::uint32_t side : {k, (k + 2) % 3}) {
+                const Bend bend = bends_[triangle][side];
+                if (bend == Bend::flat) continue;
+                above |= bend == Bend::above;
+                below |= bend == Bend::below;
+                general |= bend == Bend::unknown;
+                reach = std::max(reach, reachOf(bend, mesh_.widths(triangle)));
             }
-            first = last;
-        }
+        });
         if (!above && !below && !general) return;
         BandVertex vertex{v, reach, {}, -1};
         if (!general && above != below)
-            coneOfNormals(above ? 1 : -1, vertex);
-        else if (!polarCone(v, vertex))
+            coneOfNormals(v, first, last, above ? 1 : -1, vertex);
+        else if (!polarCone(v, first, last, vertex))
             return;
-        to.vertices.push_back(vertex);
+        vertices.push_back(vertex);
     }
 
 private:
-    Vec<3> normalOf(std::uint32_t triangle) const {
-        return bandNormal(mesh_.corner(triangle, 0), mesh_.corner(triangle, 1),
-                          mesh_.corner(triangle, 2));
+    /// Calls `visit(triangle, k)` where `v` is corner k; not for triangles with two equal corners,
+    /// which are no more than an edge of others.
+    template <class Visit>
+    void forEachCorner(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                       const Visit& visit) const {
+        for (; first != last; ++first) {
+            const auto& t = (*mesh_.triangles)[*first];
+            if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
+            visit(*first, t[0] == v ? 0u : t[1] == v ? 1u : 2u);
+        }
+    }
+
+    /// How the triangles of the uses [first, last) meet at an edge; sets the edge's planes.
+    Bend wedgeOf(const Use* first, const Use* last, BandEdge& edge) const {
+        const Vec<3> e = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
+        const double l = length(e);
+        const auto count = last - first;
+        if (count > 2 || !(l > 0)) return Bend::unknown;
+        Vec<3> away[2], normal[2];
+        for (int k = 0; k < count; ++k) {
+            normal[k] = mesh_.normals[first[k].triangle];
+            if (!(squaredLength(normal[k]) > 0)) return Bend::unknown;
+            away[k] = cross(normal[k], e) * ((first[k].forward ? -1 : 1) / l);
+        }
+        edge.away0 = away[0];
+        if (count == 1) return Bend::unknown;
+        edge.away1 = away[1];
+        const Vec<3> opens = away[0] + away[1];
+        const double opening = length(opens);
+        if (!(opening > kFlat)) return Bend::flat;
+        const double side0 = dot(normal[0], opens), side1 = dot(normal[1], opens);
+        // Folded back, or triangles that face different ways.
+        if (std::min(std::abs(side0), std::abs(side1)) < 1e-3 * opening ||
+            (side0 > 0) != (side1 > 0))
+            return Bend::unknown;
+        return side0 > 0 ? Bend::above : Bend::below;
     }
 
     void setCone(const std::vector<Vec<3>>& rays, BandVertex& vertex) const {
@@ -171,16 +172,26 @@ private:
     }
 
     /// Where all edges bend the same way the normals are the extreme rays.
-    void coneOfNormals(int side, BandVertex& vertex) {
+    void coneOfNormals(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                       int side, BandVertex& vertex) {
         rays_.clear();
-        for (const Use& use : uses_)
-            if (use.other < use.third) rays_.push_back(normalOf(use.triangle) * side);
+        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t) {
+            rays_.push_back(mesh_.normals[triangle] * side);
+        });
         setCone(rays_, vertex);
     }
 
     /// The cone of the points whose product with no edge is positive. @return whether there are
     /// any.
-    bool polarCone(std::uint32_t v, BandVertex& vertex) {
+    bool polarCone(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                   BandVertex& vertex) {
+        others_.clear();
+        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
+            const auto& t = (*mesh_.triangles)[triangle];
+            others_.insert(others_.end(), {t[(k + 1) % 3], t[(k + 2) % 3]});
+        });
+        std::sort(others_.begin(), others_.end());
+        others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
         if (others_.size() > kMostEdges) return true;
         directions_.clear();
         for (const auto other : others_)
@@ -210,6 +221,7 @@ private:
     }
 
     const BandMesh& mesh_;
+    std::vector<std::array<Bend, 3>>& bends_;
     std::vector<Use> uses_;
     std::vector<std::uint32_t> others_;
     std::vector<Vec<3>> rays_, directions_;
@@ -230,33 +242,38 @@ Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
 BandFeatures bandFeatures(const BandMesh& mesh, const Callbacks& callbacks) {
     Corners corners(mesh);
     callbacks.stopIfCancelled();
-    struct Local {
-        BandFeatures features;
-        std::vector<std::uint32_t> triangles;
+    std::vector<std::array<Bend, 3>> bends(mesh.triangles->size());
+    tbb::enumerable_thread_specific<BandFeatures> locals;
+    tbb::enumerable_thread_specific<Neighborhood> neighborhoods(
+        [&] { return Neighborhood(mesh, bends); });
+    const auto forEachVertex = [&](const auto& work) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096),
+                          [&](const tbb::blocked_range<std::size_t>& part) {
+                              BandFeatures& features = locals.local();
+                              Neighborhood& around = neighborhoods.local();
+                              for (std::size_t v = part.begin(); v < part.end(); ++v) {
+                                  auto* const triangles = corners.triangle.data();
+                                  work(static_cast<std::uint32_t>(v), triangles + corners.start[v],
+                                       triangles + corners.start[v + 1], around, features);
+                              }
+                          });
+        callbacks.stopIfCancelled();
     };
-    tbb::enumerable_thread_specific<Local> locals;
-    tbb::enumerable_thread_specific<Neighborhood> neighborhoods([&] { return Neighborhood(mesh); });
-    const std::size_t n = mesh.vertices.size();
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, n, 4096),
-        [&](const tbb::blocked_range<std::size_t>& part) {
-            BandFeatures& features = locals.local().features;
-            Neighborhood& around = neighborhoods.local();
-            for (std::size_t v = part.begin(); v < part.end(); ++v) {
-                std::uint32_t* const first = corners.triangle.data() + corners.start[v];
-                std::uint32_t* const last = corners.triangle.data() + corners.start[v + 1];
-                if (first == last) continue;
-                around.collect(static_cast<std::uint32_t>(v), first, last);
-                around.add(static_cast<std::uint32_t>(v), features);
-            }
-        });
-    callbacks.stopIfCancelled();
+    forEachVertex([](std::uint32_t v, std::uint32_t* first, std::uint32_t* last,
+                     Neighborhood& around, BandFeatures& features) {
+        // Threads wrote them; sums shall not depend on which was first.
+        std::sort(first, last);
+        around.addEdges(v, first, last, features.edges);
+    });
+    forEachVertex([](std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+                     Neighborhood& around, BandFeatures& features) {
+        around.addVertex(v, first, last, features.vertices);
+    });
     BandFeatures all;
-    for (Local& local : locals) {
-        const BandFeatures& f = local.features;
+    for (BandFeatures& f : locals) {
         all.edges.insert(all.edges.end(), f.edges.begin(), f.edges.end());
         all.vertices.insert(all.vertices.end(), f.vertices.begin(), f.vertices.end());
-        local = {};
+        f = {};
     }
     return all;
 }

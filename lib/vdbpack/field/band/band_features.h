@@ -22,6 +22,7 @@ struct BandWidths {
 struct BandMesh {
     std::vector<Vec<3>> vertices;  ///< in voxels
     const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
+    std::vector<Vec<3>> normals;  ///< of each triangle, as `bandNormal`
     std::vector<std::int8_t>
         facing;                     ///< of each triangle: 1 outward, -1 inward, 0 unknown; or empty
     float inside = 0, outside = 0;  ///< widths of the band, voxels
@@ -43,10 +44,11 @@ Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);
 /// An edge that is nearest to points of the band: of the wedge between its two triangles on the
 /// side where they bend away.
 struct BandEdge {
-    static constexpr std::uint32_t kNone = 0xffffffff;
-    std::uint32_t a, b;    ///< vertices, a < b
-    std::uint32_t c0, c1;  ///< third vertices of two triangles, which bound the wedge, or kNone
-    float reach;           ///< distance to the farthest point, voxels
+    std::uint32_t a, b;  ///< vertices, a < b
+    float reach;         ///< distance to the farthest point, voxels
+    /// Normals of the two planes that bound the wedge, into the wedge: across the edge, away from
+    /// each of its triangles. Zero: no bound.
+    Vec<3> away0, away1;
 };
 
 /// A vertex that is nearest to points of the band: in a cone.

@@ -82,7 +82,7 @@ void LeafDistances::start(const std::array<std::int32_t, 3>& origin) {
 void LeafDistances::addTriangle(std::uint32_t triangle) {
     const Vec<3> a = mesh_.corner(triangle, 0) - center_, b = mesh_.corner(triangle, 1) - center_,
                  c = mesh_.corner(triangle, 2) - center_;
-    const Vec<3> n = bandNormal(a, b, c);
+    const Vec<3>& n = mesh_.normals[triangle];
     const BandWidths widths = mesh_.widths(triangle);
     const Linear plane(n, -dot(n, a));
     // Positive on the inner side of each edge; in voxels times the length of the edge.
@@ -125,14 +125,7 @@ void LeafDistances::addEdge(const BandEdge& edge) {
     const Float3 e = single(along);
     const float support = std::fabs(e.x) + std::fabs(e.y) + std::fabs(e.z);
     const float farthest = edge.reach + kSlack;
-    // Away from both triangles; all space if they do not bound a wedge.
-    const auto away = [&](std::uint32_t third) {
-        if (third == BandEdge::kNone) return Float3{0, 0, 0};
-        const Vec<3> to = mesh_.vertices[third] - center_ - a;
-        const Vec<3> across = to - along * dot(to, along);
-        return single(across * (-1 / length(across)));
-    };
-    const Float3 u0 = away(edge.c0), u1 = away(edge.c1);
+    const Float3 u0 = single(edge.away0), u1 = single(edge.away1);
     const auto product = [](const Float3& u, const Lanes& w) {
         return w.x * u.x + w.y * u.y + w.z * u.z;
     };

@@ -4,9 +4,11 @@
 #include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 
 namespace vdbpack {
 
@@ -24,7 +26,27 @@ using LeafPlace = std::array<std::int32_t, 3>;
 
 /// Numbers of candidates, then places of the next; three for each leaf.
 struct Node {
+    std::uint32_t number = 0;
     std::array<std::array<std::atomic<std::uint64_t>, 3>, kLeavesOfNode> slots{};
+};
+
+/// A candidate of a leaf.
+struct Entry {
+    std::uint32_t leaf;  ///< number of the node, by 4096, and of the leaf in it
+    std::uint32_t index;
+};
+
+/// Entries of one kind that one thread found.
+struct Entries {
+    static constexpr std::size_t kBlock = 1 << 14;
+    std::vector<std::vector<Entry>> blocks;
+    void add(const Entry& entry) {
+        if (blocks.empty() || blocks.back().size() == kBlock) {
+            blocks.emplace_back();
+            blocks.back().reserve(kBlock);
+        }
+        blocks.back().push_back(entry);
+    }
 };
 
 /// Points with normal * x + offset >= 0.
@@ -58,7 +80,7 @@ Region regionOf(const BandMesh& mesh, std::size_t triangle) {
     const Vec<3>&a = mesh.corner(triangle, 0), &b = mesh.corner(triangle, 1),
           &c = mesh.corner(triangle, 2);
     Region region;
-    const Vec<3> n = bandNormal(a, b, c);
+    const Vec<3>& n = mesh.normals[triangle];
     if (!(squaredLength(n) > 0)) return region;  // an empty box
     const BandWidths widths = mesh.widths(triangle);
     for (const Vec<3>* x : {&a, &b, &c}) {
@@ -77,23 +99,17 @@ Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
     const Vec<3>&a = mesh.vertices[edge.a], &b = mesh.vertices[edge.b];
     Region region;
     const Vec<3> reach{{edge.reach, edge.reach, edge.reach}};
-    if (edge.c1 == BandEdge::kNone) {
+    const Vec<3>&u0 = edge.away0, &u1 = edge.away1;
+    if (!(squaredLength(u1) > 0)) {
         for (const Vec<3>* x : {&a, &b}) {
             region.box.add(*x + reach);
             region.box.add(*x - reach);
         }
         return region;
     }
-    const double l = length(b - a);
-    const Vec<3> along = l > 0 ? (b - a) * (1 / l) : Vec<3>{};
-    const auto into = [&](std::uint32_t third) {
-        const Vec<3> to = mesh.vertices[third] - a;
-        const Vec<3> across = to - along * dot(to, along);
-        return across * (1 / length(across));
-    };
-    const Vec<3> u0 = into(edge.c0), u1 = into(edge.c1);
+    const Vec<3> along = (b - a) * (1 / length(b - a));
     // The wedge between the normals of its planes; the arc lies below the bisector's end.
-    const Vec<3> opens = (u0 + u1) * -1.0;
+    const Vec<3> opens = u0 + u1;
     const Vec<3> bisector = opens * (1 / length(opens));
     const auto normal = [&](const Vec<3>& u) {
         const Vec<3> n = cross(along, u);
@@ -112,8 +128,8 @@ Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
             region.box.add(*x - reach);
         }
     }
-    region.bound(u0 * -1.0, a);
-    region.bound(u1 * -1.0, a);
+    region.bound(u0, a);
+    region.bound(u1, a);
     return region;
 }
 
@@ -139,7 +155,7 @@ Region regionOf(const BandMesh& mesh, const BandVertex& v) {
 
 }  // namespace
 
-/// Fills lists: counts candidates first, then writes them.
+/// Fills lists: finds and counts candidates first, then writes them in order of leaves.
 class LeafListsBuilder {
 public:
     LeafListsBuilder(LeafLists& lists, const BandMesh& mesh, const BandFeatures& features,
@@ -147,22 +163,26 @@ public:
         : lists_(lists), mesh_(mesh), features_(features), callbacks_(callbacks) {
         chooseNodes();
     }
-    ~LeafListsBuilder() {
-        for (auto& node : nodes_) delete node.load();
-    }
-    LeafListsBuilder(const LeafListsBuilder&) = delete;
-    LeafListsBuilder& operator=(const LeafListsBuilder&) = delete;
 
     void build() {
-        forAllFeatures([&](std::size_t kind, std::uint32_t, const LeafPlace& leaf) {
-            slotsOf(leaf)[kind].fetch_add(1, std::memory_order_relaxed);
-        });
-        callbacks_.stopIfCancelled();
+        for (std::size_t kind = 0; kind < kKinds; ++kind) {
+            find(kind);
+            callbacks_.stopIfCancelled();
+        }
         placeLeaves();
-        forAllFeatures([&](std::size_t kind, std::uint32_t index, const LeafPlace& leaf) {
-            lists_.items[slotsOf(leaf)[kind].fetch_add(1, std::memory_order_relaxed)] = index;
-        });
-        callbacks_.stopIfCancelled();
+        for (auto& mine : found_)
+            for (std::size_t kind = 0; kind < kKinds; ++kind) {
+                auto& blocks = mine[kind].blocks;
+                tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+                    for (const Entry& entry : blocks[b]) {
+                        auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
+                        lists_.items[slots[kind].fetch_add(1, std::memory_order_relaxed)] =
+                            entry.index;
+                    }
+                    blocks[b] = {};
+                });
+                callbacks_.stopIfCancelled();
+            }
     }
 
 private:
@@ -190,25 +210,35 @@ private:
         nodes_ = std::vector<std::atomic<Node*>>(static_cast<std::size_t>(count));
     }
 
-    std::array<std::atomic<std::uint64_t>, 3>& slotsOf(const LeafPlace& leaf) {
-        std::array<std::int32_t, 3> node, within;
-        for (std::size_t i = 0; i < 3; ++i) {
-            node[i] = (leaf[i] >> 4) - lists_.firstNode[i];
-            within[i] = leaf[i] & (kNodeSide - 1);
-        }
-        const auto n =
-            (static_cast<std::size_t>(node[2]) * static_cast<std::size_t>(lists_.nodeCount[1]) +
-             static_cast<std::size_t>(node[1])) *
-                static_cast<std::size_t>(lists_.nodeCount[0]) +
-            static_cast<std::size_t>(node[0]);
+    /// The node of a leaf, made if there is none yet.
+    Node& nodeOf(const LeafPlace& leaf) {
+        std::array<std::size_t, 3> node;
+        for (std::size_t i = 0; i < 3; ++i)
+            node[i] = static_cast<std::size_t>((leaf[i] >> 4) - lists_.firstNode[i]);
+        const auto n = (node[2] * static_cast<std::size_t>(lists_.nodeCount[1]) + node[1]) *
+                           static_cast<std::size_t>(lists_.nodeCount[0]) +
+                       node[0];
         Node* at = nodes_[n].load(std::memory_order_acquire);
-        if (!at) {
-            auto fresh = std::make_unique<Node>();
-            if (nodes_[n].compare_exchange_strong(at, fresh.get())) at = fresh.release();
-        }
-        // As OpenVDB numbers them: z fastest.
-        return at->slots[static_cast<std::size_t>((within[0] * kNodeSide + within[1]) * kNodeSide +
-                                                  within[2])];
+        if (at) return *at;
+        const std::lock_guard<std::mutex> lock(making_);
+        at = nodes_[n].load(std::memory_order_relaxed);
+        if (at) return *at;
+        if (byNumber_.size() == std::size_t{1} << 20)
+            throw ResourceError(
+                "the field would have more than a million nodes of 128^3 voxels; give a larger "
+                "`voxelSize`");
+        byNumber_.push_back(std::make_unique<Node>());
+        at = byNumber_.back().get();
+        at->number = static_cast<std::uint32_t>(byNumber_.size() - 1);
+        nodes_[n].store(at, std::memory_order_release);
+        return *at;
+    }
+
+    /// As OpenVDB numbers the leaves of a node: z fastest.
+    static std::uint32_t numberInNode(const LeafPlace& leaf) {
+        constexpr int kMask = kNodeSide - 1;
+        return static_cast<std::uint32_t>(
+            ((leaf[0] & kMask) * kNodeSide + (leaf[1] & kMask)) * kNodeSide + (leaf[2] & kMask));
     }
 
     template <class Visit>
@@ -228,23 +258,31 @@ private:
                     if (region.meets(at)) visit(at);
     }
 
-    /// Calls `visit(kind, index, leaf)`: kind 0 triangles, 1 edges, 2 vertices.
-    template <class Visit>
-    void forAllFeatures(const Visit& visit) {
-        const auto each = [&](std::size_t kind, std::size_t n, const auto& regionAt) {
-            tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 512),
-                              [&](const tbb::blocked_range<std::size_t>& part) {
-                                  for (std::size_t i = part.begin(); i < part.end(); ++i)
-                                      forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
-                                          visit(kind, static_cast<std::uint32_t>(i), leaf);
-                                      });
-                              });
+    /// Counts the candidates of one kind (triangles, edges, vertices) for each leaf, and lists
+    /// them.
+    void find(std::size_t kind) {
+        const auto each = [&](std::size_t n, const auto& regionAt) {
+            tbb::parallel_for(
+                tbb::blocked_range<std::size_t>(0, n, 512),
+                [&](const tbb::blocked_range<std::size_t>& part) {
+                    Entries& entries = found_.local()[kind];
+                    for (std::size_t i = part.begin(); i < part.end(); ++i)
+                        forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
+                            Node& node = nodeOf(leaf);
+                            const std::uint32_t k = numberInNode(leaf);
+                            node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
+                            entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
+                        });
+                });
         };
-        each(0, mesh_.triangles->size(), [&](std::size_t i) { return regionOf(mesh_, i); });
-        each(1, features_.edges.size(),
-             [&](std::size_t i) { return regionOf(mesh_, features_.edges[i]); });
-        each(2, features_.vertices.size(),
-             [&](std::size_t i) { return regionOf(mesh_, features_.vertices[i]); });
+        if (kind == 0)
+            each(mesh_.triangles->size(), [&](std::size_t i) { return regionOf(mesh_, i); });
+        else if (kind == 1)
+            each(features_.edges.size(),
+                 [&](std::size_t i) { return regionOf(mesh_, features_.edges[i]); });
+        else
+            each(features_.vertices.size(),
+                 [&](std::size_t i) { return regionOf(mesh_, features_.vertices[i]); });
     }
 
     void placeLeaves() {
@@ -279,6 +317,10 @@ private:
     const BandFeatures& features_;
     const Callbacks& callbacks_;
     std::vector<std::atomic<Node*>> nodes_;
+    std::mutex making_;
+    std::vector<std::unique_ptr<Node>> byNumber_;
+    static constexpr std::size_t kKinds = 3;
+    tbb::enumerable_thread_specific<std::array<Entries, kKinds>> found_;
 };
 
 LeafLists::LeafLists(const BandMesh& mesh, const BandFeatures& features,

@@ -24,7 +24,8 @@ struct BandLeaf {
 
 /// The leaves that parts of the band may reach, node by node (128^3 voxels).
 ///
-/// Memory: 96 KiB for each node that is met, 4 bytes for each candidate.
+/// Memory: 96 KiB for each node that is met, 4 bytes for each candidate, and 8 more while they are
+/// made.
 class LeafLists {
 public:
     LeafLists(const BandMesh& mesh, const BandFeatures& features, const Callbacks& callbacks);
