@@ -6,8 +6,6 @@
 #include "vdbpack/domain/mesh_slice.h"
 #include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/field/vdb_field.h"
-#include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
@@ -162,13 +160,12 @@ bool isAbout(double voxelSize, double wanted) {
 
 /// Which shells of a mesh bound cavities, and which way its triangles face.
 /// @param depthOfTriangle  as `VdbField`. @param facing  as `meshSlice`.
-void analyzeNesting(const TriangleMesh& mesh, std::vector<std::uint8_t>& depthOfTriangle,
-                    std::vector<std::int8_t>& facing) {
-    const ShellAnalysis shells = analyzeShells(mesh);
-    depthOfTriangle.resize(mesh.triangles.size());
-    facing.resize(mesh.triangles.size());
+void nestingOf(const ShellAnalysis& shells, std::vector<std::uint8_t>& depthOfTriangle,
+               std::vector<std::int8_t>& facing) {
+    depthOfTriangle.resize(shells.shellOfTriangle.size());
+    facing.resize(shells.shellOfTriangle.size());
     bool nested = false;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    for (std::size_t i = 0; i < shells.shellOfTriangle.size(); ++i) {
         const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
         depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(shell.depth, 255));
         nested = nested || shell.depth > 0;
@@ -274,11 +271,14 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
                 const std::string& kind, const Callbacks& callbacks) {
     requireLengths(options);
     requireUsableMesh(mesh, options.name);
-    const MeshHealth health = checkMesh(mesh);
+    const auto analysis = options.analysis
+                              ? options.analysis
+                              : std::make_shared<const MeshAnalysis>(analyzeMesh(mesh));
+    const MeshHealth& health = analysis->health;
     if (!(health.area > 0))
         throw InputError(fmt::format("{}: no triangle has an area; repair the mesh", options.name));
     Parts parts;
-    analyzeNesting(mesh, parts.depthOfTriangle, parts.facing);
+    nestingOf(analysis->shells, parts.depthOfTriangle, parts.facing);
     FieldBuilder builder(mesh, health, parts.depthOfTriangle, options, callbacks);
     builder.build(levelSet);
     if (!isClean(health)) {

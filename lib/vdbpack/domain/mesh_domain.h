@@ -4,6 +4,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <algorithm>
@@ -28,6 +29,8 @@ struct FieldOptions {
     double detail = 0;
     /// Name of the mesh in messages (its file).
     std::string name = "mesh";
+    /// Of this mesh, if the caller has it already; null: made.
+    std::shared_ptr<const MeshAnalysis> analysis;
     /// What was done to the mesh before, for `facts`.
     std::shared_ptr<const RepairReport> repair;
 

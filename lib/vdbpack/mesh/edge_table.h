@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/disjoint_sets.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <algorithm>
@@ -47,12 +48,13 @@ public:
                 uses_[next[lower]++] = {upper, static_cast<std::uint32_t>(3 * i + k)};
             }
         }
-        for (std::size_t v = 0; v + 1 < rows_.size(); ++v)
+        forAll(mesh.vertices.size(), [&](std::size_t v) {
             std::sort(uses_.begin() + static_cast<std::ptrdiff_t>(rows_[v]),
                       uses_.begin() + static_cast<std::ptrdiff_t>(rows_[v + 1]),
                       [](const Use& a, const Use& b) {
                           return a.upper != b.upper ? a.upper < b.upper : a.side < b.side;
                       });
+        });
     }
 
     /// Calls `f(lower, upper, first, last)` for every edge in rising order of its vertices;

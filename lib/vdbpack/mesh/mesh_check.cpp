@@ -2,10 +2,10 @@
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
-#include "vdbpack/mesh/mesh_shells.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
@@ -182,22 +182,33 @@ void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
 
 }  // namespace
 
-MeshHealth checkMesh(const TriangleMesh& mesh) {
-    MeshHealth health;
-    const std::size_t collapsed = measureTriangles(mesh, health);
-    {
-        const EdgeTable edges(mesh);
-        countEdges(mesh, edges, health);
-        countShells(analyzeShells(mesh, edges), health);
-    }
+MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
+    MeshAnalysis analysis;
+    MeshHealth& health = analysis.health;
+    std::size_t collapsed = 0;
+    // Each sets members of its own.
+    tbb::parallel_invoke(
+        [&] {
+            const EdgeTable edges(mesh);
+            countEdges(mesh, edges, health);
+            analysis.shells = analyzeShells(mesh, edges);
+            countShells(analysis.shells, health);
+        },
+        [&] { collapsed = measureTriangles(mesh, health); },
+        [&] {
+            const auto isCopy = findCopies(mesh);
+            health.duplicateTriangles =
+                static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
+        },
+        [&] { health.pieces = countPieces(mesh); });
     health.eulerNumber = static_cast<std::int64_t>(health.vertices) -
                          static_cast<std::int64_t>(health.edges) +
                          static_cast<std::int64_t>(health.triangles - collapsed);
-    const auto isCopy = findCopies(mesh);
-    health.duplicateTriangles =
-        static_cast<std::size_t>(std::count(isCopy.begin(), isCopy.end(), char{1}));
-    health.pieces = countPieces(mesh);
-    return health;
+    return analysis;
+}
+
+MeshHealth checkMesh(const TriangleMesh& mesh) {
+    return analyzeMesh(mesh).health;
 }
 
 TriangleMesh withoutDuplicates(const TriangleMesh& mesh) {

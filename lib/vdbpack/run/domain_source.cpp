@@ -7,7 +7,6 @@
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
-#include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
@@ -118,10 +117,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     }
     callbacks.stopIfCancelled();
     fileBounds_ = mesh_->bounds();
-    fileVolume_ = analyzeShells(*mesh_).enclosedVolume();
-    for (const auto& t : mesh_->triangles)
-        fileArea_ += 0.5 * length(cross(mesh_->vertices[t[1]] - mesh_->vertices[t[0]],
-                                        mesh_->vertices[t[2]] - mesh_->vertices[t[0]]));
+    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
     const double extent = length(fileBounds_.size());
     if (!(extent > kSmallestExtent))
         throw InputError(fmt::format(
@@ -156,10 +152,14 @@ int DomainSource::dim() const {
     return plane_ || slice_ ? 2 : 3;
 }
 
+double DomainSource::fileVolume() const {
+    return std::fabs(analysis_->health.enclosedVolume);
+}
+
 double DomainSource::volume() const {
     if (plane_ || slice_) return build(0, 0).plane->volume();
     if (space_) return build(0, 0).space->volume();
-    return std::fabs(fileVolume_);
+    return fileVolume();
 }
 
 FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
@@ -173,6 +173,7 @@ FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
     // A pivot must know its clearance up to its reach, and so must the interior fraction.
     options.depth = 3 * maxRadius;
     options.name = recipe_.source;
+    options.analysis = analysis_;
     options.repair = repair_;
     return options;
 }
@@ -183,8 +184,8 @@ FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSiz
     const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
     plan.triangles = mesh_->triangles.size();
     plan.vertices = mesh_->vertices.size();
-    plan.area = fileArea_;
-    plan.volume = std::fabs(fileVolume_);
+    plan.area = analysis_->health.area;
+    plan.volume = fileVolume();
     plan.voxelSize =
         options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(*mesh_, options.detail);
     plan.depth = options.depth;
@@ -199,7 +200,8 @@ double FieldPlan::voxels() const {
 }
 
 double DomainSource::clippedVolume() const {
-    if (!mesh_ || clips_.empty()) return std::fabs(fileVolume_);
+    if (!mesh_) return 0;
+    if (clips_.empty()) return fileVolume();
     // Clips along the axes, which most are, narrow the box that is looked at.
     Box<3> box = fileBounds_;
     for (const HalfSpace<3>& h : clips_)

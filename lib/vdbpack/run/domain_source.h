@@ -115,7 +115,8 @@ private:
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
 
     Box<3> fileBounds_;
-    double fileVolume_ = 0, fileArea_ = 0;
+    std::shared_ptr<const MeshAnalysis> analysis_;  ///< of `mesh_`
+    double fileVolume() const;                      ///< that `mesh_` encloses, mm³
 };
 
 /// The domain of that dimension. Null where it has another.
