@@ -29,7 +29,8 @@ using Facing = std::vector<std::int8_t>;
 /// Inside is where an odd number of surfaces lies below: shells within shells bound cavities,
 /// whichever way they face. The distance is that to the nearest point of the nearest triangle, to
 /// 1e-5 voxel; the sign is right for all voxels that are farther than this from the surface. The
-/// same bits for any number of threads. Degenerate and duplicate triangles are allowed.
+/// same bits for any number of threads. Degenerate and duplicate triangles are allowed; those that
+/// name a vertex twice do not count.
 ///
 /// Each triangle, edge and vertex is compared with the voxels that it may be nearest to: triangles
 /// with the prism over them, edges with the wedge between their triangles, vertices with the polar
