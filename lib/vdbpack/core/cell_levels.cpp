@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_sort.h>
@@ -153,17 +154,14 @@ void CellLevels<Dim>::fillLevel(Level& level, const std::vector<Sphere<Dim>>& sp
     const double most = 4.0 * static_cast<double>(n) + 64;
     const double cells = layAxes(level, spheres, members, most);
     std::vector<std::uint64_t> key(n);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                              const Vec<Dim>& c = spheres[members[k]].center;
-                              std::uint64_t cell = 0;
-                              for (int i = Dim - 1; i >= 0; --i)
-                                  cell = cell * static_cast<std::uint64_t>(level.axis(i).count) +
-                                         static_cast<std::uint64_t>(level.axis(i).cell(c[i]));
-                              key[k] = cell;
-                          }
-                      });
+    forAll(n, [&](std::size_t k) {
+        const Vec<Dim>& c = spheres[members[k]].center;
+        std::uint64_t cell = 0;
+        for (int i = Dim - 1; i >= 0; --i)
+            cell = cell * static_cast<std::uint64_t>(level.axis(i).count) +
+                   static_cast<std::uint64_t>(level.axis(i).cell(c[i]));
+        key[k] = cell;
+    });
     level.spheres.resize(n);
     level.index.resize(n);
     if (cells <= most)
@@ -178,22 +176,19 @@ void CellLevels<Dim>::sortByCell(Level& level, const std::vector<Sphere<Dim>>& s
                                  const std::vector<std::uint32_t>& members,
                                  const std::vector<std::uint64_t>& key, std::size_t cells) {
     const std::size_t n = members.size();
-    // The order inside a cell depends on the threads; no result does.
-    std::vector<std::atomic<std::uint32_t>> next(cells);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t k = block.begin(); k < block.end(); ++k)
-                              next[key[k]].fetch_add(1, std::memory_order_relaxed);
-                      });
-    firstPositions(next, level.start, "spheres", "take fewer spheres");
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 4096),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                              const auto at = next[key[k]].fetch_add(1, std::memory_order_relaxed);
-                              level.spheres[at] = spheres[members[k]];
-                              level.index[at] = members[k];
-                          }
-                      });
+    // The order inside a cell depends on the threads; no result does. A sphere's rank in its cell
+    // is kept, since an atomic count beside each random write would let these wait for each other.
+    std::vector<std::atomic<std::uint32_t>> counts(cells);
+    std::vector<std::uint32_t> rank(n);
+    forAll(n, [&](std::size_t k) {
+        rank[k] = counts[key[k]].fetch_add(1, std::memory_order_relaxed);
+    });
+    firstPositions(counts, level.start, "spheres", "take fewer spheres");
+    forAll(n, [&](std::size_t k) {
+        const std::uint32_t at = level.start[key[k]] + rank[k];
+        level.spheres[at] = spheres[members[k]];
+        level.index[at] = members[k];
+    });
 }
 
 /// Sorts into slots of the occupied cells alone.

@@ -60,20 +60,19 @@ SphereCells<Dim>::SphereCells(const std::vector<Sphere<Dim>>& spheres,
     perCell_ = 1 / (2 * largestRadius_);
     chooseSlots(spheres, members);
     const std::size_t n = members.size();
-    // The order inside a slot depends on the threads; no result does.
-    std::vector<std::atomic<std::uint32_t>> next(mask_ + 1);
-    std::vector<std::uint32_t> slot(n);
+    // The order inside a slot depends on the threads; no result does. A sphere's rank in its slot
+    // is kept, since an atomic count beside each random write would let these wait for each other.
+    std::vector<std::atomic<std::uint32_t>> counts(mask_ + 1);
+    std::vector<std::uint32_t> slot(n), rank(n);
     forAll(n, [&](std::size_t k) {
         slot[k] = static_cast<std::uint32_t>(slotOf(cellsOf(spheres[members[k]].center)));
-        next[slot[k]].fetch_add(1, std::memory_order_relaxed);
+        rank[k] = counts[slot[k]].fetch_add(1, std::memory_order_relaxed);
     });
-    start_ = startsOf(next);
+    start_ = startsOf(counts);
     spheres_.resize(n);
-    index_.resize(n);
     forAll(n, [&](std::size_t k) {
-        const std::uint32_t at = next[slot[k]].fetch_add(1, std::memory_order_relaxed);
-        spheres_[at] = spheres[members[k]];
-        index_[at] = members[k];
+        const std::uint32_t at = start_[slot[k]] + rank[k];
+        spheres_[at] = {spheres[members[k]], members[k]};
     });
 }
 
