@@ -88,6 +88,43 @@ TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
     }
 }
 
+TEST_CASE("points searched for together find what each finds alone", "[verify]") {
+    const auto pieces = piecesOf(torusMesh(8, 3, 40, 20));
+    const WallTree<3> tree(pieces);
+    const auto spheres = randomSpheres<3>(400, 30, 1, 1, 6);
+    for (std::size_t k = 0; k < spheres.size(); k += 4) {
+        WallTree<3>::Points points;
+        WallTree<3>::Squares bounds;
+        for (std::size_t l = 0; l < 4; ++l) {
+            points[l] = spheres[k + l].center;
+            bounds[l] = l == 1 ? 0.01 : std::numeric_limits<double>::infinity();
+        }
+        const auto found = tree.squaredDistances(points, bounds);
+        for (std::size_t l = 0; l < 4; ++l)
+            REQUIRE(found[l] == tree.squaredDistance(points[l], bounds[l]));
+    }
+}
+
+TEST_CASE("a check gives the distance of every center to the nearest triangle", "[verify]") {
+    const auto mesh = torusMesh(8, 3, 40, 20);
+    const auto pieces = piecesOf(mesh);
+    // Near the wall and far from it, inside and outside; not a multiple of a block.
+    const auto spheres = randomSpheres<3>(601, 40, 0.1, 2, 7);
+    std::vector<double> distances;
+    const auto check = checkProtrusion(spheres, mesh, {}, &distances);
+    REQUIRE(distances.size() == spheres.size());
+    for (std::size_t i = 0; i < spheres.size(); ++i) {
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto& t : pieces)
+            nearest = std::min(nearest, squaredDistanceToPiece(spheres[i].center, t));
+        REQUIRE(distances[i] == std::sqrt(nearest));
+    }
+    const auto alone = checkProtrusion(spheres, mesh);
+    REQUIRE(alone.spheres == check.spheres);
+    REQUIRE(alone.centersOutside == check.centersOutside);
+    REQUIRE(alone.max == check.max);
+}
+
 TEST_CASE("protrusion through a box of triangles is that of the formula", "[verify]") {
     const Vec<3> lo{{-4, -3, -2}}, hi{{4, 3, 2}};
     auto spheres = randomSpheres<3>(400, 11, 0.3, 5, 8);

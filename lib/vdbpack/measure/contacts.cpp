@@ -2,9 +2,11 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/sampling.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -113,37 +115,62 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
         if (trace > 0)
             for (auto& row : result.fabric) row *= 1 / trace;
     }
-    result.counts.resize(spheres.size());
-    std::uint64_t sum = 0;
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-        result.counts[i] = counts[i].load(std::memory_order_relaxed);
-        sum += static_cast<std::uint64_t>(result.counts[i]);
-    }
-    result.pairs = sum / 2;
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        const double r = spheres[i].radius;
-        if (!(std::abs(static_cast<double>(depth[i]) - r) <= tolerance * r)) continue;
-        ++result.counts[i];
-        ++result.wallContacts;
-    }
     result.few = Dim + 1;
     if (spheres.empty()) return result;
-    std::vector<std::uint32_t> members(spheres.size());
-    std::uint64_t few = 0;
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-        ++members[components.find(static_cast<std::uint32_t>(i))];
-        const auto count = static_cast<std::size_t>(result.counts[i]);
-        if (count >= result.histogram.size()) result.histogram.resize(count + 1);
-        ++result.histogram[count];
-        few += result.counts[i] < result.few;
+    result.counts.resize(spheres.size());
+    std::vector<std::atomic<std::uint32_t>> members(spheres.size());
+    struct Tally {
+        std::uint64_t sum = 0, wall = 0, few = 0;
+        std::vector<std::uint64_t> histogram;
+    };
+    tbb::enumerable_thread_specific<Tally> tallies;
+    tbb::parallel_for(Blocks(0, spheres.size(), 4096), [&](const Blocks& block) {
+        Tally& tally = tallies.local();
+        std::uint32_t component = 0, inARow = 0;
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            auto count = counts[i].load(std::memory_order_relaxed);
+            tally.sum += static_cast<std::uint64_t>(count);
+            const double r = spheres[i].radius;
+            if (!depth.empty() && std::abs(static_cast<double>(depth[i]) - r) <= tolerance * r) {
+                ++count;
+                ++tally.wall;
+            }
+            result.counts[i] = count;
+            tally.few += count < result.few;
+            const auto k = static_cast<std::size_t>(count);
+            if (k >= tally.histogram.size()) tally.histogram.resize(k + 1);
+            ++tally.histogram[k];
+            const std::uint32_t root = components.find(static_cast<std::uint32_t>(i));
+            if (root != component) {
+                members[component].fetch_add(inARow, std::memory_order_relaxed);
+                component = root;
+                inARow = 0;
+            }
+            ++inARow;
+        }
+        members[component].fetch_add(inARow, std::memory_order_relaxed);
+    });
+    std::uint64_t sum = 0, few = 0;
+    for (const Tally& tally : tallies) {
+        sum += tally.sum;
+        few += tally.few;
+        result.wallContacts += tally.wall;
+        result.histogram.resize(std::max(result.histogram.size(), tally.histogram.size()));
+        for (std::size_t k = 0; k < tally.histogram.size(); ++k)
+            result.histogram[k] += tally.histogram[k];
     }
+    result.pairs = sum / 2;
     const auto total = static_cast<double>(spheres.size());
     result.mean = static_cast<double>(sum + result.wallContacts) / total;
     result.meanOfSpheres = static_cast<double>(sum) / total;
     result.fewShare = static_cast<double>(few) / total;
-    result.components = static_cast<std::uint64_t>(
-        std::count_if(members.begin(), members.end(), [](std::uint32_t m) { return m > 0; }));
-    result.largestComponent = *std::max_element(members.begin(), members.end()) / total;
+    std::uint32_t largest = 0;
+    for (const auto& size : members) {
+        const std::uint32_t n = size.load(std::memory_order_relaxed);
+        result.components += n > 0;
+        largest = std::max(largest, n);
+    }
+    result.largestComponent = largest / total;
     return result;
 }
 

@@ -48,6 +48,10 @@ double totalMeasure(const std::vector<Sphere<Dim>>& spheres) {
         std::plus<>());
 }
 
+/// Points in all spheres that cross a depth; with a quarter of them the fraction changes by some
+/// 1e-5.
+constexpr double kPoints = 1e6;
+
 /// The part of a sphere that lies deeper than a depth.
 enum Part : unsigned char { none, whole, crossing };
 
@@ -112,7 +116,9 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
     const auto part = partsDeeperThan(depth, deep, spheres, domain, samplers);
     const auto crossings = static_cast<double>(
         std::count(part.begin(), part.end(), static_cast<unsigned char>(crossing)));
-    const int points = static_cast<int>(std::clamp(4e6 / std::max(crossings, 1.0), 16.0, 1000.0));
+    const auto points =
+        static_cast<std::size_t>(std::clamp(kPoints / std::max(crossings, 1.0), 16.0, 1000.0));
+    const BallPoints<Dim> ball(16384 + points);
     const double covered = tbb::parallel_deterministic_reduce(
         Blocks(0, spheres.size(), 512), 0.0,
         [&](const Blocks& block, double sum) {
@@ -121,14 +127,11 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
                 if (part[i] == none) continue;
                 double share = 1;
                 if (part[i] == crossing) {
-                    Spread<Dim> spread(i);
-                    int inside = 0;
-                    for (int k = 0; k < points; ++k) {
-                        const Vec<Dim> x =
-                            spheres[i].center + ballPoint<Dim>(spread.next()) * spheres[i].radius;
-                        if (-sampler.signedDistance(x) >= deep) ++inside;
-                    }
-                    share = static_cast<double>(inside) / points;
+                    std::size_t inside = 0;
+                    ball.visit(spheres[i], i, points, [&](const Vec<Dim>& x) {
+                        inside += -sampler.signedDistance(x) >= deep;
+                    });
+                    share = static_cast<double>(inside) / static_cast<double>(points);
                 }
                 sum += share * Measure<Dim>::ball(spheres[i].radius);
             }

@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 namespace vdbpack {
 
@@ -67,5 +68,34 @@ Vec<Dim> ballPoint(const Vec<Dim>& u) {
         return {{r * s * std::cos(a), r * s * std::sin(a), r * z}};
     }
 }
+
+/// A long run of evenly spread points in the unit ball, of which every part is spread as evenly.
+template <int Dim>
+class BallPoints {
+public:
+    explicit BallPoints(std::size_t count) {
+        points_.reserve(count);
+        Spread<Dim> spread(0);
+        while (points_.size() < count) points_.push_back(ballPoint<Dim>(spread.next()));
+    }
+    /// Calls `work(x)` for `count` points of a sphere: for each seed another part of the run,
+    /// mirrored at other axes.
+    template <class Work>
+    void visit(const Sphere<Dim>& sphere, std::uint64_t seed, std::size_t count,
+               const Work& work) const {
+        const std::uint64_t bits = mix64(seed);
+        const Vec<Dim>* point = points_.data() + (bits >> Dim) % (points_.size() - count + 1);
+        Vec<Dim> scale;
+        for (int i = 0; i < Dim; ++i) scale[i] = bits >> i & 1 ? sphere.radius : -sphere.radius;
+        for (std::size_t k = 0; k < count; ++k) {
+            Vec<Dim> x = sphere.center;
+            for (int i = 0; i < Dim; ++i) x[i] += scale[i] * point[k][i];
+            work(x);
+        }
+    }
+
+private:
+    std::vector<Vec<Dim>> points_;
+};
 
 }  // namespace vdbpack

@@ -255,16 +255,18 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
     return built;
 }
 
-ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres) const {
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres,
+                                         std::vector<double>* distances) const {
     if (wall3_) {
         WallShape<3> wall = *wall3_;
         wall.clips = clips_;
         return checkProtrusion(spheres, wall);
     }
-    return checkProtrusion(spheres, *mesh_, clips_);
+    return checkProtrusion(spheres, *mesh_, clips_, distances);
 }
 
-ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) const {
+ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles,
+                                         std::vector<double>* distances) const {
     if (wall2_ || wall3_) {
         auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *slice_);
         if (!wall)
@@ -272,21 +274,20 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles) 
         wall->clips = inPlane(clips_, slice_.value_or(0));
         return checkProtrusion(circles, *wall);
     }
-    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_));
+    return checkProtrusion(circles, sliceSegments(*mesh_, *slice_), inPlane(clips_, *slice_),
+                           distances);
 }
 
 std::vector<float> DomainSource::depths(const std::vector<Sphere<3>>& spheres,
-                                        const Domain<3>& domain) const {
-    std::vector<WallPiece<3>> wall;
-    if (mesh_) wall = wallPieces(*mesh_);
-    return centerDepths<3>(spheres, domain, wall, clips_);
+                                        const Domain<3>& domain,
+                                        const std::vector<double>& distances) const {
+    return centerDepths<3>(spheres, domain, distances, clips_);
 }
 
 std::vector<float> DomainSource::depths(const std::vector<Sphere<2>>& circles,
-                                        const Domain<2>& domain) const {
-    std::vector<WallPiece<2>> wall;
-    if (mesh_) wall = sliceSegments(*mesh_, *slice_);
-    return centerDepths<2>(circles, domain, wall,
+                                        const Domain<2>& domain,
+                                        const std::vector<double>& distances) const {
+    return centerDepths<2>(circles, domain, distances,
                            mesh_ ? inPlane(clips_, *slice_) : std::vector<HalfSpace<2>>{});
 }
 

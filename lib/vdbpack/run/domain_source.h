@@ -92,12 +92,18 @@ public:
 
     /// How far spheres protrude from the domain's wall itself (triangles or formula), checked
     /// by code that is not used for the field.
-    ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres) const;
-    ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles) const;
+    /// @param distances  as `checkProtrusion` has it; nothing where the wall is a formula.
+    ProtrusionCheck protrusion(const std::vector<Sphere<3>>& spheres,
+                               std::vector<double>* distances = nullptr) const;
+    ProtrusionCheck protrusion(const std::vector<Sphere<2>>& circles,
+                               std::vector<double>* distances = nullptr) const;
 
-    /// Distance of each center to that wall, mm; `domain` as built from this source.
-    std::vector<float> depths(const std::vector<Sphere<3>>& spheres, const Domain<3>& domain) const;
-    std::vector<float> depths(const std::vector<Sphere<2>>& circles, const Domain<2>& domain) const;
+    /// Distance of each center to that wall, mm; `domain` as built from this source, `distances`
+    /// as `protrusion` gave them.
+    std::vector<float> depths(const std::vector<Sphere<3>>& spheres, const Domain<3>& domain,
+                              const std::vector<double>& distances) const;
+    std::vector<float> depths(const std::vector<Sphere<2>>& circles, const Domain<2>& domain,
+                              const std::vector<double>& distances) const;
 
     const DomainRecipe& recipe() const { return recipe_; }
 

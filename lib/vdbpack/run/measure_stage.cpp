@@ -1,10 +1,12 @@
 #include "vdbpack/run/measure_stage.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,14 +46,27 @@ struct SizeCheck {
 template <int Dim>
 void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report) {
     const SizeCheck<Dim> check(sizes);
-    std::vector<double> radii, atWall;
+    struct Sample {
+        double radius;
+        bool atWall;
+    };
     const double near = 2 * report.radius.max;
-    for (std::size_t i = report.existing; i < pack.spheres.size(); ++i) {
-        radii.push_back(pack.spheres[i].radius);
-        if (!pack.depth.empty() && static_cast<double>(pack.depth[i]) <= near)
-            atWall.push_back(radii.back());
+    std::vector<Sample> samples(pack.spheres.size() - report.existing);
+    forAll(samples.size(), [&](std::size_t k) {
+        const std::size_t i = report.existing + k;
+        samples[k] = {pack.spheres[i].radius,
+                      !pack.depth.empty() && static_cast<double>(pack.depth[i]) <= near};
+    });
+    if (samples.empty()) return;
+    // Sorted once for all four distances.
+    tbb::parallel_sort(samples.begin(), samples.end(),
+                       [](const Sample& a, const Sample& b) { return a.radius < b.radius; });
+    std::vector<double> radii, atWall;
+    radii.reserve(samples.size());
+    for (const Sample& sample : samples) {
+        radii.push_back(sample.radius);
+        if (sample.atWall) atWall.push_back(sample.radius);
     }
-    if (radii.empty()) return;
     report.ks = check.byNumber(radii);
     report.ksByVolume = check.byVolume(std::move(radii));
     if (atWall.empty()) return;
@@ -86,7 +101,8 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         report.domain = domain->facts();
         report.volume = domain->volume();
         report.area = domain->wallArea();
-        report.protrusion = source->protrusion(pack.spheres);
+        std::vector<double> distances;
+        report.protrusion = source->protrusion(pack.spheres, &distances);
         report.solidFractionTotal = solidFraction(pack.spheres, *domain);
         // Only the parts of spheres inside the domain count.
         if (report.protrusion->spheres > 0)
@@ -94,7 +110,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         const double interior = 3 * report.radius.max;
         if (interior <= domain->fieldDepth() && goesOn())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
-        if (goesOn()) pack.depth = source->depths(pack.spheres, *domain);
+        if (goesOn()) pack.depth = source->depths(pack.spheres, *domain, distances);
     }
     std::optional<ContactCheck> contacts;
     if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth);

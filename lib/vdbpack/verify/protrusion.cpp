@@ -84,10 +84,46 @@ std::vector<std::uint32_t> coherentOrder(const std::vector<Sphere<Dim>>& spheres
     return order;
 }
 
+/// Searches for points in a row: what was found for the last ones bounds the next ones' distances.
+template <int Dim>
+class NearestPieces {
+public:
+    using Points = typename WallTree<Dim>::Points;
+    using Squares = typename WallTree<Dim>::Squares;
+
+    explicit NearestPieces(const WallTree<Dim>& tree) : tree_(tree) { reaches_.fill(kFar); }
+
+    /// Squared distances, mm²; of those not below its bound, the bound.
+    Squares squaredDistances(const Points& points, const Squares& bounds) {
+        Squares tighter = bounds;
+        for (std::size_t l = 0; l < points.size(); ++l) {
+            double reach = kFar;
+            for (std::size_t m = 0; m < points.size(); ++m)
+                reach = std::min(reach, length(points[l] - last_[m]) + reaches_[m]);
+            reach *= 1 + 1e-9;
+            tighter[l] = std::min(tighter[l], reach * reach);
+        }
+        const Squares squares = tree_.squaredDistances(points, tighter);
+        last_ = points;
+        for (std::size_t l = 0; l < points.size(); ++l)
+            reaches_[l] = squares[l] < bounds[l] ? std::sqrt(squares[l]) : kFar;
+        return squares;
+    }
+
+private:
+    static constexpr double kFar = std::numeric_limits<double>::infinity();
+
+    const WallTree<Dim>& tree_;
+    Points last_{};
+    Squares reaches_;  ///< distances from `last_` within which there is a piece
+};
+
+/// @param distances  if given, takes the distance of each center to the nearest piece, mm.
 template <int Dim>
 ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
                             std::vector<WallPiece<Dim>> pieces,
-                            const std::vector<HalfSpace<Dim>>& clips) {
+                            const std::vector<HalfSpace<Dim>>& clips,
+                            std::vector<double>* distances) {
     requireVerifiable(spheres);
     requirePlanes(clips);
     constexpr std::size_t kMostPieces = 150'000'000;  // bins count their entries in 32 bits
@@ -99,30 +135,39 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
     const WallTree<Dim> tree(std::move(pieces));
     const WallSides<Dim> sides(tree.pieces());
     const auto order = coherentOrder(spheres);
+    if (distances) distances->resize(spheres.size());
+    // Of the same spheres for any number of threads, so that distances are the same to the last
+    // bit.
+    constexpr std::size_t kBlock = 64 * WallTree<Dim>::kTogether;
     auto result = tbb::parallel_reduce(
-        Blocks(0, spheres.size(), 512), ProtrusionCheck{},
-        [&](const Blocks& block, ProtrusionCheck check) {
-            // From the last center outside, with its distance: bounds the next one's.
-            Vec<Dim> last;
-            double lastDistance = -1;
-            for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                const Sphere<Dim>& s = spheres[order[k]];
-                const double r = s.radius;
-                double inner = 0;
-                if (sides.inside(s.center)) {
-                    inner = std::sqrt(tree.squaredDistance(s.center, r * r));
-                } else {
-                    double bound = std::numeric_limits<double>::infinity();
-                    if (lastDistance >= 0) {
-                        const double reach = (lastDistance + length(s.center - last)) * (1 + 1e-9);
-                        bound = reach * reach;
+        Blocks(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
+        [&](const Blocks& blocks, ProtrusionCheck check) {
+            for (std::size_t b = blocks.begin(); b < blocks.end(); ++b) {
+                NearestPieces<Dim> nearest(tree);
+                const std::size_t end = std::min(spheres.size(), (b + 1) * kBlock);
+                for (std::size_t k = b * kBlock; k < end; k += WallTree<Dim>::kTogether) {
+                    std::array<std::size_t, WallTree<Dim>::kTogether> which;
+                    typename WallTree<Dim>::Points centers;
+                    typename WallTree<Dim>::Squares bounds;
+                    std::array<bool, WallTree<Dim>::kTogether> inside;
+                    for (std::size_t l = 0; l < which.size(); ++l) {
+                        which[l] = order[std::min(k + l, end - 1)];
+                        const Sphere<Dim>& s = spheres[which[l]];
+                        centers[l] = s.center;
+                        inside[l] = sides.inside(s.center);
+                        bounds[l] = inside[l] && !distances
+                                        ? s.radius * s.radius
+                                        : std::numeric_limits<double>::infinity();
                     }
-                    inner = -std::sqrt(tree.squaredDistance(s.center, bound));
-                    last = s.center;
-                    lastDistance = -inner;
+                    const auto squares = nearest.squaredDistances(centers, bounds);
+                    for (std::size_t l = 0; l < which.size() && k + l < end; ++l) {
+                        const double distance = std::sqrt(squares[l]), r = spheres[which[l]].radius;
+                        if (distances) (*distances)[which[l]] = distance;
+                        const double inner = std::min(inside[l] ? distance : -distance,
+                                                      innerDistance(clips, centers[l]));
+                        note(check, which[l], (r - inner) / r);
+                    }
                 }
-                inner = std::min(inner, innerDistance(clips, s.center));
-                note(check, order[k], (r - inner) / r);
             }
             return check;
         },
@@ -134,7 +179,8 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
 }  // namespace
 
 ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const TriangleMesh& mesh,
-                                const std::vector<HalfSpace<3>>& clips) {
+                                const std::vector<HalfSpace<3>>& clips,
+                                std::vector<double>* distances) {
     if (mesh.triangles.empty())
         throw InputError("mesh: there are no triangles to check against; give a closed surface");
     std::vector<WallPiece<3>> pieces = wallPieces(mesh);
@@ -145,12 +191,13 @@ ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const Tri
                     fmt::format("mesh: vertex {} has the coordinate {}; the mesh is "
                                 "damaged, export it again",
                                 i, c));
-    return checkPieces<3>(spheres, std::move(pieces), clips);
+    return checkPieces<3>(spheres, std::move(pieces), clips, distances);
 }
 
 ProtrusionCheck checkProtrusion(const std::vector<Sphere<2>>& circles,
                                 const std::vector<WallPiece<2>>& wall,
-                                const std::vector<HalfSpace<2>>& clips) {
+                                const std::vector<HalfSpace<2>>& clips,
+                                std::vector<double>* distances) {
     if (wall.empty())
         throw InputError("wall: there are no segments to check against; give a closed curve");
     for (std::size_t t = 0; t < wall.size(); ++t)
@@ -161,7 +208,7 @@ ProtrusionCheck checkProtrusion(const std::vector<Sphere<2>>& circles,
                         fmt::format("wall: segment {} has the coordinate {}; the wall is damaged, "
                                     "build it again",
                                     t, c));
-    return checkPieces<2>(circles, wall, clips);
+    return checkPieces<2>(circles, wall, clips, distances);
 }
 
 template <int Dim>

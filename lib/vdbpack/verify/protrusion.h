@@ -31,18 +31,22 @@ struct ProtrusionCheck {
 /// The inner distance is exact, and negative for a center outside. A center is inside if a line
 /// from it crosses the mesh an odd number of times: nested shells bound cavities, whichever way
 /// they face. With edges that join an odd number of triangles, six lines along the axes vote.
-/// @param mesh  in the pack's coordinates, mm; need not be welded.
+/// @param mesh       in the pack's coordinates, mm; need not be welded.
+/// @param distances  if given, takes the distance of each center to the nearest triangle, mm; to
+///                   know it for spheres that do not touch the wall takes longer.
 /// @throws InputError for an empty mesh or one with unusable vertices or indices, or as
 /// `checkOverlap`.
 ///
-/// Cost: about 2 microseconds a sphere and 1 a triangle on two threads.
+/// Cost: about 1 microsecond a sphere and 1 a triangle on two threads.
 ProtrusionCheck checkProtrusion(const std::vector<Sphere<3>>& spheres, const TriangleMesh& mesh,
-                                const std::vector<HalfSpace<3>>& clips = {});
+                                const std::vector<HalfSpace<3>>& clips = {},
+                                std::vector<double>* distances = nullptr);
 
 /// The same in the plane; the segments' directions and order do not matter.
 ProtrusionCheck checkProtrusion(const std::vector<Sphere<2>>& circles,
                                 const std::vector<WallPiece<2>>& wall,
-                                const std::vector<HalfSpace<2>>& clips = {});
+                                const std::vector<HalfSpace<2>>& clips = {},
+                                std::vector<double>* distances = nullptr);
 
 /// Protrusion through the wall of a shape.
 /// @throws ParameterError for a clip whose normal is zero or not finite, or as `checkOverlap`.

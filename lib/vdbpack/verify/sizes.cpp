@@ -35,13 +35,17 @@ double ksDistance(std::vector<double> radii, const std::function<double(double)>
                   const std::function<double(double)>& cdfBefore, int weightPower) {
     constexpr double kRounding = 1e-6;
     const auto& before = cdfBefore ? cdfBefore : cdf;
-    tbb::parallel_sort(radii.begin(), radii.end());
+    if (!std::is_sorted(radii.begin(), radii.end())) tbb::parallel_sort(radii.begin(), radii.end());
     const std::size_t n = radii.size();
     // Weight of the radii before each, by number without a table.
     std::vector<double> sums;
     if (weightPower > 0) {
         sums.resize(n + 1);
-        for (std::size_t k = 0; k < n; ++k) sums[k + 1] = sums[k] + std::pow(radii[k], weightPower);
+        for (std::size_t k = 0; k < n; ++k) {
+            double weight = radii[k];
+            for (int p = 1; p < weightPower; ++p) weight *= radii[k];
+            sums[k + 1] = sums[k] + weight;
+        }
     }
     const auto shareBefore = [&](std::size_t k) {
         return sums.empty() ? static_cast<double>(k) / static_cast<double>(n) : sums[k] / sums[n];

@@ -18,7 +18,7 @@ RadiusStatistics radiusStatistics(const std::vector<Sphere<Dim>>& spheres);
 /// Kolmogorov-Smirnov distance between radii and a distribution: the largest difference between
 /// the share of radii <= r and F(r), over all r.
 ///
-/// @param radii      any order, ties welcome; 0 is returned if there are none.
+/// @param radii      any order, ascending ones cost no sorting; 0 is returned if there are none.
 /// @param cdf        F(r) = P(radius <= r); called from many threads.
 /// @param cdfBefore  F(r-) = P(radius < r), where the distribution has atoms; empty: like `cdf`.
 /// Radii are taken as known to 1e-6 of their value, so that a radius of a discrete distribution is

@@ -7,14 +7,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <utility>
+#if defined(__AVX__)
+#include <immintrin.h>
+#endif
 
 namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kLeafPieces = 4;
+constexpr std::uint32_t kLeafPieces = 2;
 
 float below(double v) {
     return std::nextafter(static_cast<float>(v), -std::numeric_limits<float>::infinity());
@@ -29,37 +33,106 @@ std::uint32_t nodeCount(std::uint32_t n) {
     return n <= kLeafPieces ? 1 : 1 + nodeCount(n / 2) + nodeCount(n - n / 2);
 }
 
-/// Squared distance from `x` to the segment ab, mm².
-template <int Dim>
-double squaredDistanceToSegment(const Vec<Dim>& x, const Vec<Dim>& a, const Vec<Dim>& b) {
-    const Vec<Dim> e = b - a, d = x - a;
-    const double ee = dot(e, e), de = dot(d, e);
-    if (!(de > 0) || !(ee > 0)) return squaredLength(d);
-    if (de >= ee) return squaredLength(x - b);
-    return squaredLength(d - e * (de / ee));
+/// Four numbers: arithmetic, comparisons and `?:` go lane by lane, each rounded as IEEE 754 asks.
+using Four [[gnu::vector_size(32)]] = double;
+using Lanes = std::array<double, 4>;
+static_assert(sizeof(Four) == sizeof(Lanes));
+
+bool any(decltype(Four{} < Four{}) mask) {
+#if defined(__AVX__)
+    return _mm256_movemask_pd(reinterpret_cast<__m256d>(mask)) != 0;
+#else
+    return (mask[0] | mask[1] | mask[2] | mask[3]) != 0;
+#endif
+}
+
+// One number or four: the same formula, the same bits.
+
+template <class Number, int Dim>
+using Coordinates = std::array<Number, static_cast<std::size_t>(Dim)>;
+
+template <class Number>
+Number smaller(Number a, Number b) {
+    return a < b ? a : b;
+}
+template <class Number>
+Number larger(Number a, Number b) {
+    return a > b ? a : b;
+}
+
+template <class Number, int Dim>
+Coordinates<Number, Dim> relative(const Coordinates<Number, Dim>& x, const Vec<Dim>& to) {
+    Coordinates<Number, Dim> d = x;
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] -= to.c[i];
+    return d;
+}
+
+template <class Number, int Dim>
+Number product(const Coordinates<Number, Dim>& a, const Vec<Dim>& b) {
+    Number sum = a[0] * b.c[0];
+    for (std::size_t i = 1; i < a.size(); ++i) sum += a[i] * b.c[i];
+    return sum;
+}
+
+/// Squared distance to the segment from 0 to `edge`, mm².
+template <class Number, int Dim>
+Number squaredDistanceToEdge(Coordinates<Number, Dim> x, const Vec<Dim>& edge) {
+    const double square = squaredLength(edge);
+    const double inverse = square > 1e-290 ? 1 / square : 0;
+    const Number zero{},
+        t = smaller(larger(product<Number, Dim>(x, edge) * inverse, zero), zero + 1);
+    Number sum{};
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        x[i] -= t * edge.c[i];
+        sum += x[i] * x[i];
+    }
+    return sum;
+}
+
+bool anyLess(double a, double b) {
+    return a < b;
+}
+bool anyLess(Four a, Four b) {
+    return any(a < b);
+}
+
+/// Squared distance to a piece, mm²; anything not below `bound` where that is not below.
+template <class Number>
+Number squaredDistanceTo(const WallPiece<2>& piece, const Coordinates<Number, 2>& x,
+                         Number /*bound*/) {
+    return squaredDistanceToEdge<Number, 2>(relative<Number, 2>(x, piece[0]), piece[1] - piece[0]);
+}
+
+template <class Number>
+Number squaredDistanceTo(const WallPiece<3>& piece, const Coordinates<Number, 3>& x, Number bound) {
+    const Vec<3> ab = piece[1] - piece[0], ac = piece[2] - piece[0];
+    const auto ap = relative<Number, 3>(x, piece[0]);
+    const Vec<3> n = cross(ab, ac);
+    const double nn = squaredLength(n);
+    // The normal of a thinner sliver is noise, but then its edges are near all of it.
+    const bool flat = nn > 1e-16 * squaredLength(ab) * squaredLength(ac);
+    Number toPlane{};
+    if (flat) {
+        const Number h = product<Number, 3>(ap, n);
+        toPlane = h * h * (1 / nn);
+        if (!anyLess(toPlane, bound)) return toPlane;
+    }
+    const Number toEdges = smaller(
+        smaller(squaredDistanceToEdge<Number, 3>(ap, ab), squaredDistanceToEdge<Number, 3>(ap, ac)),
+        squaredDistanceToEdge<Number, 3>(relative<Number, 3>(x, piece[1]), ac - ab));
+    if (!flat) return toEdges;
+    const Number u = product<Number, 3>(ap, cross(n, ab)), v = product<Number, 3>(ap, cross(ac, n));
+    return ((u >= 0.0) & (v >= 0.0) & (u + v <= nn)) ? toPlane : toEdges;
 }
 
 }  // namespace
 
 double squaredDistanceToPiece(const Vec<2>& x, const WallPiece<2>& piece) {
-    return squaredDistanceToSegment(x, piece[0], piece[1]);
+    return squaredDistanceTo<double>(piece, x.c, std::numeric_limits<double>::infinity());
 }
 
 double squaredDistanceToPiece(const Vec<3>& x, const WallPiece<3>& piece) {
-    const Vec<3> ab = piece[1] - piece[0], ac = piece[2] - piece[0], ap = x - piece[0];
-    const Vec<3> n = cross(ab, ac);
-    const double nn = squaredLength(n);
-    // The normal of a thinner sliver is noise, but then its edges are near all of it.
-    if (nn > 1e-16 * squaredLength(ab) * squaredLength(ac)) {
-        const double u = dot(cross(ab, ap), n), v = dot(cross(ap, ac), n);
-        if (u >= 0 && v >= 0 && u + v <= nn) {
-            const double h = dot(ap, n);
-            return h * h / nn;
-        }
-    }
-    return std::min({squaredDistanceToSegment(x, piece[0], piece[1]),
-                     squaredDistanceToSegment(x, piece[1], piece[2]),
-                     squaredDistanceToSegment(x, piece[2], piece[0])});
+    return squaredDistanceTo<double>(piece, x.c, std::numeric_limits<double>::infinity());
 }
 
 /// Halves the pieces at the median of the longest axis, over and over, and writes the nodes.
@@ -159,49 +232,61 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
 }
 
 template <int Dim>
-double WallTree<Dim>::squaredDistanceToBox(const Vec<Dim>& x, const Node& node) const {
-    double d2 = 0;
-    for (int i = 0; i < Dim; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        const double d = std::max({node.lo[k] - x[i], x[i] - node.hi[k], 0.0});
-        d2 += d * d;
+typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& points,
+                                                                const Squares& bounds) const {
+    Coordinates<Four, Dim> x, local;
+    for (std::size_t i = 0; i < x.size(); ++i) {
+        for (std::size_t k = 0; k < kTogether; ++k) x[i][k] = points[k].c[i];
+        local[i] = x[i] - origin_.c[i];
     }
-    return d2;
-}
-
-template <int Dim>
-double WallTree<Dim>::squaredDistance(const Vec<Dim>& x, double bound) const {
+    Four bound;
+    std::memcpy(&bound, &bounds, sizeof bound);
+    const auto toBox = [&](const Node& node) {
+        Four sum{};
+        for (std::size_t i = 0; i < local.size(); ++i) {
+            const Four d = larger(
+                larger(double{node.lo[i]} - local[i], local[i] - double{node.hi[i]}), Four{});
+            sum += d * d;
+        }
+        return sum;
+    };
     struct Open {
         std::uint32_t node;
-        double d2;
+        Four square;
     };
     std::array<Open, 64> stack;  // the tree halves, so its depth is below 32
-    const Vec<Dim> local = x - origin_;
     std::size_t top = 0;
-    stack[top++] = {0, squaredDistanceToBox(local, nodes_[0])};
+    stack[top++] = {0, toBox(nodes_[0])};
     while (top > 0) {
         const Open open = stack[--top];
-        if (open.d2 >= bound) continue;
+        if (!any(open.square < bound)) continue;
         std::uint32_t at = open.node;
         bool alive = true;
         while (alive && nodes_[at].count == 0) {
             std::uint32_t near = at + 1, far = nodes_[at].first;
-            double dn = squaredDistanceToBox(local, nodes_[near]);
-            double df = squaredDistanceToBox(local, nodes_[far]);
-            if (df < dn) {
+            Four toNear = toBox(nodes_[near]), toFar = toBox(nodes_[far]);
+            const Four less = toFar - toNear;
+            if (less[0] + less[1] + less[2] + less[3] < 0) {
                 std::swap(near, far);
-                std::swap(dn, df);
+                std::swap(toNear, toFar);
             }
-            if (df < bound) stack[top++] = {far, df};
+            if (any(toFar < bound)) stack[top++] = {far, toFar};
             at = near;
-            alive = dn < bound;
+            alive = any(toNear < bound);
         }
         if (!alive) continue;
         const Node& leaf = nodes_[at];
         for (std::uint32_t k = leaf.first; k < leaf.first + leaf.count; ++k)
-            bound = std::min(bound, squaredDistanceToPiece(x, pieces_[k]));
+            bound = smaller(bound, squaredDistanceTo<Four>(pieces_[k], x, bound));
     }
-    return bound;
+    Squares squares;
+    std::memcpy(&squares, &bound, sizeof squares);
+    return squares;
+}
+
+template <int Dim>
+double WallTree<Dim>::squaredDistance(const Vec<Dim>& x, double bound) const {
+    return squaredDistances({x, x, x, x}, {bound, bound, bound, bound})[0];
 }
 
 template class WallTree<2>;

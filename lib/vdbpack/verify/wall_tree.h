@@ -24,8 +24,15 @@ public:
     /// @param pieces  finite, not empty.
     explicit WallTree(std::vector<WallPiece<Dim>> pieces);
 
+    /// Points searched for together: four share each step of the way down the tree.
+    static constexpr std::size_t kTogether = 4;
+    using Points = std::array<Vec<Dim>, kTogether>;
+    using Squares = std::array<double, kTogether>;
+
     /// Squared distance to the nearest piece if that is less than `bound`, else `bound`, mm².
     double squaredDistance(const Vec<Dim>& x, double bound) const;
+    /// The same for points near each other.
+    Squares squaredDistances(const Points& points, const Squares& bounds) const;
     /// The pieces in the tree's order: near in the list means near in space.
     const std::vector<WallPiece<Dim>>& pieces() const { return pieces_; }
 
@@ -36,8 +43,6 @@ private:
         std::uint32_t first = 0;  ///< leaf: first piece; else the second child (the first is next)
         std::uint32_t count = 0;  ///< pieces of a leaf; 0: not a leaf
     };
-    double squaredDistanceToBox(const Vec<Dim>& x, const Node& node) const;
-
     Vec<Dim> origin_;
     std::vector<WallPiece<Dim>> pieces_;
     std::vector<Node> nodes_;
