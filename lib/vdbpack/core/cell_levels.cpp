@@ -5,6 +5,7 @@
 #include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <atomic>
@@ -105,11 +106,25 @@ template <int Dim>
 double CellLevels<Dim>::layAxes(Level& level, const std::vector<Sphere<Dim>>& spheres,
                                 const std::vector<std::uint32_t>& members, double most) const {
     const std::size_t n = members.size();
-    Box<Dim> bounds;
-    for (const auto i : members) {
-        bounds.add(spheres[i].center);
-        level.largestRadius = std::max(level.largestRadius, spheres[i].radius);
-    }
+    using Extent = std::pair<Box<Dim>, double>;
+    const auto [bounds, largest] = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, n, 4096), Extent{},
+        [&](const tbb::blocked_range<std::size_t>& block, Extent extent) {
+            for (std::size_t k = block.begin(); k < block.end(); ++k) {
+                const Sphere<Dim>& s = spheres[members[k]];
+                extent.first.add(s.center);
+                extent.second = std::max(extent.second, s.radius);
+            }
+            return extent;
+        },
+        [](Extent a, const Extent& b) {
+            if (b.first.empty()) return a;
+            a.first.add(b.first.lo);
+            a.first.add(b.first.hi);
+            a.second = std::max(a.second, b.second);
+            return a;
+        });
+    level.largestRadius = largest;
     // The widening keeps rounding from putting a pair in reach two cells apart.
     const double edge = (2 + slack_) * level.largestRadius * (1 + 1e-9);
     double cells = 1;
@@ -217,12 +232,18 @@ CellLevels<Dim>::CellLevels(const std::vector<Sphere<Dim>>& spheres, double slac
     if (spheres.empty()) return;
     const double reference = referenceRadius(spheres);
     std::map<int, std::vector<std::uint32_t>, std::greater<>> classes;
-    std::vector<std::uint32_t>* last = nullptr;
-    int lastClass = 0;
+    std::vector<std::uint32_t>* members = nullptr;
+    double above = 0, upTo = 0;  // radii of the class of `members`
     for (std::size_t i = 0; i < spheres.size(); ++i) {
-        const int k = sizeClass(spheres[i].radius, reference);
-        if (!last || k != lastClass) last = &classes[lastClass = k];
-        last->push_back(static_cast<std::uint32_t>(i));
+        const double radius = spheres[i].radius;
+        if (!(radius > above && radius <= upTo)) {
+            const int k = sizeClass(radius, reference);
+            members = &classes[k];
+            if (members->empty()) members->reserve(spheres.size() - i);
+            upTo = std::ldexp(reference, k);
+            above = upTo / 2;
+        }
+        members->push_back(static_cast<std::uint32_t>(i));
     }
     // A class joins the next larger one where it is the smaller in number: one search less.
     for (auto it = classes.begin(); it != classes.end(); ++it) {

@@ -48,9 +48,8 @@ double totalMeasure(const std::vector<Sphere<Dim>>& spheres) {
         std::plus<>());
 }
 
-/// Points in all spheres that cross a depth; with a quarter of them the fraction changes by some
-/// 1e-5.
-constexpr double kPoints = 1e6;
+/// Points in all spheres that cross a depth: they give the fraction to some 5e-5.
+constexpr double kPoints = 6e5;
 
 /// The part of a sphere that lies deeper than a depth.
 enum Part : unsigned char { none, whole, crossing };

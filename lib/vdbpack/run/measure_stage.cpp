@@ -1,7 +1,6 @@
 #include "vdbpack/run/measure_stage.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 
@@ -46,27 +45,18 @@ struct SizeCheck {
 template <int Dim>
 void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report) {
     const SizeCheck<Dim> check(sizes);
-    struct Sample {
-        double radius;
-        bool atWall;
-    };
     const double near = 2 * report.radius.max;
-    std::vector<Sample> samples(pack.spheres.size() - report.existing);
-    forAll(samples.size(), [&](std::size_t k) {
-        const std::size_t i = report.existing + k;
-        samples[k] = {pack.spheres[i].radius,
-                      !pack.depth.empty() && static_cast<double>(pack.depth[i]) <= near};
-    });
-    if (samples.empty()) return;
-    // Sorted once for all four distances.
-    tbb::parallel_sort(samples.begin(), samples.end(),
-                       [](const Sample& a, const Sample& b) { return a.radius < b.radius; });
     std::vector<double> radii, atWall;
-    radii.reserve(samples.size());
-    for (const Sample& sample : samples) {
-        radii.push_back(sample.radius);
-        if (sample.atWall) atWall.push_back(sample.radius);
+    radii.reserve(pack.spheres.size() - report.existing);
+    for (std::size_t i = report.existing; i < pack.spheres.size(); ++i) {
+        radii.push_back(pack.spheres[i].radius);
+        if (!pack.depth.empty() && static_cast<double>(pack.depth[i]) <= near)
+            atWall.push_back(radii.back());
     }
+    if (radii.empty()) return;
+    // Once for both distances of each.
+    tbb::parallel_sort(radii.begin(), radii.end());
+    tbb::parallel_sort(atWall.begin(), atWall.end());
     report.ks = check.byNumber(radii);
     report.ksByVolume = check.byVolume(std::move(radii));
     if (atWall.empty()) return;
