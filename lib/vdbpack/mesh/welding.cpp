@@ -4,26 +4,36 @@
 
 namespace vdbpack {
 
+Welder::Welder(std::size_t expected) {
+    vertices_.reserve(expected);
+    std::size_t slots = 64;
+    while (slots < 2 * expected) slots *= 2;
+    resize(slots);
+}
+
 std::uint32_t Welder::find(const Vec<3>& point, std::uint64_t h) {
-    if (2 * (vertices_.size() + 1) > slots_.size()) grow();
-    for (std::size_t slot = h & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1)) {
-        const std::uint32_t at = slots_[slot];
-        if (at == kNone) {
-            const auto index = static_cast<std::uint32_t>(vertices_.size());
+    if (2 * (vertices_.size() + 1) > slots_.size()) resize(2 * slots_.size());
+    const auto hash = static_cast<std::uint32_t>(h);
+    for (std::size_t at = hash & (slots_.size() - 1);; at = (at + 1) & (slots_.size() - 1)) {
+        Slot& slot = slots_[at];
+        if (slot.index == kNone) {
+            slot = {static_cast<std::uint32_t>(vertices_.size()), hash};
             vertices_.push_back(point);
-            slots_[slot] = index;
-            return index;
+            return slot.index;
         }
-        if (vertices_[at] == point) return at;
+        if (slot.hash == hash && vertices_[slot.index] == point) return slot.index;
     }
 }
 
-void Welder::grow() {
-    slots_.assign(std::max<std::size_t>(64, 2 * slots_.size()), kNone);
-    for (std::uint32_t i = 0; i < vertices_.size(); ++i) {
-        std::size_t slot = hash(vertices_[i]) & (slots_.size() - 1);
-        while (slots_[slot] != kNone) slot = (slot + 1) & (slots_.size() - 1);
-        slots_[slot] = i;
+/// Indices have 32 bits, so the lower half of a hash places a point in any table.
+void Welder::resize(std::size_t slots) {
+    std::vector<Slot> before(slots);
+    before.swap(slots_);
+    for (const Slot& slot : before) {
+        if (slot.index == kNone) continue;
+        std::size_t at = slot.hash & (slots - 1);
+        while (slots_[at].index != kNone) at = (at + 1) & (slots - 1);
+        slots_[at] = slot;
     }
 }
 
@@ -54,7 +64,7 @@ std::size_t dropUnused(TriangleMesh& mesh) {
 TriangleMesh welded(TriangleMesh mesh, WeldingCounts* counts) {
     std::size_t merged = 0;
     {
-        Welder welder;
+        Welder welder(mesh.vertices.size());
         std::vector<std::uint32_t> newIndex(mesh.vertices.size());
         for (std::size_t v = 0; v < newIndex.size(); ++v)
             newIndex[v] = welder.add(mesh.vertices[v]);

@@ -17,9 +17,12 @@ namespace vdbpack {
 ///
 /// Open addressing with linear probing, half full at most. A small table of recent points in front
 /// of it answers most queries without a cache miss, since the triangles of a file are mostly next
-/// to those before them (STL, 10M triangles: 2.6 s instead of 3.3 s).
+/// to those before them.
 class Welder {
 public:
+    /// @param expected  about how many distinct points there will be, to reserve their memory.
+    explicit Welder(std::size_t expected = 0);
+
     /// Index of the point, whose coordinates must be finite.
     std::uint32_t add(const Vec<3>& point) {
         const std::uint64_t h = hash(point);
@@ -44,11 +47,15 @@ private:
         }
         return h;
     }
+    struct Slot {
+        std::uint32_t index = kNone;
+        std::uint32_t hash = 0;  ///< the lower half: tells most other points without their vertex
+    };
     std::uint32_t find(const Vec<3>& point, std::uint64_t h);
-    void grow();
+    void resize(std::size_t slots);
 
     std::vector<Vec<3>> vertices_;
-    std::vector<std::uint32_t> slots_;
+    std::vector<Slot> slots_;
     std::vector<std::uint32_t> recent_ = std::vector<std::uint32_t>(kRecent, kNone);
 };
 

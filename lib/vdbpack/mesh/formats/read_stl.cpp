@@ -119,8 +119,10 @@ bool isAsciiStl(InputFile& file) {
 }  // namespace
 
 void readStlMesh(MeshReader& reader) {
-    Welder welder;
-    if (isAsciiStl(reader.file))
+    const bool isText = isAsciiStl(reader.file);
+    // A closed surface has half as many vertices as triangles.
+    Welder welder(isText ? 0 : reader.file.size() / kStlTriangle / 2);
+    if (isText)
         readAsciiStl(reader, welder);
     else
         readBinaryStl(reader, welder);
