@@ -78,6 +78,14 @@ std::vector<Case> cases() {
     const Vec<3> away{{1e6, -1e6, 1e6}};
     const TriangleMesh far = translated(crumpled(2, 4), away);
     all.push_back({"far from zero", far, 0.5, away + Vec<3>{{0.1, 0.2, 0.3}}});
+    all.push_back({"crumpled, triangles smaller than a voxel", crumpled(4, 5), 1.1});
+    all.push_back(
+        {"triangles far smaller than a voxel, facing unknown", crumpled(5, 6), 2.7, {}, 0});
+    all.push_back({"small faces on lattice planes", fineBox({{-4, -4, -4}}, {{4, 4, 4}}, 4), 0.5});
+    all.push_back({"small coplanar faces between lattice planes",
+                   fineBox({{-3.3, -2.9, -4.1}}, {{3.7, 4.2, 3.9}}, 5), 0.7});
+    all.push_back({"small triangles far from zero", translated(crumpled(4, 7), away), 1.2,
+                   away + Vec<3>{{0.1, 0.2, 0.3}}});
     return all;
 }
 

@@ -94,6 +94,8 @@ private:
             distances.addEdge(features_.edges[lists_.items[k]]);
         for (std::uint64_t k = at.start[2]; k < at.start[3]; ++k)
             distances.addVertex(features_.vertices[lists_.items[k]]);
+        for (std::uint64_t k = at.point[0]; k < at.point[1]; ++k)
+            distances.addPoint(lists_.points[k]);
         auto leaf = std::make_unique<Leaf>(Coord(at.origin[0], at.origin[1], at.origin[2]),
                                            outside_, false);
         float* const values = leaf->buffer().data();

@@ -29,12 +29,15 @@ public:
     void addTriangle(std::uint32_t triangle);
     void addEdge(const BandEdge& edge);
     void addVertex(const BandVertex& vertex);
+    void addPoint(const BandPoint& point) {
+        float& square = squares_[point.voxel];
+        square = smaller(point.square, square);
+    }
 
     /// Distances of the voxels (x, y, 0) to (x, y, 7), voxels.
     Float8 row(unsigned x, unsigned y) const {
         // Voxels z and z + 1 lie side by side for even z.
-        const auto place = [&](unsigned bit) { return 4 * (x >> bit & 1u) + 2 * (y >> bit & 1u); };
-        const float* const first = squares_.data() + 64 * place(2) + 8 * place(1) + place(0);
+        const float* const first = squares_.data() + voxelInLeaf(x, y, 0);
         std::array<float, kLanes> squares;
         for (std::size_t z = 0; z < kLanes; z += 2)
             std::memcpy(&squares[z], first + 64 * (z >> 2) + 8 * (z >> 1 & 1u), 2 * sizeof(float));
@@ -44,7 +47,7 @@ public:
 private:
     const BandMesh& mesh_;
     Vec<3> center_;
-    alignas(32) std::array<float, 512> squares_;
+    alignas(32) std::array<float, 512> squares_;  ///< as `voxelInLeaf` numbers them
 };
 
 }  // namespace vdbpack

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/field/band/prism_points.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
@@ -24,10 +25,16 @@ constexpr double kSlack = 1e-4;
 /// Leaf coordinates: voxels divided by 8.
 using LeafPlace = std::array<std::int32_t, 3>;
 
-/// Numbers of candidates, then places of the next; three for each leaf.
+/// Triangles of which at most this many voxels lie side by side across their prism are taken point
+/// by point.
+constexpr double kNarrow = 2;
+
+constexpr std::size_t kKinds = 3;  ///< triangles, edges, vertices
+
+/// Numbers of candidates, then places of the next: for each leaf those of each kind, and of points.
 struct Node {
     std::uint32_t number = 0;
-    std::array<std::array<std::atomic<std::uint64_t>, 3>, kLeavesOfNode> slots{};
+    std::array<std::array<std::atomic<std::uint64_t>, kKinds + 1>, kLeavesOfNode> slots{};
 };
 
 /// A candidate of a leaf.
@@ -36,7 +43,14 @@ struct Entry {
     std::uint32_t index;
 };
 
+/// A voxel of a leaf.
+struct PointEntry {
+    std::uint32_t leaf;
+    BandPoint point;
+};
+
 /// Entries of one kind that one thread found.
+template <class Entry>
 struct Entries {
     static constexpr std::size_t kBlock = 1 << 14;
     std::vector<std::vector<Entry>> blocks;
@@ -170,22 +184,35 @@ public:
             callbacks_.stopIfCancelled();
         }
         placeLeaves();
-        for (auto& mine : found_)
-            for (std::size_t kind = 0; kind < kKinds; ++kind) {
-                auto& blocks = mine[kind].blocks;
-                tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-                    for (const Entry& entry : blocks[b]) {
-                        auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
-                        lists_.items[slots[kind].fetch_add(1, std::memory_order_relaxed)] =
-                            entry.index;
-                    }
-                    blocks[b] = {};
-                });
-                callbacks_.stopIfCancelled();
-            }
+        for (Found& mine : found_) {
+            for (std::size_t kind = 0; kind < kKinds; ++kind)
+                moveInto(lists_.items, mine.candidates[kind], kind,
+                         [](const Entry& entry) { return entry.index; });
+            moveInto(lists_.points, mine.points, kKinds,
+                     [](const PointEntry& entry) { return entry.point; });
+        }
     }
 
 private:
+    /// What one thread found.
+    struct Found {
+        std::array<Entries<Entry>, kKinds> candidates;
+        Entries<PointEntry> points;
+    };
+
+    template <class List, class Entry, class Value>
+    void moveInto(List& list, Entries<Entry>& entries, std::size_t kind, const Value& value) {
+        auto& blocks = entries.blocks;
+        tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
+            for (const Entry& entry : blocks[b]) {
+                auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
+                list[slots[kind].fetch_add(1, std::memory_order_relaxed)] = value(entry);
+            }
+            blocks[b] = {};
+        });
+        callbacks_.stopIfCancelled();
+    }
+
     void chooseNodes() {
         Box<3> box;
         for (const auto& t : *mesh_.triangles)
@@ -265,14 +292,17 @@ private:
             tbb::parallel_for(
                 tbb::blocked_range<std::size_t>(0, n, 512),
                 [&](const tbb::blocked_range<std::size_t>& part) {
-                    Entries& entries = found_.local()[kind];
-                    for (std::size_t i = part.begin(); i < part.end(); ++i)
+                    Found& mine = found_.local();
+                    auto& entries = mine.candidates[kind];
+                    for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                        if (kind == 0 && takePoints(i, mine.points)) continue;
                         forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
                             Node& node = nodeOf(leaf);
                             const std::uint32_t k = numberInNode(leaf);
                             node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
                             entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
                         });
+                    }
                 });
         };
         if (kind == 0)
@@ -285,8 +315,32 @@ private:
                  [&](std::size_t i) { return regionOf(mesh_, features_.vertices[i]); });
     }
 
+    /// Lists the voxels over a small triangle. @return false if it is not small.
+    bool takePoints(std::size_t triangle, Entries<PointEntry>& points) {
+        const Vec<3>& n = mesh_.normals[triangle];
+        if (!(squaredLength(n) > 0)) return true;
+        const PrismPoints prism(mesh_.corner(triangle, 0), mesh_.corner(triangle, 1),
+                                mesh_.corner(triangle, 2), n, mesh_.widths(triangle));
+        if (!prism.isNarrow(kNarrow)) return false;
+        prism.visit([&](const Vec<3>& at, double square) {
+            std::array<std::int32_t, 3> x;
+            LeafPlace leaf;
+            for (std::size_t i = 0; i < 3; ++i) {
+                x[i] = static_cast<std::int32_t>(at.c[i]);
+                leaf[i] = x[i] >> 3;
+            }
+            Node& node = nodeOf(leaf);
+            const std::uint32_t k = numberInNode(leaf);
+            node.slots[k][kKinds].fetch_add(1, std::memory_order_relaxed);
+            const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
+            points.add({node.number << 12 | k,
+                        {voxelInLeaf(in(0), in(1), in(2)), static_cast<float>(square)}});
+        });
+        return true;
+    }
+
     void placeLeaves() {
-        std::uint64_t sum = 0;
+        std::uint64_t sum = 0, points = 0;
         lists_.nodeStart.reserve(nodes_.size() + 1);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             lists_.nodeStart.push_back(static_cast<std::uint32_t>(lists_.leaves.size()));
@@ -295,21 +349,25 @@ private:
             const auto origin = lists_.nodeOrigin(n);
             for (int i = 0; i < kLeavesOfNode; ++i) {
                 auto& slots = node->slots[static_cast<std::size_t>(i)];
-                if (slots[0] + slots[1] + slots[2] == 0) continue;
+                if (slots[0] + slots[1] + slots[2] + slots[kKinds] == 0) continue;
                 BandLeaf leaf{};
                 leaf.origin = {origin[0] + (i >> 8) * kLeafSide,
                                origin[1] + (i >> 4 & 15) * kLeafSide,
                                origin[2] + (i & 15) * kLeafSide};
-                for (std::size_t kind = 0; kind < 3; ++kind) {
+                for (std::size_t kind = 0; kind < kKinds; ++kind) {
                     leaf.start[kind] = sum;
                     sum += slots[kind].exchange(sum);
                 }
-                leaf.start[3] = sum;
+                leaf.start[kKinds] = sum;
+                leaf.point[0] = points;
+                points += slots[kKinds].exchange(points);
+                leaf.point[1] = points;
                 lists_.leaves.push_back(leaf);
             }
         }
         lists_.nodeStart.push_back(static_cast<std::uint32_t>(lists_.leaves.size()));
         lists_.items.resize(sum);
+        lists_.points.resize(points);
     }
 
     LeafLists& lists_;
@@ -319,8 +377,7 @@ private:
     std::vector<std::atomic<Node*>> nodes_;
     std::mutex making_;
     std::vector<std::unique_ptr<Node>> byNumber_;
-    static constexpr std::size_t kKinds = 3;
-    tbb::enumerable_thread_specific<std::array<Entries, kKinds>> found_;
+    tbb::enumerable_thread_specific<Found> found_;
 };
 
 LeafLists::LeafLists(const BandMesh& mesh, const BandFeatures& features,
