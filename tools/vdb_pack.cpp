@@ -260,6 +260,11 @@ int main(int argc, char** argv) {
         return fail("out of memory; choose larger radii or voxels, or clip the domain",
                     kNoResources);
     } catch (const std::exception& e) {
-        return fail(e.what(), isShortage(e) ? kNoResources : kIoFailed);
+        if (!isShortage(e)) return fail(e.what(), kIoFailed);
+        return fail(fmt::format("not enough memory or threads: {}; use fewer --threads, or raise "
+                                "the limits of the shell (ulimit -v, ulimit -u)",
+                                e.what())
+                        .c_str(),
+                    kNoResources);
     }
 }

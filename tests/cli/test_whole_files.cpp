@@ -288,7 +288,7 @@ TEST_CASE("what a file cannot take along is reported", "[output]") {
     const std::string name = std::string(251, 'x') + ".csv";
     const auto packed = vdbPack("pack ball:9 --radius constant:2 -o " + given.out() + "/" + name);
     CHECK(packed.code == 0);
-    CHECK_THAT(packed.text, Contains("recipe"));
+    CHECK_THAT(packed.text, Contains("no recipe"));
     CHECK(fs::exists(given.out() + "/" + name));
 }
 
