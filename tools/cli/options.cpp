@@ -68,8 +68,8 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
         ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
     addChoice(*command, "--effort", job.effort, kEfforts,
-              "fast: positions in the order of the sweep; normal: the tightest position first; "
-              "dense: the same with more pending radii to choose from")
+              "fast: positions in the order of the sweep; normal: those earlier where the sphere "
+              "touches one body more; dense: the same with more pending radii to choose from")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
     addChoice(*command, "--order", job.order, kOrders,

@@ -14,8 +14,9 @@ namespace vdbpack {
 
 namespace {
 
+/// @param what  as messages name it: "`clips` 'box:1'".
 [[noreturn]] void malformed(const std::string& what, const char* form) {
-    throw ParameterError(fmt::format("'{}' is malformed; write {}, lengths in mm", what, form));
+    throw ParameterError(fmt::format("{} is malformed; write {}, lengths in mm", what, form));
 }
 
 /// The finite numbers in "a,b,c". @throws ParameterError showing `form`.
@@ -41,19 +42,21 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
 
 std::vector<HalfSpace<3>> parseClip(const std::string& text) {
     const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (keeps n.x <= d)";
+    const std::string what = fmt::format("`clips` '{}'", text);
     const auto colon = text.find(':');
     const std::string kind = text.substr(0, colon);
-    if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(text, form);
-    const auto v = numbersIn(text, text.substr(colon + 1), form);
-    if (kind == "box") return halfSpacesOf(boxFrom<3>(text, v, form));
-    if (v.size() != 4) malformed(text, form);
+    if (colon == std::string::npos || (kind != "box" && kind != "plane")) malformed(what, form);
+    const auto v = numbersIn(what, text.substr(colon + 1), form);
+    if (kind == "box") return halfSpacesOf(boxFrom<3>(what, v, form));
+    if (v.size() != 4) malformed(what, form);
     return {{{{v[0], v[1], v[2]}}, v[3]}};
 }
 
 double parseSlice(const std::string& text) {
-    if (text.rfind("z=", 0) != 0) malformed(text, "z=V");
-    const auto v = numbersIn(text, text.substr(2), "z=V");
-    if (v.size() != 1) malformed(text, "z=V");
+    const std::string what = fmt::format("`slices` '{}'", text);
+    if (text.rfind("z=", 0) != 0) malformed(what, "z=V");
+    const auto v = numbersIn(what, text.substr(2), "z=V");
+    if (v.size() != 1) malformed(what, "z=V");
     return v[0];
 }
 
@@ -61,28 +64,29 @@ std::optional<NamedShape> parseShape(const std::string& text) {
     const auto colon = text.find(':');
     if (colon == std::string::npos) return std::nullopt;
     const std::string kind = text.substr(0, colon), rest = text.substr(colon + 1);
+    const std::string what = fmt::format("'{}'", text);
     NamedShape shape;
     if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
         shape.kind = NamedShape::Kind::box;
-        shape.box = boxFrom<3>(text, numbersIn(text, rest, form), form);
+        shape.box = boxFrom<3>(what, numbersIn(what, rest, form), form);
         shape.space = boxDomain<3>(shape.box);
     } else if (kind == "rect") {
         const char* form = "rect:W,H or rect:x0,y0,x1,y1";
         shape.kind = NamedShape::Kind::rect;
-        shape.rect = boxFrom<2>(text, numbersIn(text, rest, form), form);
+        shape.rect = boxFrom<2>(what, numbersIn(what, rest, form), form);
         shape.plane = boxDomain<2>(shape.rect);
     } else if (kind == "cylinder") {
-        const auto v = numbersIn(text, rest, "cylinder:R,H");
-        if (v.size() != 2) malformed(text, "cylinder:R,H");
+        const auto v = numbersIn(what, rest, "cylinder:R,H");
+        if (v.size() != 2) malformed(what, "cylinder:R,H");
         shape.kind = NamedShape::Kind::cylinder;
         shape.radius = v[0];
         shape.height = v[1];
         shape.space = cylinderDomain(v[0], v[1]);
     } else if (kind == "ball" || kind == "disc") {
         const char* form = kind == "ball" ? "ball:R" : "disc:R";
-        const auto v = numbersIn(text, rest, form);
-        if (v.size() != 1) malformed(text, form);
+        const auto v = numbersIn(what, rest, form);
+        if (v.size() != 1) malformed(what, form);
         shape.radius = v[0];
         if (kind == "ball") {
             shape.kind = NamedShape::Kind::ball;

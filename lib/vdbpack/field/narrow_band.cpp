@@ -28,10 +28,9 @@ static_assert(Leaf::DIM == kLeafSide && Node::DIM == kLeafSide * kNodeSide);
 /// Makes the grid from lists of candidates, node by node.
 class BandBuilder {
 public:
-    BandBuilder(const BandMesh& mesh, const BandFeatures& features, const LeafLists& lists,
-                const ColumnCrossings& crossings, double voxelSize, const Callbacks& callbacks)
+    BandBuilder(const BandMesh& mesh, const LeafLists& lists, const ColumnCrossings& crossings,
+                double voxelSize, const Callbacks& callbacks)
         : mesh_(mesh),
-          features_(features),
           lists_(lists),
           crossings_(crossings),
           voxelSize_(static_cast<float>(voxelSize)),
@@ -87,15 +86,13 @@ private:
 
     /// A leaf with its active voxels; null if it has none.
     std::unique_ptr<Leaf> leafOf(const BandLeaf& at, LeafDistances& distances) const {
-        distances.start(at.origin);
+        distances.start(at);
         for (std::uint64_t k = at.start[0]; k < at.start[1]; ++k)
             distances.addTriangle(lists_.items[k]);
         for (std::uint64_t k = at.start[1]; k < at.start[2]; ++k)
-            distances.addEdge(features_.edges[lists_.items[k]]);
+            distances.addEdge(lists_.features.edges[lists_.items[k]]);
         for (std::uint64_t k = at.start[2]; k < at.start[3]; ++k)
-            distances.addVertex(features_.vertices[lists_.items[k]]);
-        for (std::uint64_t k = at.point[0]; k < at.point[1]; ++k)
-            distances.addPoint(lists_.points[k]);
+            distances.addVertex(lists_.features.vertices[lists_.items[k]]);
         auto leaf = std::make_unique<Leaf>(Coord(at.origin[0], at.origin[1], at.origin[2]),
                                            outside_, false);
         float* const values = leaf->buffer().data();
@@ -144,7 +141,6 @@ private:
     }
 
     const BandMesh& mesh_;
-    const BandFeatures& features_;
     const LeafLists& lists_;
     const ColumnCrossings& crossings_;
     const float voxelSize_, outside_, inside_;
@@ -179,10 +175,9 @@ FloatGrid::Ptr narrowBand(const LatticeMesh& lattice, float inside, float outsid
         grid = FloatGrid::create(static_cast<float>(outside * h));
     } else {
         const BandMesh mesh = bandMesh(lattice, inside, outside, facing);
-        const BandFeatures features = bandFeatures(mesh, callbacks);
-        const LeafLists lists(mesh, features, callbacks);
+        const LeafLists lists(mesh, callbacks);
         const ColumnCrossings crossings(mesh.vertices, *mesh.triangles, callbacks);
-        grid = BandBuilder(mesh, features, lists, crossings, h, callbacks).build();
+        grid = BandBuilder(mesh, lists, crossings, h, callbacks).build();
     }
     grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
     grid->setGridClass(openvdb::GRID_LEVEL_SET);

@@ -157,9 +157,17 @@ void addSolid(Keys& keys, const Morphometry& m) {
                  "0: the same in all directions");
 }
 
+/// Names of parameters, which messages have in backquotes, as code.
+std::string withCode(std::string text) {
+    bool open = false;
+    for (std::size_t at = 0; (at = text.find('`', at)) != std::string::npos; open = !open)
+        text.replace(at, 1, open ? "</code>" : "<code>");
+    return open ? text + "</code>" : text;
+}
+
 std::string listOf(const std::vector<std::string>& lines) {
     std::string out;
-    for (const auto& line : lines) out += "<li>" + escaped(line) + "</li>\n";
+    for (const auto& line : lines) out += "<li>" + withCode(escaped(line)) + "</li>\n";
     return "<ul>" + out + "</ul>\n";
 }
 

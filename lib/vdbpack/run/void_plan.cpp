@@ -52,7 +52,7 @@ VoidExtent listed(const VoidRecipe& recipe, const Extent& e) {
     return plan;
 }
 
-/// Voids with mean half-axes a and b by any method that is no list.
+/// Voids with mean half-axes a and b by a method that makes them.
 VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
     const auto ball = [&](double radius) {
         return e.dim == 3 ? Measure<3>::ball(radius) : Measure<2>::ball(radius);
@@ -75,9 +75,15 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
         case VoidMethod::ellipses:
             plan.count = r.targetBvtv ? needed : r.probability.value_or(0.02) * e.count;
             break;
-        default:
+        case VoidMethod::boolean:
             plan.count = r.targetBvtv ? needed : r.count.value_or(needed);
             apart = false;
+            break;
+        case VoidMethod::none:
+        case VoidMethod::concentric:
+        case VoidMethod::threshold:
+        case VoidMethod::list:
+            return {};
     }
     plan.wall =
         plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : shareOutside(plan.count * each, e));

@@ -15,6 +15,8 @@ namespace {
 
 /// Sine of the angle at an edge below which it counts as flat.
 constexpr double kFlat = 1e-7;
+/// Normals that differ by less are of one plane.
+constexpr double kSame = 1e-9;
 /// Cones of vertices with more edges are not computed: all directions count.
 constexpr std::size_t kMostEdges = 24;
 
@@ -38,22 +40,24 @@ struct Corners {
     }
 };
 
-/// A triangle at an edge from the vertex that is worked on.
-struct Use {
+/// An edge from the vertex that is worked on, and its first two triangles.
+struct Uses {
     std::uint32_t other;  ///< the vertex at the other end
-    std::uint32_t triangle;
-    std::uint32_t side;  ///< of the triangle: 0 from its first vertex to the second, ...
-    bool forward;        ///< the triangle runs from this vertex to the other
+    std::uint32_t count;  ///< triangles at the edge
+    std::array<std::uint32_t, 2> triangle;
+    std::array<bool, 2> forward;  ///< the triangle runs from this vertex to the other
+    float widest;                 ///< of the bands at all triangles
 };
 
 /// The side to which the wedge between the triangles at an edge opens: that of their normals, the
-/// other, ...
-enum class Bend : std::uint8_t { flat, above, below, unknown };
+/// other, ... Bits, so that those of a vertex's edges can be collected.
+enum Bend : std::uint8_t { flat = 0, above = 1, below = 2, unknown = 4 };
+using Bends = std::vector<std::atomic<std::uint8_t>>;
 
-float reachOf(Bend bend, const BandWidths& widths) {
-    return bend == Bend::above   ? widths.above
-           : bend == Bend::below ? widths.below
-                                 : widths.larger();
+float reachOf(unsigned bends, const BandWidths& widths) {
+    return bends == Bend::above   ? widths.above
+           : bends == Bend::below ? widths.below
+                                  : widths.larger();
 }
 
 Vec<3> unit(const Vec<3>& v) {
@@ -64,59 +68,49 @@ Vec<3> unit(const Vec<3>& v) {
 /// Works on one vertex at a time.
 class Neighborhood {
 public:
-    /// @param bends  of the three sides of each triangle: written by `addEdges`, read by
-    ///               `addVertex`.
-    Neighborhood(const BandMesh& mesh, std::vector<std::array<Bend, 3>>& bends)
-        : mesh_(mesh), bends_(bends) {}
+    /// @param bends  of the edges at each vertex: collected by `addEdges`, read by `addVertex`.
+    Neighborhood(const BandMesh& mesh, const FeatureVisits& visits, Bends& bends)
+        : mesh_(mesh), visits_(visits), bends_(bends) {}
 
     /// Adds the edges from `v` to higher vertices. @param first, last  the triangles at `v`.
     void addEdges(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
                   std::vector<BandEdge>& edges) {
-        uses_.clear();
+        edges_.clear();
         forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
             const auto& t = (*mesh_.triangles)[triangle];
             const std::uint32_t next = t[(k + 1) % 3], before = t[(k + 2) % 3];
-            if (next > v) uses_.push_back({next, triangle, k, true});
-            if (before > v) uses_.push_back({before, triangle, (k + 2) % 3, false});
+            if (next > v) addUse(next, triangle, true);
+            if (before > v) addUse(before, triangle, false);
         });
-        std::sort(uses_.begin(), uses_.end(), [](const Use& a, const Use& b) {
-            return a.other != b.other ? a.other < b.other : a.triangle < b.triangle;
-        });
-        const Use* const end = uses_.data() + uses_.size();
-        for (const Use *from = uses_.data(), *to = from; from != end; from = to) {
-            while (to != end && to->other == from->other) ++to;
-            BandEdge edge{v, from->other, 0, {}, {}};
-            const Bend bend = wedgeOf(from, to, edge);
-            for (const Use* use = from; use != to; ++use) {
-                bends_[use->triangle][use->side] = bend;
-                edge.reach = std::max(edge.reach, reachOf(bend, mesh_.widths(use->triangle)));
-            }
-            if (bend != Bend::flat) edges.push_back(edge);
+        for (const Uses& uses : edges_) {
+            BandEdge edge{v, uses.other, uses.widest, {}, {}};
+            const Bend bend = wedgeOf(uses, edge);
+            if (bend == Bend::flat) continue;
+            if (bend != Bend::unknown)
+                edge.reach = std::max(reachOf(bend, mesh_.widths(uses.triangle[0])),
+                                      reachOf(bend, mesh_.widths(uses.triangle[1])));
+            for (const std::uint32_t of : {edge.a, edge.b})
+                if ((bends_[of].load(std::memory_order_relaxed) & bend) == 0)
+                    bends_[of].fetch_or(bend, std::memory_order_relaxed);
+            if (!visits_.edge(edge)) edges.push_back(edge);
         }
     }
 
     /// Adds `v`, if it matters.
     void addVertex(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
                    std::vector<BandVertex>& vertices) {
-        bool above = false, below = false, general = false;
-        float reach = 0;
-        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
-            for (const std::uint32_t side : {k, (k + 2) % 3}) {
-                const Bend bend = bends_[triangle][side];
-                if (bend == Bend::flat) continue;
-                above |= bend == Bend::above;
-                below |= bend == Bend::below;
-                general |= bend == Bend::unknown;
-                reach = std::max(reach, reachOf(bend, mesh_.widths(triangle)));
-            }
+        const unsigned bends = bends_[v].load(std::memory_order_relaxed);
+        if (bends == Bend::flat) return;
+        BandVertex vertex{v, 0, {}, -1};
+        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t) {
+            vertex.reach = std::max(vertex.reach, reachOf(bends, mesh_.widths(triangle)));
         });
-        if (!above && !below && !general) return;
-        BandVertex vertex{v, reach, {}, -1};
-        if (!general && above != below)
-            coneOfNormals(v, first, last, above ? 1 : -1, vertex);
-        else if (!polarCone(v, first, last, vertex))
-            return;
-        vertices.push_back(vertex);
+        const bool matters =
+            bends == Bend::above || bends == Bend::below
+                ? coneOfNormals(v, first, last, bends == Bend::above ? 1 : -1, vertex)
+                : polarCone(v, first, last, vertex);
+        if (!matters) return;
+        if (!visits_.vertex(vertex)) vertices.push_back(vertex);
     }
 
 private:
@@ -132,20 +126,34 @@ private:
         }
     }
 
-    /// How the triangles of the uses [first, last) meet at an edge; sets the edge's planes.
-    Bend wedgeOf(const Use* first, const Use* last, BandEdge& edge) const {
+    void addUse(std::uint32_t other, std::uint32_t triangle, bool forward) {
+        const float widest = mesh_.widths(triangle).larger();
+        for (Uses& uses : edges_) {
+            if (uses.other != other) continue;
+            if (uses.count == 1) {
+                uses.triangle[1] = triangle;
+                uses.forward[1] = forward;
+            }
+            ++uses.count;
+            uses.widest = std::max(uses.widest, widest);
+            return;
+        }
+        edges_.push_back({other, 1, {triangle, 0}, {forward, false}, widest});
+    }
+
+    /// How the triangles at an edge meet; sets the edge's planes.
+    Bend wedgeOf(const Uses& uses, BandEdge& edge) const {
         const Vec<3> e = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
         const double l = length(e);
-        const auto count = last - first;
-        if (count > 2 || !(l > 0)) return Bend::unknown;
+        if (uses.count > 2 || !(l > 0)) return Bend::unknown;
         Vec<3> away[2], normal[2];
-        for (int k = 0; k < count; ++k) {
-            normal[k] = mesh_.normals[first[k].triangle];
+        for (std::size_t k = 0; k < uses.count; ++k) {
+            normal[k] = mesh_.normals[uses.triangle[k]];
             if (!(squaredLength(normal[k]) > 0)) return Bend::unknown;
-            away[k] = cross(normal[k], e) * ((first[k].forward ? -1 : 1) / l);
+            away[k] = cross(normal[k], e) * ((uses.forward[k] ? -1 : 1) / l);
         }
         edge.away0 = away[0];
-        if (count == 1) return Bend::unknown;
+        if (uses.count == 1) return Bend::unknown;
         edge.away1 = away[1];
         const Vec<3> opens = away[0] + away[1];
         const double opening = length(opens);
@@ -171,14 +179,21 @@ private:
         vertex.cosine = static_cast<float>(cosine - 1e-6);
     }
 
-    /// Where all edges bend the same way the normals are the extreme rays.
-    void coneOfNormals(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+    /// Where all edges bend the same way the normals are the extreme rays of the cone of points
+    /// that are nearest to the vertex. @return false for a vertex within a straight edge.
+    bool coneOfNormals(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
                        int side, BandVertex& vertex) {
         rays_.clear();
         forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t) {
-            rays_.push_back(mesh_.normals[triangle] * side);
+            const Vec<3> ray = mesh_.normals[triangle] * side;
+            if (std::none_of(rays_.begin(), rays_.end(), [&](const Vec<3>& other) {
+                    return squaredLength(ray - other) < kSame * kSame;
+                }))
+                rays_.push_back(ray);
         });
+        if (rays_.size() <= 2) return false;
         setCone(rays_, vertex);
+        return true;
     }
 
     /// The cone of the points whose product with no edge is positive. @return whether there are
@@ -221,8 +236,9 @@ private:
     }
 
     const BandMesh& mesh_;
-    std::vector<std::array<Bend, 3>>& bends_;
-    std::vector<Use> uses_;
+    const FeatureVisits& visits_;
+    Bends& bends_;
+    std::vector<Uses> edges_;
     std::vector<std::uint32_t> others_;
     std::vector<Vec<3>> rays_, directions_;
 };
@@ -239,13 +255,14 @@ Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
     return n * (1 / std::sqrt(square));
 }
 
-BandFeatures bandFeatures(const BandMesh& mesh, const Callbacks& callbacks) {
+BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
+                          const Callbacks& callbacks) {
     Corners corners(mesh);
     callbacks.stopIfCancelled();
-    std::vector<std::array<Bend, 3>> bends(mesh.triangles->size());
+    Bends bends(mesh.vertices.size());
     tbb::enumerable_thread_specific<BandFeatures> locals;
     tbb::enumerable_thread_specific<Neighborhood> neighborhoods(
-        [&] { return Neighborhood(mesh, bends); });
+        [&] { return Neighborhood(mesh, visits, bends); });
     const auto forEachVertex = [&](const auto& work) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096),
                           [&](const tbb::blocked_range<std::size_t>& part) {

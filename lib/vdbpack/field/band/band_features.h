@@ -8,6 +8,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace vdbpack {
@@ -49,6 +50,8 @@ struct BandEdge {
     /// Normals of the two planes that bound the wedge, into the wedge: across the edge, away from
     /// each of its triangles. Zero: no bound.
     Vec<3> away0, away1;
+
+    bool hasWedge() const { return squaredLength(away1) > 0; }
 };
 
 /// A vertex that is nearest to points of the band: in a cone.
@@ -64,12 +67,20 @@ struct BandFeatures {
     std::vector<BandVertex> vertices;
 };
 
-/// The edges and vertices that matter. A point of the band is nearest to one of them, or to the
-/// inside of a triangle; flat edges and vertices (to 1e-7) are left out.
+/// Takes an edge or a vertex; true if it is dealt with, so that it need not be kept. Called from
+/// several threads.
+struct FeatureVisits {
+    std::function<bool(const BandEdge&)> edge;
+    std::function<bool(const BandVertex&)> vertex;
+};
+
+/// The edges and vertices that matter and that no visit deals with. A point of the band is nearest
+/// to one of them, or to the inside of a triangle; flat edges and vertices (to 1e-7) are left out.
 ///
 /// The region of an edge is the set of points whose projection onto none of its triangles comes
 /// nearer (the product of the point with the direction into each triangle is not positive), that
 /// of a vertex the polar cone of its edges.
-BandFeatures bandFeatures(const BandMesh& mesh, const Callbacks& callbacks);
+BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
+                          const Callbacks& callbacks);
 
 }  // namespace vdbpack

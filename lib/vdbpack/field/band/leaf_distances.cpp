@@ -73,10 +73,14 @@ VDBPACK_INLINE void walk(const Float3& middle, float* squares, const Hits& hits,
 
 }  // namespace
 
-void LeafDistances::start(const std::array<std::int32_t, 3>& origin) {
+void LeafDistances::start(const BandLeaf& leaf) {
     constexpr double kMiddle = 0.5 * (kLeafSide - 1);
-    for (int i = 0; i < 3; ++i) center_[i] = origin[static_cast<std::size_t>(i)] + kMiddle;
-    squares_.fill(std::numeric_limits<float>::infinity());
+    for (int i = 0; i < 3; ++i) center_[i] = leaf.origin[static_cast<std::size_t>(i)] + kMiddle;
+    if (leaf.squares)
+        std::transform(leaf.squares->begin(), leaf.squares->end(), squares_.begin(),
+                       [](const auto& square) { return square.load(std::memory_order_relaxed); });
+    else
+        squares_.fill(std::numeric_limits<float>::infinity());
 }
 
 void LeafDistances::addTriangle(std::uint32_t triangle) {

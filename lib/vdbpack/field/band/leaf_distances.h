@@ -23,16 +23,12 @@ class LeafDistances {
 public:
     explicit LeafDistances(const BandMesh& mesh) : mesh_(mesh) {}
 
-    /// Starts a leaf: all distances are infinite.
-    void start(const std::array<std::int32_t, 3>& origin);
+    /// Starts a leaf, with the squares it has so far.
+    void start(const BandLeaf& leaf);
 
     void addTriangle(std::uint32_t triangle);
     void addEdge(const BandEdge& edge);
     void addVertex(const BandVertex& vertex);
-    void addPoint(const BandPoint& point) {
-        float& square = squares_[point.voxel];
-        square = smaller(point.square, square);
-    }
 
     /// Distances of the voxels (x, y, 0) to (x, y, 7), voxels.
     Float8 row(unsigned x, unsigned y) const {

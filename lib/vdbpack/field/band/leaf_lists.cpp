@@ -2,14 +2,16 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/field/band/prism_points.h"
+#include "vdbpack/field/band/narrow_region.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
+#include <utility>
 
 namespace vdbpack {
 
@@ -25,17 +27,43 @@ constexpr double kSlack = 1e-4;
 /// Leaf coordinates: voxels divided by 8.
 using LeafPlace = std::array<std::int32_t, 3>;
 
-/// Triangles of which at most this many voxels lie side by side across their prism are taken point
-/// by point.
+/// Regions with at most this many voxels side by side are visited voxel by voxel.
 constexpr double kNarrow = 2;
 
 constexpr std::size_t kKinds = 3;  ///< triangles, edges, vertices
 
-/// Numbers of candidates, then places of the next: for each leaf those of each kind, and of points.
+/// For each leaf: the number of candidates of each kind, then the place of the next; the squares of
+/// its voxels, once a small triangle is near.
 struct Node {
     std::uint32_t number = 0;
-    std::array<std::array<std::atomic<std::uint64_t>, kKinds + 1>, kLeavesOfNode> slots{};
+    std::array<std::array<std::atomic<std::uint64_t>, kKinds>, kLeavesOfNode> slots{};
+    std::array<std::atomic<LeafSquares*>, kLeavesOfNode> squares{};
+
+    Node() = default;
+    Node(const Node&) = delete;
+    Node& operator=(const Node&) = delete;
+    ~Node() {
+        for (auto& mine : squares) delete mine.load(std::memory_order_relaxed);
+    }
+
+    LeafSquares& squaresOf(std::uint32_t leaf) {
+        LeafSquares* mine = squares[leaf].load(std::memory_order_acquire);
+        if (mine) return *mine;
+        auto made = std::make_unique<LeafSquares>();
+        for (auto& square : *made)
+            square.store(std::numeric_limits<float>::infinity(), std::memory_order_relaxed);
+        // Another thread may have been first.
+        if (squares[leaf].compare_exchange_strong(mine, made.get(), std::memory_order_acq_rel))
+            mine = made.release();
+        return *mine;
+    }
 };
+
+void lower(std::atomic<float>& to, float value) {
+    float before = to.load(std::memory_order_relaxed);
+    while (value < before && !to.compare_exchange_weak(before, value, std::memory_order_relaxed))
+        continue;
+}
 
 /// A candidate of a leaf.
 struct Entry {
@@ -43,14 +71,7 @@ struct Entry {
     std::uint32_t index;
 };
 
-/// A voxel of a leaf.
-struct PointEntry {
-    std::uint32_t leaf;
-    BandPoint point;
-};
-
-/// Entries of one kind that one thread found.
-template <class Entry>
+/// Candidates of one kind that one thread found.
 struct Entries {
     static constexpr std::size_t kBlock = 1 << 14;
     std::vector<std::vector<Entry>> blocks;
@@ -109,41 +130,51 @@ Region regionOf(const BandMesh& mesh, std::size_t triangle) {
     return region;
 }
 
+/// The unit vectors that bound the wedge of an edge, and the one between them.
+struct Wedge {
+    Vec<3> n0, n1, middle;
+
+    /// @param along  from a to b, not zero.
+    Wedge(const BandEdge& edge, const Vec<3>& along) {
+        const Vec<3> opens = edge.away0 + edge.away1;
+        middle = opens * (1 / length(opens));
+        const double inverse = 1 / length(along);
+        const auto normal = [&](const Vec<3>& away) {
+            const Vec<3> n = cross(along, away) * inverse;
+            return dot(n, middle) > 0 ? n : n * -1.0;
+        };
+        n0 = normal(edge.away0);
+        n1 = normal(edge.away1);
+    }
+};
+
 Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
     const Vec<3>&a = mesh.vertices[edge.a], &b = mesh.vertices[edge.b];
     Region region;
     const Vec<3> reach{{edge.reach, edge.reach, edge.reach}};
-    const Vec<3>&u0 = edge.away0, &u1 = edge.away1;
-    if (!(squaredLength(u1) > 0)) {
+    if (!edge.hasWedge()) {
         for (const Vec<3>* x : {&a, &b}) {
             region.box.add(*x + reach);
             region.box.add(*x - reach);
         }
         return region;
     }
-    const Vec<3> along = (b - a) * (1 / length(b - a));
-    // The wedge between the normals of its planes; the arc lies below the bisector's end.
-    const Vec<3> opens = u0 + u1;
-    const Vec<3> bisector = opens * (1 / length(opens));
-    const auto normal = [&](const Vec<3>& u) {
-        const Vec<3> n = cross(along, u);
-        return dot(n, bisector) > 0 ? n : n * -1.0;
-    };
-    const Vec<3> n0 = normal(u0), n1 = normal(u1);
-    const double cosine = dot(n0, bisector);
+    const Wedge wedge(edge, b - a);
+    // The arc lies below the end of the middle.
+    const double cosine = dot(wedge.n0, wedge.middle);
     for (const Vec<3>* x : {&a, &b}) {
         region.box.add(*x);
         if (cosine > 0.2) {
-            region.box.add(*x + n0 * edge.reach);
-            region.box.add(*x + n1 * edge.reach);
-            region.box.add(*x + bisector * (edge.reach / cosine));
+            region.box.add(*x + wedge.n0 * edge.reach);
+            region.box.add(*x + wedge.n1 * edge.reach);
+            region.box.add(*x + wedge.middle * (edge.reach / cosine));
         } else {
             region.box.add(*x + reach);
             region.box.add(*x - reach);
         }
     }
-    region.bound(u0, a);
-    region.bound(u1, a);
+    region.bound(edge.away0, a);
+    region.bound(edge.away1, a);
     return region;
 }
 
@@ -172,41 +203,42 @@ Region regionOf(const BandMesh& mesh, const BandVertex& v) {
 /// Fills lists: finds and counts candidates first, then writes them in order of leaves.
 class LeafListsBuilder {
 public:
-    LeafListsBuilder(LeafLists& lists, const BandMesh& mesh, const BandFeatures& features,
-                     const Callbacks& callbacks)
-        : lists_(lists), mesh_(mesh), features_(features), callbacks_(callbacks) {
+    LeafListsBuilder(LeafLists& lists, const BandMesh& mesh, const Callbacks& callbacks)
+        : lists_(lists), mesh_(mesh), callbacks_(callbacks) {
         chooseNodes();
     }
 
     void build() {
-        for (std::size_t kind = 0; kind < kKinds; ++kind) {
-            find(kind);
-            callbacks_.stopIfCancelled();
-        }
+        find(
+            0, mesh_.triangles->size(), [&](std::size_t i) { return visitVoxels(i); },
+            [&](std::size_t i) { return regionOf(mesh_, i); });
+        BandFeatures& features = lists_.features;
+        features = bandFeatures(mesh_,
+                                {[&](const BandEdge& edge) { return visitVoxels(edge); },
+                                 [&](const BandVertex& vertex) { return visitVoxels(vertex); }},
+                                callbacks_);
+        const auto findAll = [&](std::size_t kind, const auto& candidates) {
+            find(
+                kind, candidates.size(), [](std::size_t) { return false; },
+                [&](std::size_t i) { return regionOf(mesh_, candidates[i]); });
+        };
+        findAll(1, features.edges);
+        findAll(2, features.vertices);
         placeLeaves();
-        for (Found& mine : found_) {
-            for (std::size_t kind = 0; kind < kKinds; ++kind)
-                moveInto(lists_.items, mine.candidates[kind], kind,
-                         [](const Entry& entry) { return entry.index; });
-            moveInto(lists_.points, mine.points, kKinds,
-                     [](const PointEntry& entry) { return entry.point; });
-        }
+        for (Found& mine : found_)
+            for (std::size_t kind = 0; kind < kKinds; ++kind) moveItems(mine[kind], kind);
     }
 
 private:
     /// What one thread found.
-    struct Found {
-        std::array<Entries<Entry>, kKinds> candidates;
-        Entries<PointEntry> points;
-    };
+    using Found = std::array<Entries, kKinds>;
 
-    template <class List, class Entry, class Value>
-    void moveInto(List& list, Entries<Entry>& entries, std::size_t kind, const Value& value) {
+    void moveItems(Entries& entries, std::size_t kind) {
         auto& blocks = entries.blocks;
         tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
             for (const Entry& entry : blocks[b]) {
                 auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
-                list[slots[kind].fetch_add(1, std::memory_order_relaxed)] = value(entry);
+                lists_.items[slots[kind].fetch_add(1, std::memory_order_relaxed)] = entry.index;
             }
             blocks[b] = {};
         });
@@ -285,62 +317,86 @@ private:
                     if (region.meets(at)) visit(at);
     }
 
-    /// Counts the candidates of one kind (triangles, edges, vertices) for each leaf, and lists
-    /// them.
-    void find(std::size_t kind) {
-        const auto each = [&](std::size_t n, const auto& regionAt) {
-            tbb::parallel_for(
-                tbb::blocked_range<std::size_t>(0, n, 512),
-                [&](const tbb::blocked_range<std::size_t>& part) {
-                    Found& mine = found_.local();
-                    auto& entries = mine.candidates[kind];
-                    for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                        if (kind == 0 && takePoints(i, mine.points)) continue;
-                        forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
-                            Node& node = nodeOf(leaf);
-                            const std::uint32_t k = numberInNode(leaf);
-                            node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
-                            entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
-                        });
-                    }
-                });
-        };
-        if (kind == 0)
-            each(mesh_.triangles->size(), [&](std::size_t i) { return regionOf(mesh_, i); });
-        else if (kind == 1)
-            each(features_.edges.size(),
-                 [&](std::size_t i) { return regionOf(mesh_, features_.edges[i]); });
-        else
-            each(features_.vertices.size(),
-                 [&](std::size_t i) { return regionOf(mesh_, features_.vertices[i]); });
+    /// Counts the candidates of one kind for each leaf, and lists them.
+    /// @param visited  takes a number; whether all voxels that it is nearest to were visited.
+    template <class Visited, class RegionAt>
+    void find(std::size_t kind, std::size_t count, const Visited& visited,
+              const RegionAt& regionAt) {
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, count, 512),
+            [&](const tbb::blocked_range<std::size_t>& part) {
+                Entries& entries = found_.local()[kind];
+                for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                    if (visited(i)) continue;
+                    forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
+                        Node& node = nodeOf(leaf);
+                        const std::uint32_t k = numberInNode(leaf);
+                        node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
+                        entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
+                    });
+                }
+            });
+        callbacks_.stopIfCancelled();
     }
 
-    /// Lists the voxels over a small triangle. @return false if it is not small.
-    bool takePoints(std::size_t triangle, Entries<PointEntry>& points) {
+    /// Lowers the square of a voxel. @param at  relative to the lattice point `base`.
+    void lowerAt(const Vec<3>& base, const Vec<3>& at, double square) {
+        std::array<std::int32_t, 3> x;
+        LeafPlace leaf;
+        for (int i = 0; i < 3; ++i) {
+            const auto k = static_cast<std::size_t>(i);
+            x[k] = static_cast<std::int32_t>(base[i] + at[i]);
+            leaf[k] = x[k] >> 3;
+        }
+        const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
+        lower(nodeOf(leaf).squaresOf(numberInNode(leaf))[voxelInLeaf(in(0), in(1), in(2))],
+              static_cast<float>(square));
+    }
+
+    bool visitVoxels(std::size_t triangle) {
         const Vec<3>& n = mesh_.normals[triangle];
         if (!(squaredLength(n) > 0)) return true;
-        const PrismPoints prism(mesh_.corner(triangle, 0), mesh_.corner(triangle, 1),
-                                mesh_.corner(triangle, 2), n, mesh_.widths(triangle));
-        if (!prism.isNarrow(kNarrow)) return false;
-        prism.visit([&](const Vec<3>& at, double square) {
-            std::array<std::int32_t, 3> x;
-            LeafPlace leaf;
-            for (std::size_t i = 0; i < 3; ++i) {
-                x[i] = static_cast<std::int32_t>(at.c[i]);
-                leaf[i] = x[i] >> 3;
-            }
-            Node& node = nodeOf(leaf);
-            const std::uint32_t k = numberInNode(leaf);
-            node.slots[k][kKinds].fetch_add(1, std::memory_order_relaxed);
-            const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
-            points.add({node.number << 12 | k,
-                        {voxelInLeaf(in(0), in(1), in(2)), static_cast<float>(square)}});
+        const Vec<3> base = latticePoint(mesh_.corner(triangle, 0));
+        const std::array<Vec<3>, 3> abc{mesh_.corner(triangle, 0) - base,
+                                        mesh_.corner(triangle, 1) - base,
+                                        mesh_.corner(triangle, 2) - base};
+        const BandWidths widths = mesh_.widths(triangle);
+        const auto region = NarrowRegion::over(abc, n, widths);
+        if (!region.isNarrow(kNarrow)) return false;
+        region.visit(PrismSides(region, abc, n), [&](const Vec<3>& x) {
+            const double d = dot(x - abc[0], n);
+            if (d <= widths.above && d >= -widths.below) lowerAt(base, x, d * d);
         });
         return true;
     }
+    bool visitVoxels(const BandEdge& edge) {
+        if (!edge.hasWedge()) return false;
+        const Vec<3> base = latticePoint(mesh_.vertices[edge.a]);
+        const std::array<Vec<3>, 2> ab{mesh_.vertices[edge.a] - base,
+                                       mesh_.vertices[edge.b] - base};
+        const Wedge wedge(edge, ab[1] - ab[0]);
+        const auto region = NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach);
+        if (!region.isNarrow(kNarrow)) return false;
+        const SegmentSquares squares(ab);
+        region.visit(NoSides(), [&](const Vec<3>& x) { lowerAt(base, x, squares(x)); });
+        return true;
+    }
+    bool visitVoxels(const BandVertex& v) {
+        const Vec<3> base = latticePoint(mesh_.vertices[v.vertex]);
+        const Vec<3> apex = mesh_.vertices[v.vertex] - base;
+        const auto region =
+            NarrowRegion::over(apex, {{v.axis[0], v.axis[1], v.axis[2]}}, v.cosine, v.reach);
+        if (!region.isNarrow(kNarrow)) return false;
+        region.visit(NoSides(),
+                     [&](const Vec<3>& x) { lowerAt(base, x, squaredLength(x - apex)); });
+        return true;
+    }
+    static Vec<3> latticePoint(const Vec<3>& near) {
+        return {{std::floor(near[0]), std::floor(near[1]), std::floor(near[2])}};
+    }
 
     void placeLeaves() {
-        std::uint64_t sum = 0, points = 0;
+        std::uint64_t sum = 0;
         lists_.nodeStart.reserve(nodes_.size() + 1);
         for (std::size_t n = 0; n < nodes_.size(); ++n) {
             lists_.nodeStart.push_back(static_cast<std::uint32_t>(lists_.leaves.size()));
@@ -349,8 +405,9 @@ private:
             const auto origin = lists_.nodeOrigin(n);
             for (int i = 0; i < kLeavesOfNode; ++i) {
                 auto& slots = node->slots[static_cast<std::size_t>(i)];
-                if (slots[0] + slots[1] + slots[2] + slots[kKinds] == 0) continue;
-                BandLeaf leaf{};
+                BandLeaf leaf;
+                leaf.squares.reset(node->squares[static_cast<std::size_t>(i)].exchange(nullptr));
+                if (slots[0] + slots[1] + slots[2] == 0 && !leaf.squares) continue;
                 leaf.origin = {origin[0] + (i >> 8) * kLeafSide,
                                origin[1] + (i >> 4 & 15) * kLeafSide,
                                origin[2] + (i & 15) * kLeafSide};
@@ -359,20 +416,15 @@ private:
                     sum += slots[kind].exchange(sum);
                 }
                 leaf.start[kKinds] = sum;
-                leaf.point[0] = points;
-                points += slots[kKinds].exchange(points);
-                leaf.point[1] = points;
-                lists_.leaves.push_back(leaf);
+                lists_.leaves.push_back(std::move(leaf));
             }
         }
         lists_.nodeStart.push_back(static_cast<std::uint32_t>(lists_.leaves.size()));
         lists_.items.resize(sum);
-        lists_.points.resize(points);
     }
 
     LeafLists& lists_;
     const BandMesh& mesh_;
-    const BandFeatures& features_;
     const Callbacks& callbacks_;
     std::vector<std::atomic<Node*>> nodes_;
     std::mutex making_;
@@ -380,9 +432,8 @@ private:
     tbb::enumerable_thread_specific<Found> found_;
 };
 
-LeafLists::LeafLists(const BandMesh& mesh, const BandFeatures& features,
-                     const Callbacks& callbacks) {
-    LeafListsBuilder(*this, mesh, features, callbacks).build();
+LeafLists::LeafLists(const BandMesh& mesh, const Callbacks& callbacks) {
+    LeafListsBuilder(*this, mesh, callbacks).build();
 }
 
 std::array<std::int32_t, 3> LeafLists::nodeOrigin(std::size_t n) const {

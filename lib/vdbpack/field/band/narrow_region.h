@@ -1,0 +1,265 @@
+// Private: the parts of a band over small triangles, flat edges and flat vertices, lattice point by
+// lattice point.
+#pragma once
+
+#include "vdbpack/core/lanes.h"
+#include "vdbpack/field/band/band_features.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+
+namespace vdbpack {
+
+/// A region that is long along one axis of the lattice and narrow across it: most lattice planes
+/// across that axis hold no point of it, and are passed over eight at a time.
+///
+/// All points of the region are inside its bounds; not all points inside its bounds are of the
+/// region.
+class NarrowRegion {
+public:
+    /// The prism over the triangle abc with the unit normal n.
+    static NarrowRegion over(const std::array<Vec<3>, 3>& abc, const Vec<3>& n,
+                             const BandWidths& widths) {
+        NarrowRegion region(n);
+        const double w = n[region.w_];
+        for (std::size_t i = 0; i < 2; ++i) {
+            const double slope = n[region.across_[i]] / w;
+            region.bound(i, abc.data(), 3, slope, slope);
+        }
+        region.extend(abc.data(), 3, w * widths.above, -w * widths.below);
+        return region;
+    }
+
+    /// The wedge that spans from the edge ab to the unit vectors n0 and n1, which enclose less than
+    /// a right angle.
+    static NarrowRegion over(const std::array<Vec<3>, 2>& ab, const Vec<3>& n0, const Vec<3>& n1,
+                             double reach) {
+        NarrowRegion region(n0 + n1);
+        const double w0 = n0[region.w_], w1 = n1[region.w_];
+        if (!(w0 * w1 > 0)) return {};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const double s0 = n0[region.across_[i]] / w0, s1 = n1[region.across_[i]] / w1;
+            region.boundAhead(i, ab.data(), 2, std::minmax(s0, s1), w0);
+        }
+        // The vectors between n0 and n1 may be longer along the axis than both.
+        region.extend(ab.data(), 2, 0, std::copysign(reach, w0));
+        return region;
+    }
+
+    /// The cone from `apex` about the unit vector `axis`.
+    /// @param cosine  of the angle between its axis and its surface.
+    static NarrowRegion over(const Vec<3>& apex, const Vec<3>& axis, double cosine, double reach) {
+        NarrowRegion region(axis);
+        const double most = std::sqrt(std::max(0.0, 2 - 2 * cosine));  // between unit vectors
+        const double w = axis[region.w_];
+        if (!(std::abs(w) > 2 * most)) return {};
+        for (std::size_t i = 0; i < 2; ++i) {
+            const double u = axis[region.across_[i]];
+            const auto [low, high] =
+                std::minmax({(u - most) / (w - most), (u - most) / (w + most),
+                             (u + most) / (w - most), (u + most) / (w + most)});
+            region.boundAhead(i, &apex, 1, {low, high}, w);
+        }
+        region.extend(&apex, 1, 0, std::copysign(reach, w));
+        return region;
+    }
+
+    /// Whether its bounds are nowhere wider than `most` voxels.
+    bool isNarrow(double most) const {
+        for (const Bounds& b : bounds_)
+            for (const double p : {low_, high_})
+                if (!(b.high(p) - b.low(p) < most)) return false;
+        return true;
+    }
+
+    /// Calls `visit(x)` for each lattice point inside the bounds and the sides of a prism.
+    /// @param sides  `PrismSides` or `NoSides`.
+    template <class Sides, class Visit>
+    void visit(const Sides& sides, const Visit& visit) const {
+        for (double first = std::ceil(low_); first <= high_; first += kLanes) {
+            const Window wu = window(bounds_[0], first), wv = window(bounds_[1], first);
+            const auto inside = sides.near(first, wu.base, wv.base);
+            const Int8 planes = kPlanes <= static_cast<float>(high_ - first);
+            for (Float8 u = wu.first;; u += 1) {
+                const Int8 column = planes & (u <= wu.last);
+                if (noneOf(column)) break;
+                for (Float8 v = wv.first;; v += 1) {
+                    const Int8 point = column & (v <= wv.last);
+                    if (noneOf(point)) break;
+                    forEachSet(point & inside(u, v), [&](std::size_t lane) {
+                        Vec<3> x;
+                        x[w_] = first + static_cast<double>(lane);
+                        x[across_[0]] = wu.base + static_cast<double>(u[lane]);
+                        x[across_[1]] = wv.base + static_cast<double>(v[lane]);
+                        visit(x);
+                    });
+                }
+            }
+        }
+    }
+
+    int along() const { return w_; }
+    const std::array<int, 2>& across() const { return across_; }
+
+    /// Eight planes, relative to the first.
+    static constexpr Float8 kPlanes{0, 1, 2, 3, 4, 5, 6, 7};
+
+private:
+    /// Along an axis across, as linear functions of the coordinate p along the region.
+    struct Bounds {
+        double lowAt0, lowSlope, highAt0, highSlope;
+        double low(double p) const { return lowAt0 + p * lowSlope; }
+        double high(double p) const { return highAt0 + p * highSlope; }
+    };
+
+    /// Nothing is narrow about it.
+    NarrowRegion() : bounds_{{{0, 0, kInfinite, 0}, {0, 0, kInfinite, 0}}} {}
+    explicit NarrowRegion(const Vec<3>& along) {
+        for (int i = 1; i < 3; ++i)
+            if (std::abs(along[i]) > std::abs(along[w_])) w_ = i;
+        across_ = {(w_ + 1) % 3, (w_ + 2) % 3};
+    }
+
+    /// Bounds of the lines from the points, if those of the lower bound have one slope and those of
+    /// the upper another.
+    void bound(std::size_t i, const Vec<3>* points, std::size_t count, double lowSlope,
+               double highSlope) {
+        double low = kInfinite, high = -kInfinite;
+        for (std::size_t k = 0; k < count; ++k) {
+            const double x = points[k][across_[i]], p = points[k][w_];
+            low = std::min(low, x - p * lowSlope);
+            high = std::max(high, x - p * highSlope);
+        }
+        bounds_[i] = {low - kSlack, lowSlope, high + kSlack, highSlope};
+    }
+    /// Bounds of the half-lines from the points with slopes in a range.
+    /// @param direction  its sign is that of the half-lines along the region.
+    void boundAhead(std::size_t i, const Vec<3>* points, std::size_t count,
+                    const std::pair<double, double>& slopes, double direction) {
+        if (direction > 0)
+            bound(i, points, count, slopes.first, slopes.second);
+        else
+            bound(i, points, count, slopes.second, slopes.first);
+    }
+    void extend(const Vec<3>* points, std::size_t count, double one, double other) {
+        low_ = kInfinite;
+        high_ = -kInfinite;
+        for (std::size_t k = 0; k < count; ++k) {
+            low_ = std::min(low_, points[k][w_]);
+            high_ = std::max(high_, points[k][w_]);
+        }
+        low_ += std::min(one, other) - kSlack;
+        high_ += std::max(one, other) + kSlack;
+    }
+
+    /// Bounds in eight planes, relative to a lattice coordinate, so that single precision suffices.
+    struct Window {
+        double base;
+        Float8 first, last;  ///< the first lattice point in each plane, and the upper bound
+    };
+    static Window window(const Bounds& b, double firstPlane) {
+        const double low = b.low(firstPlane), base = std::floor(low);
+        const Float8 lows =
+            kPlanes * static_cast<float>(b.lowSlope) + static_cast<float>(low - base - kLaneSlack);
+        return {base, -floorOf(-lows),
+                kPlanes * static_cast<float>(b.highSlope) +
+                    static_cast<float>(b.high(firstPlane) - base + kLaneSlack)};
+    }
+    static Float8 floorOf(Float8 v) {
+        const Float8 whole = __builtin_convertvector(__builtin_convertvector(v, Int8), Float8);
+        return choose(whole > v, whole - 1.0f, whole);
+    }
+
+    static constexpr double kInfinite = std::numeric_limits<double>::infinity();
+    /// Added on all sides, so that rounding leaves out no point; voxels.
+    static constexpr double kSlack = 1e-7;
+    /// More than the rounding in a window.
+    static constexpr double kLaneSlack = 2e-6;
+
+    int w_ = 0;                    ///< the axis along the region
+    std::array<int, 2> across_{};  ///< the others
+    double low_ = 0, high_ = 0;    ///< extent along w
+    std::array<Bounds, 2> bounds_;
+};
+
+/// The inner sides of the prism over a triangle, in eight planes at a time.
+class PrismSides {
+public:
+    PrismSides(const NarrowRegion& region, const std::array<Vec<3>, 3>& abc, const Vec<3>& n)
+        : w_(region.along()), u_(region.across()[0]), v_(region.across()[1]) {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec<3>& in = inward_[k] = cross(n, abc[(k + 1) % 3] - abc[k]);
+            const double support = std::abs(in[0]) + std::abs(in[1]) + std::abs(in[2]);
+            least_[k] = dot(abc[k], in) - kRounding * support;
+        }
+    }
+
+    class Near {
+    public:
+        /// Whether the points (u, v) of the planes are inside, to some 1e-6 voxel.
+        VDBPACK_INLINE Int8 operator()(Float8 u, Float8 v) const {
+            Int8 inside = ~Int8{};
+            for (const Side& s : sides_)
+                inside &= u * s.u + v * s.v + NarrowRegion::kPlanes * s.w >= s.least;
+            return inside;
+        }
+
+    private:
+        friend class PrismSides;
+        struct Side {
+            float u, v, w, least;
+        };
+        std::array<Side, 3> sides_;
+    };
+    /// @param w, u, v  what planes, u and v are relative to.
+    Near near(double w, double u, double v) const {
+        Vec<3> base;
+        base[w_] = w;
+        base[u_] = u;
+        base[v_] = v;
+        Near near;
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec<3>& in = inward_[k];
+            near.sides_[k] = {static_cast<float>(in[u_]), static_cast<float>(in[v_]),
+                              static_cast<float>(in[w_]),
+                              static_cast<float>(least_[k] - dot(base, in))};
+        }
+        return near;
+    }
+
+private:
+    /// Added, so that no point between two triangles is left out; voxels.
+    static constexpr double kRounding = 4e-6;
+    int w_, u_, v_;
+    std::array<Vec<3>, 3> inward_;
+    std::array<double, 3> least_;
+};
+
+/// For regions that need no more than their bounds.
+struct NoSides {
+    struct Near {
+        Int8 operator()(Float8, Float8) const { return ~Int8{}; }
+    };
+    Near near(double, double, double) const { return {}; }
+};
+
+/// Squared distance to a segment.
+class SegmentSquares {
+public:
+    explicit SegmentSquares(const std::array<Vec<3>, 2>& ab)
+        : a_(ab[0]), along_(ab[1] - ab[0]), inverse_(1 / squaredLength(along_)) {}
+    double operator()(const Vec<3>& x) const {
+        const double t = std::clamp(dot(x - a_, along_) * inverse_, 0.0, 1.0);
+        return squaredLength(x - a_ - along_ * t);
+    }
+
+private:
+    Vec<3> a_, along_;
+    double inverse_;
+};
+
+}  // namespace vdbpack
