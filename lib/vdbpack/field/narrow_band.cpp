@@ -8,6 +8,7 @@
 #include "vdbpack/field/band/leaf_lists.h"
 
 #include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -162,6 +163,19 @@ BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Fa
     mesh.facing = facing;
     mesh.inside = inside;
     mesh.outside = outside;
+    const auto both = [](Box<3> one, const Box<3>& other) {
+        one.add(other.lo);
+        one.add(other.hi);
+        return one;
+    };
+    mesh.bounds = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, mesh.triangles->size(), 4096), Box<3>{},
+        [&](const tbb::blocked_range<std::size_t>& part, Box<3> box) {
+            for (std::size_t i = part.begin(); i < part.end(); ++i)
+                for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
+            return box;
+        },
+        both);
     return mesh;
 }
 
@@ -176,7 +190,7 @@ FloatGrid::Ptr narrowBand(const LatticeMesh& lattice, float inside, float outsid
     } else {
         const BandMesh mesh = bandMesh(lattice, inside, outside, facing);
         const LeafLists lists(mesh, callbacks);
-        const ColumnCrossings crossings(mesh.vertices, *mesh.triangles, callbacks);
+        const ColumnCrossings crossings(mesh, callbacks);
         grid = BandBuilder(mesh, lists, crossings, h, callbacks).build();
     }
     grid->setTransform(openvdb::math::Transform::createLinearTransform(h));

@@ -143,21 +143,26 @@ private:
 
     /// How the triangles at an edge meet; sets the edge's planes.
     Bend wedgeOf(const Uses& uses, BandEdge& edge) const {
-        const Vec<3> e = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
-        const double l = length(e);
-        if (uses.count > 2 || !(l > 0)) return Bend::unknown;
-        Vec<3> away[2], normal[2];
+        if (uses.count > 2) return Bend::unknown;
+        Vec<3> normal[2];
         for (std::size_t k = 0; k < uses.count; ++k) {
             normal[k] = mesh_.normals[uses.triangle[k]];
             if (!(squaredLength(normal[k]) > 0)) return Bend::unknown;
-            away[k] = cross(normal[k], e) * ((uses.forward[k] ? -1 : 1) / l);
         }
-        edge.away0 = away[0];
+        // The wedge is as wide as the normals differ.
+        const double opening = uses.forward[0] != uses.forward[1] ? length(normal[0] - normal[1])
+                                                                  : length(normal[0] + normal[1]);
+        if (uses.count == 2 && !(opening > kFlat)) return Bend::flat;
+        const Vec<3> e = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
+        const double inverse = 1 / length(e);
+        if (!std::isfinite(inverse)) return Bend::unknown;
+        const auto away = [&](std::size_t k) {
+            return cross(normal[k], e) * (uses.forward[k] ? -inverse : inverse);
+        };
+        edge.away0 = away(0);
         if (uses.count == 1) return Bend::unknown;
-        edge.away1 = away[1];
-        const Vec<3> opens = away[0] + away[1];
-        const double opening = length(opens);
-        if (!(opening > kFlat)) return Bend::flat;
+        edge.away1 = away(1);
+        const Vec<3> opens = edge.away0 + edge.away1;
         const double side0 = dot(normal[0], opens), side1 = dot(normal[1], opens);
         // Folded back, or triangles that face different ways.
         if (std::min(std::abs(side0), std::abs(side1)) < 1e-3 * opening ||

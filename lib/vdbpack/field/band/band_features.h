@@ -27,6 +27,7 @@ struct BandMesh {
     std::vector<std::int8_t>
         facing;                     ///< of each triangle: 1 outward, -1 inward, 0 unknown; or empty
     float inside = 0, outside = 0;  ///< widths of the band, voxels
+    Box<3> bounds;                  ///< of the triangles
 
     const Vec<3>& corner(std::size_t triangle, std::size_t k) const {
         return vertices[(*triangles)[triangle][k]];

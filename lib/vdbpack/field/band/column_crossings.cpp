@@ -111,17 +111,10 @@ void rasterize(const std::array<Corner, 3>& c, const Visit& visit) {
 
 }  // namespace
 
-ColumnCrossings::ColumnCrossings(const std::vector<Vec<3>>& vertices,
-                                 const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                                 const Callbacks& callbacks) {
+ColumnCrossings::ColumnCrossings(const BandMesh& mesh, const Callbacks& callbacks) {
+    const auto& triangles = *mesh.triangles;
     if (triangles.empty()) return;
-    Vec<2> lo{{vertices[triangles[0][0]][0], vertices[triangles[0][0]][1]}}, hi = lo;
-    for (const auto& t : triangles)
-        for (const auto v : t)
-            for (int i = 0; i < 2; ++i) {
-                lo[i] = std::min(lo[i], vertices[v][i]);
-                hi[i] = std::max(hi[i], vertices[v][i]);
-            }
+    const Vec<3>&lo = mesh.bounds.lo, &hi = mesh.bounds.hi;
     x0_ = static_cast<std::int32_t>(std::floor(lo[0]));
     y0_ = static_cast<std::int32_t>(std::floor(lo[1]));
     columns_ = static_cast<std::int32_t>(std::ceil(hi[0])) - x0_ + 1;
@@ -134,7 +127,7 @@ ColumnCrossings::ColumnCrossings(const std::vector<Vec<3>>& vertices,
     const auto cornersOf = [&](std::size_t i) {
         std::array<Corner, 3> c;
         for (std::size_t k = 0; k < 3; ++k) {
-            const Vec<3>& v = vertices[triangles[i][k]];
+            const Vec<3>& v = mesh.corner(i, k);
             c[k] = {rounded(v[0]), rounded(v[1]), v[2]};
         }
         return c;

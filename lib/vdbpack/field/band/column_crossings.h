@@ -2,9 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/core/vec.h"
+#include "vdbpack/field/band/band_features.h"
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -19,12 +18,9 @@ namespace vdbpack {
 /// 1990, doi:10.1145/77635.77639).
 class ColumnCrossings {
 public:
-    /// @param vertices   in voxels.
-    /// @param triangles  each edge has an even number of them.
+    /// @param mesh  each edge has an even number of triangles.
     /// @throws ResourceError for a lattice of more than 2^32 lines; Interrupted.
-    ColumnCrossings(const std::vector<Vec<3>>& vertices,
-                    const std::vector<std::array<std::uint32_t, 3>>& triangles,
-                    const Callbacks& callbacks);
+    ColumnCrossings(const BandMesh& mesh, const Callbacks& callbacks);
 
     /// Whether lattice point (x, y, z) is inside: an odd number of crossings lies below it.
     bool inside(std::int32_t x, std::int32_t y, std::int32_t z) const;

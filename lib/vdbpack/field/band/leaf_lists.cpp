@@ -246,10 +246,7 @@ private:
     }
 
     void chooseNodes() {
-        Box<3> box;
-        for (const auto& t : *mesh_.triangles)
-            for (const auto v : t) box.add(mesh_.vertices[v]);
-        box = box.grown(std::max(mesh_.inside, mesh_.outside) + 1);
+        const Box<3> box = mesh_.bounds.grown(std::max(mesh_.inside, mesh_.outside) + 1);
         double count = 1;
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
@@ -339,20 +336,23 @@ private:
         callbacks_.stopIfCancelled();
     }
 
-    /// Lowers the square of a voxel. @param at  relative to the lattice point `base`.
-    void lowerAt(const Vec<3>& base, const Vec<3>& at, double square) {
-        std::array<std::int32_t, 3> x;
-        LeafPlace leaf;
-        for (int i = 0; i < 3; ++i) {
-            const auto k = static_cast<std::size_t>(i);
-            x[k] = static_cast<std::int32_t>(base[i] + at[i]);
-            leaf[k] = x[k] >> 3;
-        }
-        const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
-        lower(nodeOf(leaf).squaresOf(numberInNode(leaf))[voxelInLeaf(in(0), in(1), in(2))],
-              static_cast<float>(square));
+    /// Lowers the squares of the voxels in a region. @return false if it is not narrow.
+    /// @param base  the lattice point that the region and `squares` are relative to.
+    template <class Squares>
+    bool visitVoxels(const NarrowRegion& region, const Vec<3>& base, const Squares& squares) {
+        if (!region.isNarrow(kNarrow)) return false;
+        region.visit(squares, [&](std::array<std::int32_t, 3> x, float square) {
+            LeafPlace leaf;
+            for (std::size_t i = 0; i < 3; ++i) {
+                x[i] += static_cast<std::int32_t>(base.c[i]);
+                leaf[i] = x[i] >> 3;
+            }
+            const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
+            lower(nodeOf(leaf).squaresOf(numberInNode(leaf))[voxelInLeaf(in(0), in(1), in(2))],
+                  square);
+        });
+        return true;
     }
-
     bool visitVoxels(std::size_t triangle) {
         const Vec<3>& n = mesh_.normals[triangle];
         if (!(squaredLength(n) > 0)) return true;
@@ -361,13 +361,8 @@ private:
                                         mesh_.corner(triangle, 1) - base,
                                         mesh_.corner(triangle, 2) - base};
         const BandWidths widths = mesh_.widths(triangle);
-        const auto region = NarrowRegion::over(abc, n, widths);
-        if (!region.isNarrow(kNarrow)) return false;
-        region.visit(PrismSides(region, abc, n), [&](const Vec<3>& x) {
-            const double d = dot(x - abc[0], n);
-            if (d <= widths.above && d >= -widths.below) lowerAt(base, x, d * d);
-        });
-        return true;
+        return visitVoxels(NarrowRegion::over(abc, n, widths), base,
+                           TriangleSquares(abc, n, widths));
     }
     bool visitVoxels(const BandEdge& edge) {
         if (!edge.hasWedge()) return false;
@@ -375,21 +370,15 @@ private:
         const std::array<Vec<3>, 2> ab{mesh_.vertices[edge.a] - base,
                                        mesh_.vertices[edge.b] - base};
         const Wedge wedge(edge, ab[1] - ab[0]);
-        const auto region = NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach);
-        if (!region.isNarrow(kNarrow)) return false;
-        const SegmentSquares squares(ab);
-        region.visit(NoSides(), [&](const Vec<3>& x) { lowerAt(base, x, squares(x)); });
-        return true;
+        return visitVoxels(NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach), base,
+                           SegmentSquares(ab));
     }
     bool visitVoxels(const BandVertex& v) {
         const Vec<3> base = latticePoint(mesh_.vertices[v.vertex]);
         const Vec<3> apex = mesh_.vertices[v.vertex] - base;
-        const auto region =
-            NarrowRegion::over(apex, {{v.axis[0], v.axis[1], v.axis[2]}}, v.cosine, v.reach);
-        if (!region.isNarrow(kNarrow)) return false;
-        region.visit(NoSides(),
-                     [&](const Vec<3>& x) { lowerAt(base, x, squaredLength(x - apex)); });
-        return true;
+        return visitVoxels(
+            NarrowRegion::over(apex, {{v.axis[0], v.axis[1], v.axis[2]}}, v.cosine, v.reach), base,
+            PointSquares(apex));
     }
     static Vec<3> latticePoint(const Vec<3>& near) {
         return {{std::floor(near[0]), std::floor(near[1]), std::floor(near[2])}};

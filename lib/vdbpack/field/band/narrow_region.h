@@ -9,10 +9,28 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <utility>
 
 namespace vdbpack {
+
+/// Eight points, relative to a lattice point.
+using Lanes3 = std::array<Float8, 3>;
+
+/// A linear function of eight points.
+struct Linear3 {
+    float x = 0, y = 0, z = 0, at0 = 0;
+    Linear3() = default;
+    Linear3(const Vec<3>& gradient, double valueAt0)
+        : x(static_cast<float>(gradient[0])),
+          y(static_cast<float>(gradient[1])),
+          z(static_cast<float>(gradient[2])),
+          at0(static_cast<float>(valueAt0)) {}
+    VDBPACK_INLINE Float8 operator()(const Lanes3& p) const {
+        return p[0] * x + p[1] * y + p[2] * z + at0;
+    }
+};
 
 /// A region that is long along one axis of the lattice and narrow across it: most lattice planes
 /// across that axis hold no point of it, and are passed over eight at a time.
@@ -76,37 +94,40 @@ public:
         return true;
     }
 
-    /// Calls `visit(x)` for each lattice point inside the bounds and the sides of a prism.
-    /// @param sides  `PrismSides` or `NoSides`.
-    template <class Sides, class Visit>
-    void visit(const Sides& sides, const Visit& visit) const {
+    /// Calls `visit(x, square)` for each lattice point inside the bounds.
+    /// @param squares  `TriangleSquares`, `SegmentSquares` or `PointSquares`.
+    template <class Squares, class Visit>
+    void visit(const Squares& squares, const Visit& visit) const {
+        const auto w = static_cast<std::size_t>(w_), u = static_cast<std::size_t>(across_[0]),
+                   v = static_cast<std::size_t>(across_[1]);
         for (double first = std::ceil(low_); first <= high_; first += kLanes) {
             const Window wu = window(bounds_[0], first), wv = window(bounds_[1], first);
-            const auto inside = sides.near(first, wu.base, wv.base);
+            Vec<3> base;
+            base.c[w] = first;
+            base.c[u] = wu.base;
+            base.c[v] = wv.base;
+            const auto near = squares.near(base);
+            Lanes3 x;
+            x[w] = kPlanes;
             const Int8 planes = kPlanes <= static_cast<float>(high_ - first);
-            for (Float8 u = wu.first;; u += 1) {
-                const Int8 column = planes & (u <= wu.last);
+            for (x[u] = wu.first;; x[u] += 1) {
+                const Int8 column = planes & (x[u] <= wu.last);
                 if (noneOf(column)) break;
-                for (Float8 v = wv.first;; v += 1) {
-                    const Int8 point = column & (v <= wv.last);
+                for (x[v] = wv.first;; x[v] += 1) {
+                    Int8 point = column & (x[v] <= wv.last);
                     if (noneOf(point)) break;
-                    forEachSet(point & inside(u, v), [&](std::size_t lane) {
-                        Vec<3> x;
-                        x[w_] = first + static_cast<double>(lane);
-                        x[across_[0]] = wu.base + static_cast<double>(u[lane]);
-                        x[across_[1]] = wv.base + static_cast<double>(v[lane]);
-                        visit(x);
+                    const Float8 square = near(x, point);
+                    forEachSet(point, [&](std::size_t lane) {
+                        std::array<std::int32_t, 3> at;
+                        for (std::size_t i = 0; i < 3; ++i)
+                            at[i] = static_cast<std::int32_t>(base.c[i]) +
+                                    static_cast<std::int32_t>(x[i][lane]);
+                        visit(at, square[lane]);
                     });
                 }
             }
         }
     }
-
-    int along() const { return w_; }
-    const std::array<int, 2>& across() const { return across_; }
-
-    /// Eight planes, relative to the first.
-    static constexpr Float8 kPlanes{0, 1, 2, 3, 4, 5, 6, 7};
 
 private:
     /// Along an axis across, as linear functions of the coordinate p along the region.
@@ -174,6 +195,8 @@ private:
         return choose(whole > v, whole - 1.0f, whole);
     }
 
+    /// Eight planes, relative to the first.
+    static constexpr Float8 kPlanes{0, 1, 2, 3, 4, 5, 6, 7};
     static constexpr double kInfinite = std::numeric_limits<double>::infinity();
     /// Added on all sides, so that rounding leaves out no point; voxels.
     static constexpr double kSlack = 1e-7;
@@ -186,11 +209,11 @@ private:
     std::array<Bounds, 2> bounds_;
 };
 
-/// The inner sides of the prism over a triangle, in eight planes at a time.
-class PrismSides {
+/// Squared distance to the plane of a triangle, of points that project into it.
+class TriangleSquares {
 public:
-    PrismSides(const NarrowRegion& region, const std::array<Vec<3>, 3>& abc, const Vec<3>& n)
-        : w_(region.along()), u_(region.across()[0]), v_(region.across()[1]) {
+    TriangleSquares(const std::array<Vec<3>, 3>& abc, const Vec<3>& n, const BandWidths& widths)
+        : n_(n), offset_(-dot(n, abc[0])), widths_(widths) {
         for (std::size_t k = 0; k < 3; ++k) {
             const Vec<3>& in = inward_[k] = cross(n, abc[(k + 1) % 3] - abc[k]);
             const double support = std::abs(in[0]) + std::abs(in[1]) + std::abs(in[2]);
@@ -200,66 +223,98 @@ public:
 
     class Near {
     public:
-        /// Whether the points (u, v) of the planes are inside, to some 1e-6 voxel.
-        VDBPACK_INLINE Int8 operator()(Float8 u, Float8 v) const {
-            Int8 inside = ~Int8{};
-            for (const Side& s : sides_)
-                inside &= u * s.u + v * s.v + NarrowRegion::kPlanes * s.w >= s.least;
-            return inside;
+        /// @param x  relative to the base. @param points  those that do not project into the
+        ///        triangle (to some 1e-6 voxel), or lie beyond the band, are taken out.
+        VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8& points) const {
+            for (const Linear3& side : sides_) points &= side(x) >= 0.0f;
+            const Float8 d = plane_(x);
+            points &= (d <= widths_.above) & (d >= -widths_.below);
+            return d * d;
         }
 
     private:
-        friend class PrismSides;
-        struct Side {
-            float u, v, w, least;
-        };
-        std::array<Side, 3> sides_;
+        friend class TriangleSquares;
+        Linear3 plane_;
+        std::array<Linear3, 3> sides_;
+        BandWidths widths_;
     };
-    /// @param w, u, v  what planes, u and v are relative to.
-    Near near(double w, double u, double v) const {
-        Vec<3> base;
-        base[w_] = w;
-        base[u_] = u;
-        base[v_] = v;
+    Near near(const Vec<3>& base) const {
         Near near;
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec<3>& in = inward_[k];
-            near.sides_[k] = {static_cast<float>(in[u_]), static_cast<float>(in[v_]),
-                              static_cast<float>(in[w_]),
-                              static_cast<float>(least_[k] - dot(base, in))};
+        near.plane_ = Linear3(n_, dot(base, n_) + offset_);
+        for (std::size_t k = 0; k < 3; ++k)
+            near.sides_[k] = Linear3(inward_[k], dot(base, inward_[k]) - least_[k]);
+        near.widths_ = widths_;
+        return near;
+    }
+
+private:
+    /// Added to the sides, so that no point between two triangles is left out; voxels.
+    static constexpr double kRounding = 4e-6;
+    Vec<3> n_;
+    double offset_;
+    BandWidths widths_;
+    std::array<Vec<3>, 3> inward_;
+    std::array<double, 3> least_;
+};
+
+/// Squared distance to a segment of positive length.
+class SegmentSquares {
+public:
+    explicit SegmentSquares(const std::array<Vec<3>, 2>& ab) : a_(ab[0]), along_(ab[1] - ab[0]) {}
+
+    class Near {
+    public:
+        VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8&) const {
+            const Float8 t = smaller(larger(share_(x), 0.0f), 1.0f);
+            Float8 square{};
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Float8 d = x[i] + offset_[i] - t * along_[i];
+                square += d * d;
+            }
+            return square;
+        }
+
+    private:
+        friend class SegmentSquares;
+        Linear3 share_;
+        std::array<float, 3> offset_, along_;
+    };
+    Near near(const Vec<3>& base) const {
+        Near near;
+        const Vec<3> offset = base - a_, share = along_ * (1 / squaredLength(along_));
+        near.share_ = Linear3(share, dot(offset, share));
+        for (std::size_t i = 0; i < 3; ++i) {
+            near.offset_[i] = static_cast<float>(offset.c[i]);
+            near.along_[i] = static_cast<float>(along_.c[i]);
         }
         return near;
     }
 
 private:
-    /// Added, so that no point between two triangles is left out; voxels.
-    static constexpr double kRounding = 4e-6;
-    int w_, u_, v_;
-    std::array<Vec<3>, 3> inward_;
-    std::array<double, 3> least_;
+    Vec<3> a_, along_;
 };
 
-/// For regions that need no more than their bounds.
-struct NoSides {
-    struct Near {
-        Int8 operator()(Float8, Float8) const { return ~Int8{}; }
-    };
-    Near near(double, double, double) const { return {}; }
-};
-
-/// Squared distance to a segment.
-class SegmentSquares {
+/// Squared distance to a point.
+class PointSquares {
 public:
-    explicit SegmentSquares(const std::array<Vec<3>, 2>& ab)
-        : a_(ab[0]), along_(ab[1] - ab[0]), inverse_(1 / squaredLength(along_)) {}
-    double operator()(const Vec<3>& x) const {
-        const double t = std::clamp(dot(x - a_, along_) * inverse_, 0.0, 1.0);
-        return squaredLength(x - a_ - along_ * t);
+    explicit PointSquares(const Vec<3>& point) : point_(point) {}
+
+    struct Near {
+        std::array<float, 3> offset;
+        VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8&) const {
+            Float8 square{};
+            for (std::size_t i = 0; i < 3; ++i) square += (x[i] + offset[i]) * (x[i] + offset[i]);
+            return square;
+        }
+    };
+    Near near(const Vec<3>& base) const {
+        const Vec<3> offset = base - point_;
+        return {{static_cast<float>(offset[0]), static_cast<float>(offset[1]),
+                 static_cast<float>(offset[2])}};
     }
 
 private:
-    Vec<3> a_, along_;
-    double inverse_;
+    Vec<3> point_;
 };
 
 }  // namespace vdbpack
