@@ -3,13 +3,16 @@
 #include "bench_clock.h"
 #include "bench_mesh.h"
 
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/field/narrow_band.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/run/stages.h"
 #include "vdbpack/verify/wall_sides.h"
 #include "vdbpack/verify/wall_tree.h"
 
 #include <fmt/format.h>
+#include <malloc.h>
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>
 
@@ -18,8 +21,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <fstream>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <thread>
 
 using namespace vdbpack;
@@ -112,9 +117,19 @@ private:
     WallSides<3> sides_;
 };
 
-/// Wall and processor seconds of the quickest of some runs.
+/// Wall and processor seconds of the quickest of some runs, and the most memory that one took
+/// beyond what was held before it.
 struct Least {
-    double wall = std::numeric_limits<double>::infinity(), processor = wall;
+    double wall = std::numeric_limits<double>::infinity(), processor = wall, bytes = 0;
+
+    template <class Work>
+    void measureMemory(const Work& work) {
+        ::malloc_trim(0);
+        std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+        const double before = residentMemory();
+        work();
+        bytes = std::max(bytes, static_cast<double>(peakMemory()) - before);
+    }
 
     template <class Work>
     void run(const Work& work) {
@@ -130,13 +145,14 @@ void benchFields(const std::vector<std::string>& meshes) {
     fmt::print(
         "{} threads; seconds of wall / processor, least of three runs; ratio: processor time of "
         "the bare call / of the band;\nof some {} voxels each: largest error in voxels, errors "
-        "above 0.001 voxel, wrong signs\n{:<22} {:>9} {:>7} {:>15} {:>15} {:>15} {:>6}   {:<25} "
-        "{}\n",
+        "above 0.001 voxel, wrong signs; MB: peak of memory of the bare call / of the band\n{:<22} "
+        "{:>9} {:>7} {:>15} {:>15} {:>15} {:>6} {:>11}   {:<25} {}\n",
         std::thread::hardware_concurrency(), Exact::kVoxels, "mesh", "triangles", "voxel", "domain",
-        "band", "meshToVolume", "ratio", "errors of the band", "of meshToVolume");
+        "band", "meshToVolume", "ratio", "MB", "errors of the band", "of meshToVolume");
     const auto text = [](const Least& l) {
         return fmt::format("{:.3f} / {:.3f}", l.wall, l.processor);
     };
+    const auto megabytes = [](const Least& l) { return std::ceil(l.bytes / 1e6); };
     for (const std::string& argument : meshes) {
         const BenchMesh input = readBenchMesh(argument);
         const FieldOptions options = input.fieldOptions();
@@ -149,10 +165,14 @@ void benchFields(const std::vector<std::string>& meshes) {
             band.run([&] { made = exactBand(input.mesh, facing, voxel, options.depth); });
             bare.run([&] { reference = bareField(input.mesh, voxel, options.depth); });
         }
+        made = reference = nullptr;
+        band.measureMemory([&] { made = exactBand(input.mesh, facing, voxel, options.depth); });
+        bare.measureMemory([&] { reference = bareField(input.mesh, voxel, options.depth); });
         const Exact exact(input.mesh);
-        fmt::print("{:<22} {:>9} {:>7.4g} {:>15} {:>15} {:>15} {:>6.1f} {} {}\n",
+        fmt::print("{:<22} {:>9} {:>7.4g} {:>15} {:>15} {:>15} {:>6.1f} {:>11} {} {}\n",
                    input.file.substr(input.file.find_last_of('/') + 1), input.mesh.triangles.size(),
                    voxel, text(domain), text(band), text(bare), bare.processor / band.processor,
+                   fmt::format("{:.0f} / {:.0f}", megabytes(bare), megabytes(band)),
                    exact.errorsOf(*made, voxel), exact.errorsOf(*reference, voxel));
         std::fflush(stdout);
     }

@@ -210,12 +210,12 @@ public:
 
     void build() {
         find(
-            0, mesh_.triangles->size(), [&](std::size_t i) { return visitVoxels(i); },
+            0, mesh_.triangles->size(), [&](std::size_t i) { return takeNarrow(i); },
             [&](std::size_t i) { return regionOf(mesh_, i); });
         BandFeatures& features = lists_.features;
         features = bandFeatures(mesh_,
-                                {[&](const BandEdge& edge) { return visitVoxels(edge); },
-                                 [&](const BandVertex& vertex) { return visitVoxels(vertex); }},
+                                {[&](const BandEdge& edge) { return takeNarrow(edge); },
+                                 [&](const BandVertex& vertex) { return takeNarrow(vertex); }},
                                 callbacks_);
         const auto findAll = [&](std::size_t kind, const auto& candidates) {
             find(
@@ -315,16 +315,15 @@ private:
     }
 
     /// Counts the candidates of one kind for each leaf, and lists them.
-    /// @param visited  takes a number; whether all voxels that it is nearest to were visited.
-    template <class Visited, class RegionAt>
-    void find(std::size_t kind, std::size_t count, const Visited& visited,
-              const RegionAt& regionAt) {
+    /// @param taken  whether number i is dealt with already.
+    template <class Taken, class RegionAt>
+    void find(std::size_t kind, std::size_t count, const Taken& taken, const RegionAt& regionAt) {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, 512),
             [&](const tbb::blocked_range<std::size_t>& part) {
                 Entries& entries = found_.local()[kind];
                 for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                    if (visited(i)) continue;
+                    if (taken(i)) continue;
                     forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
                         Node& node = nodeOf(leaf);
                         const std::uint32_t k = numberInNode(leaf);
@@ -336,11 +335,10 @@ private:
         callbacks_.stopIfCancelled();
     }
 
-    /// Lowers the squares of the voxels in a region. @return false if it is not narrow.
+    /// Lowers the squares of the voxels in a region.
     /// @param base  the lattice point that the region and `squares` are relative to.
     template <class Squares>
-    bool visitVoxels(const NarrowRegion& region, const Vec<3>& base, const Squares& squares) {
-        if (!region.isNarrow(kNarrow)) return false;
+    void visitVoxels(const NarrowRegion& region, const Vec<3>& base, const Squares& squares) {
         region.visit(squares, [&](std::array<std::int32_t, 3> x, float square) {
             LeafPlace leaf;
             for (std::size_t i = 0; i < 3; ++i) {
@@ -351,35 +349,46 @@ private:
             lower(nodeOf(leaf).squaresOf(numberInNode(leaf))[voxelInLeaf(in(0), in(1), in(2))],
                   square);
         });
-        return true;
     }
-    bool visitVoxels(std::size_t triangle) {
+
+    // Visit the voxels that may be nearest to a feature. @return false if its region is not narrow.
+
+    bool takeNarrow(std::size_t triangle) {
         const Vec<3>& n = mesh_.normals[triangle];
         if (!(squaredLength(n) > 0)) return true;
-        const Vec<3> base = latticePoint(mesh_.corner(triangle, 0));
-        const std::array<Vec<3>, 3> abc{mesh_.corner(triangle, 0) - base,
-                                        mesh_.corner(triangle, 1) - base,
-                                        mesh_.corner(triangle, 2) - base};
+        const Vec<3>&a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1),
+              &c = mesh_.corner(triangle, 2);
+        if (isLong(b - a) || isLong(c - b) || isLong(a - c)) return false;
+        const Vec<3> base = latticePoint(a);
+        const std::array<Vec<3>, 3> abc{a - base, b - base, c - base};
         const BandWidths widths = mesh_.widths(triangle);
-        return visitVoxels(NarrowRegion::over(abc, n, widths), base,
-                           TriangleSquares(abc, n, widths));
+        const auto region = NarrowRegion::over(abc, n, widths);
+        if (!region.isNarrow(kNarrow)) return false;
+        visitVoxels(region, base, TriangleSquares(abc, n, widths));
+        return true;
     }
-    bool visitVoxels(const BandEdge& edge) {
-        if (!edge.hasWedge()) return false;
-        const Vec<3> base = latticePoint(mesh_.vertices[edge.a]);
-        const std::array<Vec<3>, 2> ab{mesh_.vertices[edge.a] - base,
-                                       mesh_.vertices[edge.b] - base};
+    bool takeNarrow(const BandEdge& edge) {
+        const Vec<3>&a = mesh_.vertices[edge.a], &b = mesh_.vertices[edge.b];
+        if (!edge.hasWedge() || isLong(b - a)) return false;
+        const Vec<3> base = latticePoint(a);
+        const std::array<Vec<3>, 2> ab{a - base, b - base};
         const Wedge wedge(edge, ab[1] - ab[0]);
-        return visitVoxels(NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach), base,
-                           SegmentSquares(ab));
+        const auto region = NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach);
+        if (!region.isNarrow(kNarrow)) return false;
+        visitVoxels(region, base, SegmentSquares(ab));
+        return true;
     }
-    bool visitVoxels(const BandVertex& v) {
+    bool takeNarrow(const BandVertex& v) {
         const Vec<3> base = latticePoint(mesh_.vertices[v.vertex]);
         const Vec<3> apex = mesh_.vertices[v.vertex] - base;
-        return visitVoxels(
-            NarrowRegion::over(apex, {{v.axis[0], v.axis[1], v.axis[2]}}, v.cosine, v.reach), base,
-            PointSquares(apex));
+        const auto region =
+            NarrowRegion::over(apex, {{v.axis[0], v.axis[1], v.axis[2]}}, v.cosine, v.reach);
+        if (!region.isNarrow(kNarrow)) return false;
+        visitVoxels(region, base, PointSquares(apex));
+        return true;
     }
+    /// Whether the region over this side is too wide along one of the axes across it.
+    static bool isLong(const Vec<3>& side) { return squaredLength(side) > 2 * kNarrow * kNarrow; }
     static Vec<3> latticePoint(const Vec<3>& near) {
         return {{std::floor(near[0]), std::floor(near[1]), std::floor(near[2])}};
     }
