@@ -1,12 +1,16 @@
 // Threads: how many a computation may use, and the plainest use of them.
 #pragma once
 
+#include "vdbpack/core/box.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_reduce.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 
 namespace vdbpack {
@@ -31,6 +35,25 @@ void forAll(std::size_t n, const Work& work) {
                       [&](const tbb::blocked_range<std::size_t>& part) {
                           for (std::size_t i = part.begin(); i < part.end(); ++i) work(i);
                       });
+}
+
+/// The bounds of all that `add(i, box)` adds, 0 <= i < n.
+template <int Dim, class Add>
+Box<Dim> boundsOfAll(std::size_t n, const Add& add) {
+    constexpr std::size_t kGrain = 4096;
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, n, kGrain), Box<Dim>{},
+        [&](const tbb::blocked_range<std::size_t>& part, Box<Dim> box) {
+            for (std::size_t i = part.begin(); i < part.end(); ++i) add(i, box);
+            return box;
+        },
+        [](Box<Dim> one, const Box<Dim>& other) {
+            for (int i = 0; i < Dim; ++i) {
+                one.lo[i] = std::min(one.lo[i], other.lo[i]);
+                one.hi[i] = std::max(one.hi[i], other.hi[i]);
+            }
+            return one;
+        });
 }
 
 }  // namespace vdbpack

@@ -1,5 +1,7 @@
 #include "vdbpack/domain/facet_bins.h"
 
+#include "vdbpack/core/parallel.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -79,10 +81,10 @@ bool listAll(const FacetCells<Dim>& cells, const std::vector<Facet<Dim>>& facets
 
 template <int Dim>
 FacetBins<Dim>::FacetBins(std::vector<Facet<Dim>> facets) : facets_(std::move(facets)) {
-    for (auto& facet : facets_) {
-        for (const auto& corner : facet) cells_.bounds.add(corner);
-        simplifySliver(facet);
-    }
+    cells_.bounds = boundsOfAll<Dim>(facets_.size(), [&](std::size_t i, Box<Dim>& box) {
+        for (const auto& corner : facets_[i]) box.add(corner);
+    });
+    forAll(facets_.size(), [&](std::size_t i) { simplifySliver(facets_[i]); });
     if (facets_.empty()) return;
     origin_ = cells_.bounds.center();
     // Cells as large as a common facet: a question then meets few cells and few facets in each.
@@ -118,21 +120,17 @@ std::vector<typename FacetBins<Dim>::Item> FacetBins<Dim>::balls() const {
     // Rounding of a local coordinate to float, on both sides of a comparison.
     const double rounding = 3e-7 * length(cells_.bounds.size());
     std::vector<Item> balls(facets_.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, facets_.size(), kFacetsPerChunk),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                              const Vec<Dim> center = boxOf(facets_[i]).center();
-                              double square = 0;
-                              for (const auto& corner : facets_[i])
-                                  square = std::max(square, squaredLength(corner - center));
-                              for (int k = 0; k < Dim; ++k)
-                                  balls[i].center[static_cast<std::size_t>(k)] =
-                                      static_cast<float>(center[k] - origin_[k]);
-                              balls[i].radius =
-                                  static_cast<float>(std::sqrt(square) * (1 + 1e-6) + rounding);
-                              balls[i].facet = static_cast<std::uint32_t>(i);
-                          }
-                      });
+    forAll(facets_.size(), [&](std::size_t i) {
+        const Vec<Dim> center = boxOf(facets_[i]).center();
+        double square = 0;
+        for (const auto& corner : facets_[i])
+            square = std::max(square, squaredLength(corner - center));
+        for (int k = 0; k < Dim; ++k)
+            balls[i].center[static_cast<std::size_t>(k)] =
+                static_cast<float>(center[k] - origin_[k]);
+        balls[i].radius = static_cast<float>(std::sqrt(square) * (1 + 1e-6) + rounding);
+        balls[i].facet = static_cast<std::uint32_t>(i);
+    });
     return balls;
 }
 

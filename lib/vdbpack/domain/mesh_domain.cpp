@@ -1,6 +1,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_bins.h"
 #include "vdbpack/domain/mesh_requirements.h"
 #include "vdbpack/domain/mesh_slice.h"
@@ -9,6 +10,7 @@
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -95,6 +97,8 @@ private:
 struct Parts {
     TriangleMesh mesh;
     std::unique_ptr<const VdbField> field;
+    std::unique_ptr<const FacetBins<3>> bins;
+    std::unique_ptr<const MeshSides> sides;
     std::vector<std::int8_t> facing;
     std::vector<std::uint8_t> depthOfTriangle;  // as `VdbField`
     std::string name;
@@ -105,10 +109,10 @@ struct Parts {
 };
 
 std::vector<Facet<3>> facetsOf(const TriangleMesh& mesh) {
-    std::vector<Facet<3>> facets;
-    facets.reserve(mesh.triangles.size());
-    for (const auto& t : mesh.triangles)
-        facets.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    std::vector<Facet<3>> facets(mesh.triangles.size());
+    forAll(facets.size(), [&](std::size_t i) {
+        for (std::size_t k = 0; k < 3; ++k) facets[i][k] = mesh.vertices[mesh.triangles[i][k]];
+    });
     return facets;
 }
 
@@ -116,12 +120,7 @@ class FieldDomain : public MeshDomain,
                     public Sliceable,
                     public std::enable_shared_from_this<FieldDomain> {
 public:
-    explicit FieldDomain(Parts parts)
-        : parts_(std::move(parts)),
-          bins_(facetsOf(parts_.mesh)),
-          sides_(parts_.mesh,
-                 parts_.facts.boundaryEdges == 0 && parts_.facts.nonManifoldEdges == 0),
-          bounds_(parts_.mesh.bounds()) {}
+    explicit FieldDomain(Parts parts) : parts_(std::move(parts)), bounds_(parts_.mesh.bounds()) {}
 
     Box<3> bounds() const override { return bounds_; }
     double volume() const override { return parts_.volume; }
@@ -131,7 +130,8 @@ public:
     }
     double fieldDepth() const override { return parts_.field->depth(); }
     std::unique_ptr<DomainSampler<3>> sampler() const override {
-        return std::make_unique<MeshDomainSampler>(*parts_.field, bins_, sides_, parts_.contour);
+        return std::make_unique<MeshDomainSampler>(*parts_.field, *parts_.bins, *parts_.sides,
+                                                   parts_.contour);
     }
     DomainFacts facts() const override { return parts_.facts; }
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
@@ -147,8 +147,6 @@ public:
 
 private:
     Parts parts_;
-    FacetBins<3> bins_;
-    MeshSides sides_;
     Box<3> bounds_;
 };
 
@@ -280,7 +278,11 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     Parts parts;
     nestingOf(analysis->shells, parts.depthOfTriangle, parts.facing);
     FieldBuilder builder(mesh, health, parts.depthOfTriangle, options, callbacks);
-    builder.build(levelSet);
+    // Each is partly serial.
+    tbb::parallel_invoke(
+        [&] { builder.build(levelSet); },
+        [&] { parts.bins = std::make_unique<const FacetBins<3>>(facetsOf(mesh)); },
+        [&] { parts.sides = std::make_unique<const MeshSides>(mesh, health.isWatertight()); });
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "

@@ -8,7 +8,6 @@
 #include "vdbpack/field/band/leaf_lists.h"
 
 #include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_reduce.h>
 
 #include <algorithm>
 #include <cmath>
@@ -163,19 +162,9 @@ BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Fa
     mesh.facing = facing;
     mesh.inside = inside;
     mesh.outside = outside;
-    const auto both = [](Box<3> one, const Box<3>& other) {
-        one.add(other.lo);
-        one.add(other.hi);
-        return one;
-    };
-    mesh.bounds = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, mesh.triangles->size(), 4096), Box<3>{},
-        [&](const tbb::blocked_range<std::size_t>& part, Box<3> box) {
-            for (std::size_t i = part.begin(); i < part.end(); ++i)
-                for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
-            return box;
-        },
-        both);
+    mesh.bounds = boundsOfAll<3>(mesh.triangles->size(), [&](std::size_t i, Box<3>& box) {
+        for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
+    });
     return mesh;
 }
 
