@@ -28,7 +28,7 @@ static_assert(Leaf::DIM == kLeafSide && Node::DIM == kLeafSide * kNodeSide);
 /// Makes the grid from lists of candidates, node by node.
 class BandBuilder {
 public:
-    BandBuilder(const BandMesh& mesh, const LeafLists& lists, const ColumnCrossings& crossings,
+    BandBuilder(const BandMesh& mesh, LeafLists& lists, const ColumnCrossings& crossings,
                 double voxelSize, const Callbacks& callbacks)
         : mesh_(mesh),
           lists_(lists),
@@ -47,8 +47,10 @@ public:
                           [&](const tbb::blocked_range<std::size_t>& part) {
                               request_.stop();
                               LeafDistances& d = distances.local();
-                              for (std::size_t i = part.begin(); i < part.end(); ++i)
+                              for (std::size_t i = part.begin(); i < part.end(); ++i) {
                                   leaves[i] = leafOf(lists_.leaves[i], d);
+                                  lists_.leaves[i].squares = nullptr;
+                              }
                           });
         const std::size_t nodeCount = lists_.nodeStart.size() - 1;
         std::vector<std::unique_ptr<Node>> nodes(nodeCount);
@@ -141,7 +143,7 @@ private:
     }
 
     const BandMesh& mesh_;
-    const LeafLists& lists_;
+    LeafLists& lists_;
     const ColumnCrossings& crossings_;
     const float voxelSize_, outside_, inside_;
     mutable StopRequest request_;
@@ -149,21 +151,20 @@ private:
 
 BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Facing& facing) {
     BandMesh mesh;
-    const double inverse = 1 / from.voxelSize;
+    const double perLength = 1 / from.voxelSize;
     mesh.vertices.resize(from.mesh.vertices.size());
     forAll(mesh.vertices.size(), [&](std::size_t v) {
-        mesh.vertices[v] = (from.mesh.vertices[v] - from.origin) * inverse;
+        mesh.vertices[v] = (from.mesh.vertices[v] - from.origin) * perLength;
     });
     mesh.triangles = &from.mesh.triangles;
     mesh.normals.resize(mesh.triangles->size());
-    forAll(mesh.normals.size(), [&](std::size_t i) {
-        mesh.normals[i] = bandNormal(mesh.corner(i, 0), mesh.corner(i, 1), mesh.corner(i, 2));
-    });
-    mesh.facing = facing;
+    mesh.facing = facing.empty() ? nullptr : facing.data();
     mesh.inside = inside;
     mesh.outside = outside;
-    mesh.bounds = boundsOfAll<3>(mesh.triangles->size(), [&](std::size_t i, Box<3>& box) {
-        for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
+    mesh.bounds = boundsOfAll<3>(mesh.normals.size(), [&](std::size_t i, Box<3>& box) {
+        const Vec<3>&a = mesh.corner(i, 0), &b = mesh.corner(i, 1), &c = mesh.corner(i, 2);
+        mesh.normals[i] = bandNormal(a, b, c);
+        for (const Vec<3>* corner : {&a, &b, &c}) box.add(*corner);
     });
     return mesh;
 }
@@ -178,7 +179,7 @@ FloatGrid::Ptr narrowBand(const LatticeMesh& lattice, float inside, float outsid
         grid = FloatGrid::create(static_cast<float>(outside * h));
     } else {
         const BandMesh mesh = bandMesh(lattice, inside, outside, facing);
-        const LeafLists lists(mesh, callbacks);
+        LeafLists lists(mesh, callbacks);
         const ColumnCrossings crossings(mesh, callbacks);
         grid = BandBuilder(mesh, lists, crossings, h, callbacks).build();
     }

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <memory>
 
 namespace vdbpack {
 
@@ -262,7 +263,7 @@ Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
 
 BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                           const Callbacks& callbacks) {
-    Corners corners(mesh);
+    auto corners = std::make_unique<Corners>(mesh);
     callbacks.stopIfCancelled();
     Bends bends(mesh.vertices.size());
     tbb::enumerable_thread_specific<BandFeatures> locals;
@@ -273,11 +274,10 @@ BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                           [&](const tbb::blocked_range<std::size_t>& part) {
                               BandFeatures& features = locals.local();
                               Neighborhood& around = neighborhoods.local();
-                              for (std::size_t v = part.begin(); v < part.end(); ++v) {
-                                  auto* const triangles = corners.triangle.data();
-                                  work(static_cast<std::uint32_t>(v), triangles + corners.start[v],
-                                       triangles + corners.start[v + 1], around, features);
-                              }
+                              std::uint32_t* const triangles = corners->triangle.data();
+                              for (std::size_t v = part.begin(); v < part.end(); ++v)
+                                  work(static_cast<std::uint32_t>(v), triangles + corners->start[v],
+                                       triangles + corners->start[v + 1], around, features);
                           });
         callbacks.stopIfCancelled();
     };
@@ -291,6 +291,7 @@ BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                      Neighborhood& around, BandFeatures& features) {
         around.addVertex(v, first, last, features.vertices);
     });
+    corners = nullptr;  // makes room for the copy
     BandFeatures all;
     for (BandFeatures& f : locals) {
         all.edges.insert(all.edges.end(), f.edges.begin(), f.edges.end());

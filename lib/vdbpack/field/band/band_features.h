@@ -23,17 +23,16 @@ struct BandWidths {
 struct BandMesh {
     std::vector<Vec<3>> vertices;  ///< in voxels
     const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
-    std::vector<Vec<3>> normals;  ///< of each triangle, as `bandNormal`
-    std::vector<std::int8_t>
-        facing;                     ///< of each triangle: 1 outward, -1 inward, 0 unknown; or empty
-    float inside = 0, outside = 0;  ///< widths of the band, voxels
-    Box<3> bounds;                  ///< of the triangles
+    std::vector<Vec<3>> normals;          ///< of each triangle, as `bandNormal`
+    const std::int8_t* facing = nullptr;  ///< as `Facing`; null: unknown
+    float inside = 0, outside = 0;        ///< widths of the band, voxels
+    Box<3> bounds;                        ///< of the triangles, voxels
 
     const Vec<3>& corner(std::size_t triangle, std::size_t k) const {
         return vertices[(*triangles)[triangle][k]];
     }
     BandWidths widths(std::size_t triangle) const {
-        const int side = facing.empty() ? 0 : facing[triangle];
+        const int side = facing ? facing[triangle] : 0;
         if (side == 0) return {std::max(inside, outside), std::max(inside, outside)};
         return side > 0 ? BandWidths{outside, inside} : BandWidths{inside, outside};
     }
