@@ -125,7 +125,7 @@ struct Least {
     template <class Work>
     void measureMemory(const Work& work) {
         ::malloc_trim(0);
-        std::ofstream("/proc/self/clear_refs") << 5;  // the peak starts anew
+        std::ofstream("/proc/self/clear_refs") << 5;  // resets the peak
         const double before = residentMemory();
         work();
         bytes = std::max(bytes, static_cast<double>(peakMemory()) - before);
