@@ -75,6 +75,19 @@ std::vector<Case> cases() {
     const Triangle t = doubled.triangles[5];
     doubled.triangles.insert(doubled.triangles.end(), {t, {t[0], t[2], t[1]}});
     all.push_back({"a triangle three times, once flipped", doubled, 0.6, {}, 0});
+    // Two triangles on each other: its edges are folded back, and no lattice plane is parallel.
+    TriangleMesh folded;
+    folded.vertices = {{{11.375, 11.3125, 0}}, {{11.125, 11.8125, 0}}, {{1.3125, 0, 3.125}}};
+    folded.triangles = {{2, 0, 1}, {1, 0, 2}};
+    all.push_back({"a triangle folded back", folded, 1, {}, 0});
+    // Flat enough that the planes over an edge meet far beyond the band, at the end of a node.
+    TriangleMesh spike;
+    spike.vertices = {{{6.6875, 7.125, 7.125}},
+                      {{7.125, 7.125, 11.3125}},
+                      {{0, 4.875, 9.625}},
+                      {{15.9375, 13.75, 12.6875}}};
+    spike.triangles = {{2, 0, 1}, {2, 3, 0}, {0, 3, 1}, {1, 3, 2}};
+    all.push_back({"a spike near the end of a node", spike, 1, {}, 0});
     const Vec<3> away{{1e6, -1e6, 1e6}};
     const TriangleMesh far = translated(crumpled(2, 4), away);
     all.push_back({"far from zero", far, 0.5, away + Vec<3>{{0.1, 0.2, 0.3}}});

@@ -138,40 +138,33 @@ struct Wedge {
     Wedge(const BandEdge& edge, const Vec<3>& along) {
         const Vec<3> opens = edge.away0 + edge.away1;
         middle = opens * (1 / length(opens));
-        const double inverse = 1 / length(along);
-        const auto normal = [&](const Vec<3>& away) {
-            const Vec<3> n = cross(along, away) * inverse;
-            return dot(n, middle) > 0 ? n : n * -1.0;
-        };
-        n0 = normal(edge.away0);
-        n1 = normal(edge.away1);
+        // A quarter turn from one plane's normal, and back from the other's: also right for an edge
+        // folded back, where `middle` is on neither side of the planes.
+        const Vec<3> turned = cross(along, edge.away0);
+        const double turn = std::copysign(1 / length(along), dot(turned, middle));
+        n0 = turned * turn;
+        n1 = cross(along, edge.away1) * -turn;
     }
 };
 
 Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
     const Vec<3>&a = mesh.vertices[edge.a], &b = mesh.vertices[edge.b];
+    Box<3> ends;
+    for (const Vec<3>* x : {&a, &b}) ends.add(*x);
     Region region;
-    const Vec<3> reach{{edge.reach, edge.reach, edge.reach}};
-    if (!edge.hasWedge()) {
-        for (const Vec<3>* x : {&a, &b}) {
-            region.box.add(*x + reach);
-            region.box.add(*x - reach);
-        }
-        return region;
-    }
+    region.box = ends.grown(edge.reach);
+    if (!edge.hasWedge()) return region;
     const Wedge wedge(edge, b - a);
-    // The arc lies below the end of the middle.
+    // The arc lies below the end of the middle, and within reach.
     const double cosine = dot(wedge.n0, wedge.middle);
-    for (const Vec<3>* x : {&a, &b}) {
-        region.box.add(*x);
-        if (cosine > 0.2) {
-            region.box.add(*x + wedge.n0 * edge.reach);
-            region.box.add(*x + wedge.n1 * edge.reach);
-            region.box.add(*x + wedge.middle * (edge.reach / cosine));
-        } else {
-            region.box.add(*x + reach);
-            region.box.add(*x - reach);
+    if (cosine > 0.2) {
+        Box<3> wedgeBox = ends;
+        for (const Vec<3>* x : {&a, &b}) {
+            wedgeBox.add(*x + wedge.n0 * edge.reach);
+            wedgeBox.add(*x + wedge.n1 * edge.reach);
+            wedgeBox.add(*x + wedge.middle * (edge.reach / cosine));
         }
+        region.box = intersection(region.box, wedgeBox);
     }
     region.bound(edge.away0, a);
     region.bound(edge.away1, a);
@@ -246,7 +239,8 @@ private:
     }
 
     void chooseNodes() {
-        const Box<3> box = mesh_.bounds.grown(std::max(mesh_.inside, mesh_.outside) + 1);
+        // Narrow regions may reach out of the band by as much as they are wide.
+        const Box<3> box = mesh_.bounds.grown(std::max(mesh_.inside, mesh_.outside) + kNarrow + 1);
         double count = 1;
         for (int i = 0; i < 3; ++i) {
             const auto k = static_cast<std::size_t>(i);
