@@ -116,14 +116,6 @@ void print(const Result& result, const PrintOptions& how) {
         printText(summary(result));
 }
 
-void print(const RunResult& run, const PrintOptions& how) {
-    clearProgressLine();
-    if (how.json)
-        printJson(toJson(run));
-    else if (!how.quiet)
-        printText(summary(run.report));
-}
-
 /// The exit code of a pack that must pass its checks.
 int judged(const RunResult& run) {
     if (run.report.interrupted) return kInterrupted;
@@ -183,11 +175,6 @@ struct Perform {
     int operator()(const VerifyRecipe& recipe) const {
         const RunResult run = runVerify(recipe, callbacks);
         print(run, how);
-        if (run.places && !how.json)
-            fmt::print(
-                "vacancies  {} of {} points have room for {:.5g} mm (1.02 mean radii); largest "
-                "{:.5g} mm\n",
-                run.places->count, run.places->samples, run.places->radius, run.places->largest);
         return judged(run);
     }
     int operator()(const MeasureRecipe& recipe) const {

@@ -190,6 +190,22 @@ TEST_CASE("verify fails and names the sphere that was tampered with", "[run]") {
     CHECK_THAT(failures(run), Catch::Contains(std::to_string(victim)));
 }
 
+TEST_CASE("verify names the check that failed, and no other", "[run]") {
+    const TemporaryFolder folder;
+    Pack<3> pack;
+    pack.spheres = {{{{-1, 0, 0}}, 1}, {{{1.05, 0, 0}}, 1}};
+    writePack(pack, folder.file("p.csv"), PackWriteOptions{});
+    VerifyRecipe verify;
+    verify.pack = folder.file("p.csv");
+    verify.domain.source = "ball:10";
+    verify.gap = GENERATE(0.01, 0.1);
+    const auto run = runVerify(verify);
+    CHECK(run.passed == (verify.gap < 0.05));
+    CHECK(failures(run).empty() == run.passed);
+    if (!run.passed) CHECK_THAT(failures(run), Catch::StartsWith("gap"));
+    CHECK_FALSE(toJson(run)["overlap"].contains("worst"));
+}
+
 TEST_CASE("a slice is packed with circles and verified as circles", "[run]") {
     const TemporaryFolder folder;
     test::writeObj(test::ballMesh(30, 5), folder.file("b.obj"));
@@ -335,8 +351,8 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     const auto run = runPack(recipe, callbacks);
     CHECK(run.passed);
     CHECK(run.report.existing == 3);
-    CHECK(run.report.givenOverlaps == 1);     // the screw's two spheres
-    CHECK(run.report.givenProtrusions == 1);  // the head
+    CHECK(run.report.inputOverlaps == 1);     // the screw's two spheres
+    CHECK(run.report.inputProtrusions == 1);  // the head
     REQUIRE(warnings.size() == 2);
     for (const auto& warning : warnings) CHECK_THAT(warning, Catch::Contains("implant.csv"));
     CHECK(run.report.overlap->pairs == 1);

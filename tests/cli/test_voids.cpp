@@ -469,8 +469,8 @@ TEST_CASE("carve takes any pack as it is, and keeps what it does not know", "[ru
     carve.outputs = {folder.file("carved.csv")};
     const auto run = runCarve(carve);
     CHECK(run.passed);
-    CHECK(run.report.givenOverlaps > 0);
-    CHECK(run.report.givenProtrusions > 0);
+    CHECK(run.report.inputOverlaps > 0);
+    CHECK(run.report.inputProtrusions > 0);
     const auto before = readPack(file), after = readPack(folder.file("carved.csv"));
     const auto voids = readVoidList<3>(folder.file("l.csv"));
     std::map<std::array<double, 3>, std::size_t> at;

@@ -36,7 +36,7 @@ constexpr OptionName kOptionNames[] = {
     {"outputs", "--output"},
     {"packGrid", "--grid"},
     {"packUnit", "--pack-unit"},
-    {"placeSamples", "--places"},
+    {"vacancySamples", "--places"},
     {"preview.color", "--preview-color"},
     {"preview.cut", "--preview-cut"},
     {"preview.file", "--preview"},

@@ -32,7 +32,7 @@ const Names<Order> kOrders{{"sweep", Order::sweep},
                            {"fifo", Order::fifo}};
 
 /// Number of points that are searched in about an hour.
-constexpr std::uint64_t kMostPlaces = 10'000'000'000;
+constexpr std::uint64_t kMostVacancySamples = 10'000'000'000;
 
 std::string versionText() {
     std::string text = "vdb_pack " VDBPACK_VERSION "\n";
@@ -192,11 +192,11 @@ CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
         ->check(notNegative())
         ->group("Spheres");
     command
-        ->add_option("--places", job.placeSamples,
+        ->add_option("--places", job.vacancySamples,
                      "search N points of the domain for vacancies that have room for a sphere of "
                      "1.02 mean radii")
         ->option_text("N")
-        ->transform(wholeNumber(1, kMostPlaces))
+        ->transform(wholeNumber(1, kMostVacancySamples))
         ->group("Run");
     command->add_flag("--json", print.json, "print the result as JSON")->group("Run");
     return command;

@@ -10,9 +10,13 @@ std::string grouped(std::uint64_t n) {
     return text;
 }
 
-bool keepsGap(const Report& r) {
-    return !(r.gapAsked > 0) || !r.smallestGap ||
-           *r.smallestGap >= r.gapAsked - kVerifyTolerance * r.radius.min;
+FailedChecks failedChecks(const Report& r) {
+    FailedChecks failed;
+    failed.overlap = r.overlap && r.overlap->pairs != r.inputOverlaps;
+    failed.protrusion = r.protrusion && r.protrusion->spheres != r.inputProtrusions;
+    failed.gap = r.requestedGap > 0 && r.smallestGap &&
+                 *r.smallestGap < r.requestedGap - kVerifyTolerance * r.radius.min;
+    return failed;
 }
 
 }  // namespace vdbpack

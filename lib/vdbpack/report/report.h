@@ -44,7 +44,7 @@ struct VoidReport {
 struct Report {
     int dim = 3;
     std::string version;
-    std::string task;     ///< "pack", "verify" or "measure"
+    std::string task;     ///< the name of the command: "pack", "voids", "verify", ...
     std::string command;  ///< as it was given
     std::uint64_t seed = 0;
     int threads = 0;
@@ -75,11 +75,11 @@ struct Report {
     std::optional<ContactNetwork> contacts;  ///< nothing without spheres
 
     std::uint64_t existing = 0;          ///< number of spheres that existed before, the first ones
-    std::uint64_t givenOverlaps = 0;     ///< overlapping pairs of the input pack
-    std::uint64_t givenProtrusions = 0;  ///< protruding spheres of the input pack
+    std::uint64_t inputOverlaps = 0;     ///< overlapping pairs of the input pack
+    std::uint64_t inputProtrusions = 0;  ///< protruding spheres of the input pack
 
     std::optional<OverlapCheck> overlap;
-    double gapAsked = 0;                ///< mm
+    double requestedGap = 0;            ///< mm
     std::optional<double> smallestGap;  ///< between spheres, without pairs that existed before; mm
     std::optional<ProtrusionCheck> protrusion;
 
@@ -117,8 +117,14 @@ struct Report {
     std::vector<std::string> warnings;
 };
 
-/// Whether the spheres keep the requested gap, to 10⁻⁶ of the smallest radius.
-bool keepsGap(const Report& report);
+/// The checks that a pack does not pass. Overlaps and protrusions of the input pack do not count.
+struct FailedChecks {
+    bool overlap = false, protrusion = false;
+    bool gap = false;  ///< smaller than requested by more than 10⁻⁶ of the smallest radius
+
+    bool any() const { return overlap || protrusion || gap; }
+};
+FailedChecks failedChecks(const Report& report);
 
 /// The keys that scripts rely on; null where there is no value.
 nlohmann::ordered_json toJson(const Report& report);

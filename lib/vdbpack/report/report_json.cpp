@@ -136,7 +136,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["contacts"] = contactsJson(r);
     json["overlap"] = {{"max", r.overlap ? Json(r.overlap->max) : Json()},
                        {"pairs", r.overlap ? Json(r.overlap->pairs) : Json()}};
-    json["gap"] = {{"asked", r.gapAsked}, {"min", orNull(r.smallestGap)}};
+    json["gap"] = {{"asked", r.requestedGap}, {"min", orNull(r.smallestGap)}};
     json["protrusion"] = {
         {"max", r.protrusion ? Json(r.protrusion->max) : Json()},
         {"spheres", r.protrusion ? Json(r.protrusion->spheres) : Json()},

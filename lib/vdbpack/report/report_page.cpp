@@ -121,13 +121,14 @@ void addPack(Keys& keys, const Report& r) {
                                                        *r.solidFractionInterior)
                                          : "");
     if (r.overlap)
-        addCheck(keys, r, "overlap", r.overlap->pairs, r.givenOverlaps, "pair", r.overlap->max);
+        addCheck(keys, r, "overlap", r.overlap->pairs, r.inputOverlaps, "pair", r.overlap->max);
     if (r.protrusion)
-        addCheck(keys, r, "protrusion", r.protrusion->spheres, r.givenProtrusions, words.sphere,
+        addCheck(keys, r, "protrusion", r.protrusion->spheres, r.inputProtrusions, words.sphere,
                  r.protrusion->max);
-    if (r.gapAsked > 0 && r.smallestGap)
+    if (r.requestedGap > 0 && r.smallestGap)
         keys.add("smallest gap", fmt::format("{:.4g} mm", *r.smallestGap),
-                 fmt::format("requested {:.4g} mm", r.gapAsked), keepsGap(r) ? "good" : "bad");
+                 fmt::format("requested {:.4g} mm", r.requestedGap),
+                 failedChecks(r).gap ? "bad" : "good");
     if (r.contacts)
         keys.add("coordination number", fmt::format("{:.2f}", r.contacts->mean),
                  r.domain.kind.empty()

@@ -185,20 +185,21 @@ void addChecks(Summary& out, const Report& r, const Words& words) {
     if (r.overlap) {
         const auto& o = *r.overlap;
         const std::string none =
-            noneNew(o.pairs, r.givenOverlaps, "pairs", "overlap", o.max, "a radius");
+            noneNew(o.pairs, r.inputOverlaps, "pairs", "overlap", o.max, "a radius");
         out.line("overlap",
                  !none.empty()
                      ? none
                      : fmt::format("{}{}{} pairs, largest {:.3g} of the smaller radius", failed,
                                    o.complete ? "" : "more than ", grouped(o.pairs), o.max));
     }
-    if (r.gapAsked > 0 && r.smallestGap)
-        out.line("gap", fmt::format("{}smallest {:.6g} mm, requested {:.6g} mm",
-                                    keepsGap(r) ? "" : failed, *r.smallestGap, r.gapAsked));
+    if (r.requestedGap > 0 && r.smallestGap)
+        out.line("gap",
+                 fmt::format("{}smallest {:.6g} mm, requested {:.6g} mm",
+                             failedChecks(r).gap ? failed : "", *r.smallestGap, r.requestedGap));
     if (r.protrusion) {
         const auto& p = *r.protrusion;
         const std::string none =
-            noneNew(p.spheres, r.givenProtrusions, words.spheres, "protrude", p.max, "a radius");
+            noneNew(p.spheres, r.inputProtrusions, words.spheres, "protrude", p.max, "a radius");
         out.line("protrusion", !none.empty()
                                    ? none
                                    : fmt::format("{}{} {}, largest {:.3g} of the radius, {} with "

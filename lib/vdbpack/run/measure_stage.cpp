@@ -110,7 +110,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     if (contacts && report.existing == 0 &&
         contacts->smallestGap <= contactTolerance * report.radius.min)
         report.smallestGap = contacts->smallestGap;
-    else if (report.gapAsked > 0 || goesOn())
+    else if (report.requestedGap > 0 || goesOn())
         report.smallestGap = smallestGap(pack.spheres, report.existing);
     if (contacts) pack.contacts = std::move(contacts->counts);
 }

@@ -18,8 +18,8 @@
 
 namespace vdbpack {
 
-/// Vacancies: what a search at sample points found.
-struct PlacesLeft {
+/// What a search for vacancies at sample points found.
+struct VacancySearch {
     double largest = 0;         ///< largest clearance of a sample point to wall and spheres, mm
     double radius = 0;          ///< 1.02 mean radii, mm
     std::uint64_t count = 0;    ///< sample points with a clearance of `radius` or more
@@ -35,16 +35,18 @@ struct PreviewPicture {
 
 struct RunResult {
     Report report;
-    PreviewPicture picture;            ///< of --preview, or of the report page
-    std::optional<PlacesLeft> places;  ///< if requested
+    PreviewPicture picture;                  ///< as requested, or of the report page
+    std::optional<VacancySearch> vacancies;  ///< if requested
     std::variant<Pack<3>, Pack<2>> pack;
-    bool passed = false;  ///< the checks found no overlap and no protrusion
+    bool passed = false;  ///< no check failed (`failedChecks`)
 };
 
 /// The report as JSON; where a check failed, the spheres at fault under `worst`
 /// of the check.
 nlohmann::ordered_json toJson(const RunResult& run);
-/// For people: what failed and which spheres are at fault, a line each; empty if all passed.
+/// For people: the summary of the report, and the vacancies; ends with a newline.
+std::string summary(const RunResult& run);
+/// For people: each check that failed, and the spheres at fault, a line each; empty if all passed.
 std::string failures(const RunResult& run);
 
 /// Domain, pack, measure, check, write: the whole of `vdb_pack pack`.
@@ -68,8 +70,8 @@ struct InputPack : RunSettings {
 };
 
 struct VerifyRecipe : InputPack {
-    double gap = 0;                  ///< least distance that the spheres must keep, mm
-    std::uint64_t placeSamples = 0;  ///< points at which to look for places left; 0: none
+    double gap = 0;                    ///< least distance that the spheres must keep, mm
+    std::uint64_t vacancySamples = 0;  ///< points at which to search for vacancies; 0: none
 };
 
 /// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.

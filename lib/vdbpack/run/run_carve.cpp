@@ -19,14 +19,14 @@ constexpr double kManyOutside = 0.05;
 template <int Dim>
 void acceptInput(Run<Dim>& run, const CarveRecipe& recipe) {
     Report& report = run.report;
-    report.givenOverlaps = report.overlap->pairs;
-    report.givenProtrusions = report.protrusion->spheres;
-    if (static_cast<double>(report.givenProtrusions) >
+    report.inputOverlaps = report.overlap->pairs;
+    report.inputProtrusions = report.protrusion->spheres;
+    if (static_cast<double>(report.inputProtrusions) >
         kManyOutside * static_cast<double>(report.count))
         run.callbacks.warn(fmt::format(
             "{}: {} of {} {} protrude from the domain. Check that the pack belongs to it, and that "
             "`unit` and `packUnit` are right",
-            recipe.pack, report.givenProtrusions, report.count, Measure<Dim>::kSpheres));
+            recipe.pack, report.inputProtrusions, report.count, Measure<Dim>::kSpheres));
 }
 
 template <int Dim>

@@ -14,7 +14,7 @@ namespace {
 template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
-    run.report.gapAsked = recipe.gap;
+    run.report.requestedGap = recipe.gap;
     std::optional<SizeDistribution> sizes;
     if (!recipe.radius.empty())
         sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);

@@ -26,7 +26,7 @@ struct Prepared {
     RequestedSizes requested;
     DomainSource::Built built;
     Pack<Dim> existing;
-    std::uint64_t givenOverlaps = 0, givenProtrusions = 0;
+    std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
 };
 
 /// Reads the spheres to pack around, and counts what is wrong with them already.
@@ -42,18 +42,18 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
             "{}: more than {} pairs of its {} {} overlap one another. Remove the spheres that lie "
             "in others",
             recipe.existing, among.pairs, spheres.size(), Measure<Dim>::kSpheres));
-    prepared.givenOverlaps = among.pairs;
-    prepared.givenProtrusions = source.protrusion(spheres).spheres;
-    if (prepared.givenOverlaps > 0)
+    prepared.inputOverlaps = among.pairs;
+    prepared.inputProtrusions = source.protrusion(spheres).spheres;
+    if (prepared.inputOverlaps > 0)
         callbacks.warn(
             fmt::format("{}: {} pairs of its {} overlap one another; they are kept as "
                         "they are",
-                        recipe.existing, prepared.givenOverlaps, Measure<Dim>::kSpheres));
-    if (prepared.givenProtrusions > 0)
+                        recipe.existing, prepared.inputOverlaps, Measure<Dim>::kSpheres));
+    if (prepared.inputProtrusions > 0)
         callbacks.warn(
             fmt::format("{}: {} of its {} protrude from the domain; they are kept as "
                         "they are",
-                        recipe.existing, prepared.givenProtrusions, Measure<Dim>::kSpheres));
+                        recipe.existing, prepared.inputProtrusions, Measure<Dim>::kSpheres));
 }
 
 template <int Dim>
@@ -130,8 +130,8 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
             run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
         run.fixed = existing.size();
         run.report.existing = existing.size();
-        run.report.givenOverlaps = prepared.givenOverlaps;
-        run.report.givenProtrusions = prepared.givenProtrusions;
+        run.report.inputOverlaps = prepared.inputOverlaps;
+        run.report.inputProtrusions = prepared.inputProtrusions;
         result.pack = joined(prepared.existing, result.pack);
     }
     run.pack = std::move(result.pack);
@@ -150,7 +150,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     run.voidRecipe = &recipe.voids;
     run.report.seed = recipe.seed;
     run.report.chosen = prepared.requested.chosen;
-    run.report.gapAsked = recipe.gap;
+    run.report.requestedGap = recipe.gap;
     clock.lap();
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
     run.sizes = &options.sizes;

@@ -10,30 +10,30 @@ namespace vdbpack {
 
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
-    if (recipe.placeSamples > 0 && recipe.domain.source.empty())
-        throw ParameterError("`placeSamples` are points of a domain; set `domain`");
+    if (recipe.vacancySamples > 0 && recipe.domain.source.empty())
+        throw ParameterError("`vacancySamples` are points of a domain; set `domain`");
     Report report = begunReport(recipe, "verify", recipe.pack);
-    report.gapAsked = recipe.gap;
+    report.requestedGap = recipe.gap;
     return withThreads(recipe.threads, [&] {
         Clock clock;
         Pack<3> given = readInputPack(recipe, callbacks);
         report.seconds.mesh = clock.lap();
-        std::optional<PlacesLeft> places;
+        std::optional<VacancySearch> vacancies;
         RunResult run = measureInputPack(
             recipe, std::move(given), std::move(report),
             [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
             [&](const auto& pack, const auto* domain, const Report& measured) {
-                if (recipe.placeSamples == 0) return;
-                PlacesLeft left;
-                left.radius = 1.02 * measured.radius.mean;
-                left.samples = recipe.placeSamples;
+                if (recipe.vacancySamples == 0) return;
+                VacancySearch all;
+                all.radius = 1.02 * measured.radius.mean;
+                all.samples = recipe.vacancySamples;
                 const auto found =
-                    findVacancies(pack.spheres, *domain, left.radius, recipe.placeSamples);
-                left.largest = found.largest;
-                left.count = found.points;
-                places = left;
+                    findVacancies(pack.spheres, *domain, all.radius, recipe.vacancySamples);
+                all.largest = found.largest;
+                all.count = found.points;
+                vacancies = all;
             });
-        run.places = places;
+        run.vacancies = vacancies;
         run.report.seconds.total = clock.total();
         return run;
     });

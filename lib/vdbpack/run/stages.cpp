@@ -63,12 +63,6 @@ void requireShell(double shell, const DomainSource& source) {
         shell, thin));
 }
 
-bool passed(const Report& report) {
-    return (!report.overlap || report.overlap->pairs == report.givenOverlaps) &&
-           (!report.protrusion || report.protrusion->spheres == report.givenProtrusions) &&
-           keepsGap(report);
-}
-
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize) {
@@ -195,7 +189,7 @@ RunResult finishStage(Run<Dim>& run) {
     report.seconds.total = run.clock.total();
     report.peakMemoryBytes = peakMemory();
     RunResult result;
-    result.passed = passed(report);
+    result.passed = !failedChecks(report).any();
     if (!settings.reportFile.empty()) report.files.push_back(settings.reportFile);
     result.report = std::move(report);
     result.picture = std::move(run.picture);

@@ -106,9 +106,6 @@ int effectiveThreads(int threads);
 /// Peak memory of the process, bytes.
 std::uint64_t peakMemory();
 
-/// Whether the checks found nothing but what the input pack had.
-bool passed(const Report& report);
-
 /// Refuses a shell that is as thick as the domain before a field is made for it. @throws InputError
 void requireShell(double shell, const DomainSource& source);
 

@@ -42,7 +42,19 @@ VerifyResult verifyPack(const Pack<3>& pack, const TriangleMesh& wall);
 template <int Dim>
 VerifyResult verifyPack(const Pack<Dim>& pack, const WallShape<Dim>& wall);
 
-/// Keys as in the report; the worst pairs and spheres with ids, positions and radii under `worst`.
+/// One check as text: a line with its verdict, then the worst pairs or spheres by id, a line each.
+template <int Dim>
+std::string describe(const OverlapCheck& check, const Pack<Dim>& pack);
+template <int Dim>
+std::string describe(const ProtrusionCheck& check, const Pack<Dim>& pack);
+
+/// The worst pairs or spheres of a check, with ids, positions and radii.
+template <int Dim>
+nlohmann::ordered_json worstJson(const OverlapCheck& check, const Pack<Dim>& pack);
+template <int Dim>
+nlohmann::ordered_json worstJson(const ProtrusionCheck& check, const Pack<Dim>& pack);
+
+/// Keys as in the report; `worstJson` under `worst` of each check.
 template <int Dim>
 nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack);
 

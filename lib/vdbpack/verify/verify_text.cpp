@@ -32,7 +32,31 @@ nlohmann::ordered_json sphereJson(const Pack<Dim>& pack, std::size_t i) {
     return json;
 }
 
+const char* verdict(bool ok) {
+    return ok ? "ok" : "FAILED";
+}
+
 }  // namespace
+
+template <int Dim>
+nlohmann::ordered_json worstJson(const OverlapCheck& check, const Pack<Dim>& pack) {
+    auto all = nlohmann::ordered_json::array();
+    for (const auto& w : check.worst)
+        all.push_back(
+            {{"overlap", w.overlap}, {"spheres", {sphereJson(pack, w.i), sphereJson(pack, w.j)}}});
+    return all;
+}
+
+template <int Dim>
+nlohmann::ordered_json worstJson(const ProtrusionCheck& check, const Pack<Dim>& pack) {
+    auto all = nlohmann::ordered_json::array();
+    for (const auto& w : check.worst) {
+        auto sphere = sphereJson(pack, w.i);
+        sphere["protrusion"] = w.protrusion;
+        all.push_back(std::move(sphere));
+    }
+    return all;
+}
 
 template <int Dim>
 nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack) {
@@ -46,60 +70,57 @@ nlohmann::ordered_json toJson(const VerifyResult& result, const Pack<Dim>& pack)
                          {"max", result.radius.max},
                          {"sd", result.radius.sd}};
     spheres["ks"] = result.ks ? nlohmann::ordered_json(*result.ks) : nullptr;
-    auto& overlap = json["overlap"];
-    overlap["max"] = result.overlap.max;
-    overlap["pairs"] = result.overlap.pairs;
-    overlap["complete"] = result.overlap.complete;
-    overlap["worst"] = nlohmann::ordered_json::array();
-    for (const auto& w : result.overlap.worst)
-        overlap["worst"].push_back(
-            {{"overlap", w.overlap}, {"spheres", {sphereJson(pack, w.i), sphereJson(pack, w.j)}}});
-    auto& protrusion = json["protrusion"];
-    protrusion = {{"max", nullptr}, {"spheres", nullptr}};
-    if (result.protrusion) {
-        protrusion["max"] = result.protrusion->max;
-        protrusion["spheres"] = result.protrusion->spheres;
-        protrusion["centersOutside"] = result.protrusion->centersOutside;
-        protrusion["closed"] = result.protrusion->closed;
-        protrusion["worst"] = nlohmann::ordered_json::array();
-        for (const auto& w : result.protrusion->worst) {
-            auto sphere = sphereJson(pack, w.i);
-            sphere["protrusion"] = w.protrusion;
-            protrusion["worst"].push_back(std::move(sphere));
-        }
-    }
+    const OverlapCheck& overlap = result.overlap;
+    json["overlap"] = {{"max", overlap.max},
+                       {"pairs", overlap.pairs},
+                       {"complete", overlap.complete},
+                       {"worst", worstJson(overlap, pack)}};
+    if (const auto& protrusion = result.protrusion)
+        json["protrusion"] = {{"max", protrusion->max},
+                              {"spheres", protrusion->spheres},
+                              {"centersOutside", protrusion->centersOutside},
+                              {"closed", protrusion->closed},
+                              {"worst", worstJson(*protrusion, pack)}};
+    else
+        json["protrusion"] = {{"max", nullptr}, {"spheres", nullptr}};
     return json;
 }
 
 template <int Dim>
+std::string describe(const OverlapCheck& check, const Pack<Dim>& pack) {
+    std::string text = fmt::format("{:<12}{}: {}{} pairs, largest {:.3g} of the smaller radius\n",
+                                   "overlap", verdict(check.pairs == 0),
+                                   check.complete ? "" : "more than ", check.pairs, check.max);
+    for (const auto& w : check.worst)
+        text += fmt::format("  {:.3g}: {}\n    and {}\n", w.overlap, labelOf(pack, w.i),
+                            labelOf(pack, w.j));
+    return text;
+}
+
+template <int Dim>
+std::string describe(const ProtrusionCheck& check, const Pack<Dim>& pack) {
+    std::string text =
+        fmt::format("{:<12}{}: {} {}, largest {:.3g} of the radius, {} with centers outside\n",
+                    "protrusion", verdict(check.spheres == 0), check.spheres,
+                    Measure<Dim>::kSpheres, check.max, check.centersOutside);
+    if (!check.closed)
+        text +=
+            "  the wall is not closed: inside or outside is decided by the majority of six lines\n";
+    for (const auto& w : check.worst)
+        text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, labelOf(pack, w.i),
+                            w.protrusion > 1 ? ", center outside" : "");
+    return text;
+}
+
+template <int Dim>
 std::string describe(const VerifyResult& result, const Pack<Dim>& pack) {
-    const auto verdict = [](bool ok) { return ok ? "ok" : "FAILED"; };
     std::string text = fmt::format("{:<12}{} {}, radius {:.6g} to {:.6g} mm, mean {:.6g}\n", "pack",
                                    result.count, Measure<Dim>::kSpheres, result.radius.min,
                                    result.radius.max, result.radius.mean);
-    text +=
-        fmt::format("{:<12}{}: {}{} pairs, largest {:.3g} of the smaller radius\n", "overlap",
-                    verdict(result.overlap.pairs == 0), result.overlap.complete ? "" : "more than ",
-                    result.overlap.pairs, result.overlap.max);
-    for (const auto& w : result.overlap.worst)
-        text += fmt::format("  {:.3g}: {}\n    and {}\n", w.overlap, labelOf(pack, w.i),
-                            labelOf(pack, w.j));
-    if (result.protrusion) {
-        const auto& p = *result.protrusion;
-        text +=
-            fmt::format("{:<12}{}: {} {}, largest {:.3g} of the radius, {} with centers outside\n",
-                        "protrusion", verdict(p.spheres == 0), p.spheres, Measure<Dim>::kSpheres,
-                        p.max, p.centersOutside);
-        if (!p.closed)
-            text +=
-                "  the wall is not closed: inside or outside is decided by the majority of six "
-                "lines\n";
-        for (const auto& w : p.worst)
-            text += fmt::format("  {:.3g}: {}{}\n", w.protrusion, labelOf(pack, w.i),
-                                w.protrusion > 1 ? ", center outside" : "");
-    } else {
-        text += fmt::format("{:<12}not checked: no domain was given\n", "protrusion");
-    }
+    text += describe(result.overlap, pack);
+    text += result.protrusion
+                ? describe(*result.protrusion, pack)
+                : fmt::format("{:<12}not checked: no domain was given\n", "protrusion");
     if (result.ks)
         text += fmt::format("{:<12}{}: Kolmogorov-Smirnov distance {:.4g}\n", "sizes",
                             verdict(*result.ks <= result.ksLimit), *result.ks);
@@ -107,9 +128,15 @@ std::string describe(const VerifyResult& result, const Pack<Dim>& pack) {
     return text;
 }
 
-template nlohmann::ordered_json toJson<2>(const VerifyResult&, const Pack<2>&);
-template nlohmann::ordered_json toJson<3>(const VerifyResult&, const Pack<3>&);
-template std::string describe<2>(const VerifyResult&, const Pack<2>&);
-template std::string describe<3>(const VerifyResult&, const Pack<3>&);
+#define VDBPACK_INSTANTIATE(Dim)                                                         \
+    template std::string describe(const OverlapCheck&, const Pack<Dim>&);                \
+    template std::string describe(const ProtrusionCheck&, const Pack<Dim>&);             \
+    template nlohmann::ordered_json worstJson(const OverlapCheck&, const Pack<Dim>&);    \
+    template nlohmann::ordered_json worstJson(const ProtrusionCheck&, const Pack<Dim>&); \
+    template nlohmann::ordered_json toJson(const VerifyResult&, const Pack<Dim>&);       \
+    template std::string describe(const VerifyResult&, const Pack<Dim>&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack
