@@ -197,10 +197,9 @@ void keepConfig(const CliOptions& options) {
     if (options.config.empty()) return;
     const RunSettings& settings =
         std::visit([](const auto& job) -> const RunSettings& { return job; }, options.job);
-    auto outputs = settings.outputs;
-    if (const auto* pack = std::get_if<PackJob>(&options.job); pack && !pack->table.empty())
-        outputs.push_back("contacts:" + pack->table);
-    checkFiles(outputs, settings.reportFile, {options.config}, settings.preview.file);
+    const auto* pack = std::get_if<PackJob>(&options.job);
+    checkFiles(settings.outputs, settings.reportFile, {options.config},
+               {settings.preview.file, pack ? pack->table : std::string()});
 }
 
 int runCommand(const CliOptions& options) {
@@ -230,8 +229,9 @@ int main(int argc, char** argv) {
         if (interrupted) exitCode = kInterrupted;
         errno = 0;
         if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
-            throw IoError(fmt::format("standard output: writing failed: {}; files are complete",
-                                      errno != 0 ? std::strerror(errno) : "not all was written"));
+            throw IoError(fmt::format("standard output: writing failed: {}{}",
+                                      errno != 0 ? std::strerror(errno) : "not all was written",
+                                      options ? "; files are complete" : ""));
         return exitCode;
     } catch (const Interrupted& e) {
         return fail(e.what(), kInterrupted);
@@ -247,7 +247,8 @@ int main(int argc, char** argv) {
         return fail("out of memory; choose larger radii or voxels, or clip the domain",
                     kNoResources);
     } catch (const std::exception& e) {
-        if (!isShortage(e)) return fail(e.what(), kIoFailed);
+        if (!isShortage(e))
+            return fail((std::string("unexpected error: ") + e.what()).c_str(), kIoFailed);
         return fail(fmt::format("not enough memory or threads: {}; use fewer --threads, or raise "
                                 "the limits of the shell (ulimit -v, ulimit -u)",
                                 e.what())

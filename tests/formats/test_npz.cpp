@@ -61,7 +61,8 @@ TEST_CASE("an .npz file that is cut short or damaged is an error or the same pac
     for (int trial = 0; trial < 2000; ++trial) {
         CAPTURE(trial);
         // Names and sizes of the directory bear no checksum; numbers do.
-        CHECK_NOTHROW(errorOf("p.npz", withFlippedBits(bytes, 1, random)));
+        const auto damaged = withFlippedBits(bytes, 1, random);
+        if (errorOf("p.npz", damaged).empty()) CHECK(readText("p.npz", damaged).spheres == whole);
     }
 }
 

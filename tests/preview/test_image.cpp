@@ -111,6 +111,4 @@ TEST_CASE("texts of preview options are parsed, or refused with the expected for
     }
     for (const char* bad : {"0x100", "15x100", "100x20000", "-100x100"})
         CHECK_THROWS_AS(parsePreviewSize(bad), ParameterError);
-    CHECK(parsePreviewColor("depth") == PreviewColor::depth);
-    CHECK_THROWS_WITH(parsePreviewColor("age"), Catch::Contains("radius"));
 }

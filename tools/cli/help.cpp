@@ -62,10 +62,13 @@ std::string HelpPage::make_usage(const CLI::App* app, std::string) const {
         line = (a->get_parent() == nullptr ? std::string("vdb_pack") : a->get_name()) +
                (line.empty() ? "" : " " + line);
     for (const auto* option : app->get_options())
-        if (option->get_positional()) line += ' ' + option->get_name(true, false);
+        if (option->get_positional())
+            line += ' ' + option->get_name(true, false);
+        else if (option->get_required())
+            line += ' ' + option->get_name() + ' ' + option->get_option_text();
     const bool commands = app->get_parent() == nullptr;
     line += commands ? " COMMAND [options]" : " [options]";
-    if (app->get_option_no_throw("--output") != nullptr) line += " -o FILE ...";
+    if (app->get_option_no_throw("--output") != nullptr) line += " [-o FILE ...]";
     std::string out = '\n' + heading("Usage") + "  " + line + '\n';
     if (commands) out += "       vdb_pack COMMAND --help\n";
     return out;
@@ -73,7 +76,7 @@ std::string HelpPage::make_usage(const CLI::App* app, std::string) const {
 
 std::string HelpPage::make_group(std::string group, bool positional,
                                  std::vector<const CLI::Option*> options) const {
-    std::string out = '\n' + heading(positional ? "What to work on" : group) + '\n';
+    std::string out = '\n' + heading(positional ? "Input" : group) + '\n';
     for (const auto* option : options) out += make_option(option, positional);
     return out;
 }

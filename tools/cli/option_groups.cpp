@@ -49,17 +49,12 @@ constexpr std::uint64_t kMostThreads = 4096;
 
 const std::string kRadiusSpec =
     "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
-    "psd:FILE, in mm";
-
-}  // namespace
-
-namespace {
+    "psd:FILE";
 
 /// The number that a whole text is; not a number for any other text.
 double numberOf(const std::string& text) {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    return end != text.c_str() && *end == 0 ? value : std::numeric_limits<double>::quiet_NaN();
+    double value = 0;
+    return parseReal(text, value) ? value : std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
@@ -130,7 +125,6 @@ void addContactTolerance(CLI::App& command, double& tolerance) {
     command
         .add_option("--contact-tol", tolerance,
                     "two spheres are in contact if their gap is at most T times the smaller radius")
-        ->capture_default_str()
         ->option_text("T [0.001]")
         ->check(notNegative())
         ->group("Run");
@@ -187,7 +181,9 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
     command.add_option("--grid", domain.gridName, "level set to take from a .vdb")
         ->option_text("NAME [first]")
         ->group("Domain");
-    command.add_option("--slice", domain.slices, "fill the plane z = V of the domain with circles")
+    command
+        .add_option("--slice", domain.slices,
+                    "use the plane z = V of the domain; its spheres are circles")
         ->option_text("z=V")
         ->group("Domain")
         ->expected(1);
@@ -229,7 +225,7 @@ void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
 
 void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
                     const std::string& note) {
-    command.add_option("--radius", radius, kRadiusSpec + note)
+    command.add_option("--radius", radius, kRadiusSpec + ", in mm" + note)
         ->option_text("SPEC")
         ->check(notEmpty())
         ->group("Spheres");
@@ -384,13 +380,16 @@ void VoidOptions::addTargets() const {
 }
 
 void VoidOptions::addShapes() const {
+    const std::string written = spheres ? "written as --radius" : kRadiusSpec;
     option("--void-radius", voids.radius,
-           "shorter half-axis b of the voids, written as --radius, mm (" +
+           "shorter half-axis b of the voids, " + written + ", mm (" +
                orElse(front, "mixed: radius of the holes; ", "") +
                "overlay: voids are placed by packing spheres of radius b times aspect)",
            orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
         ->check(notEmpty());
-    option("--void-aspect", voids.aspect, "ratio of the half-axes a / b, written as --radius",
+    option("--void-aspect", voids.aspect,
+           "ratio of the half-axes a / b, written as " +
+               std::string(spheres ? "--radius" : "--void-radius"),
            "SPEC [constant:2]")
         ->check(notEmpty());
     option(
@@ -401,7 +400,7 @@ void VoidOptions::addShapes() const {
     option("--void-probability", voids.probability,
            "probability that a box contains a void (grid)" +
                orElse(front, ", that a sphere is a hole (mixed, ellipses)", ""),
-           orElse(front, "P [1; 0.02]", "P [1]"));
+           orElse(front, "P [grid 1, else 0.02]", "P [1]"));
     auto* share = option("--delete-fraction", voids.deleteFraction,
                          "D of method concentric: share of the spheres that is removed, in balls "
                          "of radius Rmin/D to Rmax/D around random spheres. D of method threshold: "

@@ -68,8 +68,9 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
         ->transform(wholeNumber(1, std::numeric_limits<std::int64_t>::max()))
         ->group("Spheres");
     addChoice(*command, "--effort", job.effort, kEfforts,
-              "fast: positions in the order of the sweep; normal: those earlier where the sphere "
-              "touches one body more; dense: the same with more pending radii to choose from")
+              "fast: positions in the order of the sweep; normal: first those where the sphere "
+              "touches an additional sphere or wall; dense: the same with more pending radii to "
+              "choose from")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
     addChoice(*command, "--order", job.order, kOrders,
@@ -119,8 +120,7 @@ void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("pack", "fill a domain with spheres (2D: circles)")->fallthrough();
+    CLI::App* command = app.add_subcommand("pack", "fill a domain with spheres (2D: circles)");
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addDomainOptions(*command, job.domain);
@@ -134,8 +134,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
 
 CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
     CLI::App* command =
-        app.add_subcommand("voids", "make voids and the remaining solid, without spheres")
-            ->fallthrough();
+        app.add_subcommand("voids", "make voids and the remaining solid, without spheres");
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
     addOutputs(
         *command, job.outputs,
@@ -152,11 +151,12 @@ CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
-    CLI::App* command = app.add_subcommand("carve", "cut voids into an input pack")->fallthrough();
+    CLI::App* command = app.add_subcommand("carve", "cut voids into an input pack");
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
+    command->get_option("--domain")->required();
     addVoidOptions(*command, job.voids, VoidsIn::file);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
@@ -164,10 +164,8 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
 }
 
 CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
-    CLI::App* command =
-        app.add_subcommand("densify",
-                           "make an input pack denser, or remove its overlaps; radii do not change")
-            ->fallthrough();
+    CLI::App* command = app.add_subcommand(
+        "densify", "make an input pack denser, or remove its overlaps; radii do not change");
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
@@ -175,6 +173,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addDensify(*command, job.fraction,
                "add and move spheres until the solid fraction is F, or as high as possible (max); "
                "without this option, no sphere is added and only overlaps are removed");
+    command->get_option("--domain")->required();
     addGap(*command, job.gap);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
@@ -184,8 +183,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
     CLI::App* command = app.add_subcommand("verify",
                                            "check a pack of any program for overlaps and "
-                                           "protrusions, with code independent of the packer")
-                            ->fallthrough();
+                                           "protrusions, with code independent of the packer");
     addInputPack(*command, job, "PACK", kPackHelp);
     command->add_option("--gap", job.gap, "least distance required between spheres, mm")
         ->option_text("G [0]")
@@ -205,8 +203,7 @@ CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
     CLI::App* command = app.add_subcommand("measure",
                                            "measure density, contacts, sizes and structure of any "
-                                           "pack; morphometry of a level set or a mesh")
-                            ->fallthrough();
+                                           "pack; morphometry of a level set or a mesh");
     addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
                      "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)");
@@ -226,8 +223,7 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
 
 CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     CLI::App* command =
-        app.add_subcommand("convert", "convert packs, level sets and meshes to other formats")
-            ->fallthrough();
+        app.add_subcommand("convert", "convert packs, level sets and meshes to other formats");
     command
         ->add_option("PACK", job.pack,
                      std::string("a pack: ") + kPackHelp +
@@ -268,8 +264,10 @@ CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
         app.add_subcommand("mesh", "report whether a mesh can be packed, and repair it");
     command->add_option("FILE", job.domain.source, "mesh (.stl .obj .ply .off)")->required();
     command
-        ->add_option("-o", job.outputs, "write the mesh as .stl; with --repair, the repaired mesh")
-        ->option_text("FILE.stl");
+        ->add_option("-o,--output", job.outputs,
+                     "write the mesh as .stl; with --repair, the repaired mesh")
+        ->option_text("FILE.stl")
+        ->group("Output");
     addRepairOptions(*command, job.domain);
     addThreads(*command, job.threads, "number of threads");
     addUnit(*command, "--unit", job.domain.unit, "unit of the file");

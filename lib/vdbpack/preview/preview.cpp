@@ -34,14 +34,6 @@ PreviewCut parsePreviewCut(const std::string& text) {
     return cut;
 }
 
-PreviewColor parsePreviewColor(const std::string& text) {
-    if (text == "radius") return PreviewColor::radius;
-    if (text == "region") return PreviewColor::region;
-    if (text == "depth") return PreviewColor::depth;
-    if (text == "order") return PreviewColor::order;
-    throw ParameterError("`preview.color` '" + text + "': must be radius, region, depth or order");
-}
-
 std::array<int, 2> parsePreviewSize(const std::string& text) {
     const char* form = "WxH in pixels, like 1600x1200";
     std::array<int, 2> size{};

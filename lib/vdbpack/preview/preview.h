@@ -104,8 +104,6 @@ Image renderPreview(const PlanePreview& scene, const PreviewOptions& options);
 
 /// "x=12.5" as a cut. @throws ParameterError
 PreviewCut parsePreviewCut(const std::string& text);
-/// "radius", "region", "depth" or "order". @throws ParameterError
-PreviewColor parsePreviewColor(const std::string& text);
 /// "1600x1200" as width and height. @throws ParameterError, for sizes out of bounds too
 std::array<int, 2> parsePreviewSize(const std::string& text);
 

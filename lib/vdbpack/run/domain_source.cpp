@@ -4,6 +4,7 @@
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/domain/slice_domain.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
@@ -109,7 +110,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         return;
     }
     const double scale = recipe.scale * millimetersPer(recipe.unit);
-    if (text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0) {
+    if (extensionOf(text) == ".vdb") {
         levelSet_ = levelSetGrid(text, recipe.gridName, scale);
         mesh_ = levelSetMesh(*levelSet_, text);
     } else {
@@ -135,7 +136,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks) {
     const std::string& text = recipe.source;
-    const bool levelSet = text.size() > 4 && text.compare(text.size() - 4, 4, ".vdb") == 0;
+    const bool levelSet = extensionOf(text) == ".vdb";
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
     if (levelSet && (recipe.repair || !recipe.shells.empty()))

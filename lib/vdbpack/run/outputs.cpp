@@ -5,6 +5,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/write_blender.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
@@ -158,7 +159,7 @@ bool isSolidOutput(const std::string& output) {
 }
 
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs, const std::string& picture) {
+                const std::vector<std::string>& inputs, const std::vector<std::string>& further) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
     for (const auto& output : outputs) {
@@ -173,14 +174,15 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
         }
     }
     if (!reportFile.empty()) {
-        const std::string extension = fs::path(reportFile).extension().string();
+        const std::string extension = extensionOf(reportFile);
         if (extension != ".json" && extension != ".html")
             throw ParameterError("`reportFile` " + reportFile +
                                  ": reports are JSON or a page for the browser; name it .json or "
                                  ".html");
         files.push_back(reportFile);
     }
-    if (!picture.empty()) files.push_back(picture);
+    std::copy_if(further.begin(), further.end(), std::back_inserter(files),
+                 [](const std::string& file) { return !file.empty(); });
     for (std::size_t i = 0; i < files.size(); ++i) {
         const fs::path parent = fs::path(files[i]).parent_path();
         std::error_code ignored;
@@ -248,12 +250,11 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
 
 double particleDensity(const std::string& text, std::optional<double> solidFraction) {
     if (text.empty()) return 0;
-    const std::string bulk = "bulk:";
-    const bool isBulk = text.rfind(bulk, 0) == 0;
-    const std::string number = isBulk ? text.substr(bulk.size()) : text;
-    char* end = nullptr;
-    const double value = std::strtod(number.c_str(), &end);
-    if (number.empty() || *end != 0 || !(value > 0) || !std::isfinite(value))
+    constexpr std::string_view kBulk = "bulk:";
+    const bool isBulk = startsWith(text, kBulk);
+    const std::string number = isBulk ? text.substr(kBulk.size()) : text;
+    double value = 0;
+    if (!parseReal(number, value) || !(value > 0) || !std::isfinite(value))
         throw ParameterError(fmt::format(
             "`density` '{}': write the density of the spheres in kg/m³ (1900), or bulk:D "
             "with the mass of all spheres divided by the volume of the domain (bulk:1100)",

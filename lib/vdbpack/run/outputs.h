@@ -22,10 +22,11 @@ std::string filePart(const std::string& name);
 /// outputs that are inputs or named twice, be it by another path or by links.
 /// @param reportFile  .json or .html; may be empty.
 /// @param inputs      files, with or without the prefix of a format; empty names are passed over.
-/// @param picture     a further file that is written; may be empty.
+/// @param further     other files that are written; empty names are passed over.
 /// @throws ParameterError, IoError
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
-                const std::vector<std::string>& inputs, const std::string& picture = {});
+                const std::vector<std::string>& inputs,
+                const std::vector<std::string>& further = {});
 
 /// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
 bool isSolidOutput(const std::string& output);

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/report_file.h"
 
 #include <fmt/format.h>
@@ -152,10 +153,8 @@ PreviewPicture finished(Image image, const PreviewRecipe& recipe, const std::str
 
 void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
     checkPreviewSize(recipe.width, recipe.height);
-    const std::string end = ".png";
     const std::string& file = recipe.file;
-    if (!file.empty() &&
-        (file.size() <= end.size() || file.compare(file.size() - end.size(), end.size(), end) != 0))
+    if (!file.empty() && extensionOf(file) != ".png")
         throw ParameterError("`preview.file` " + file + ": pictures are PNG; name it .png");
     const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
     if (asked && file.empty() && !isPage(reportFile))

@@ -1,6 +1,7 @@
 #include "vdbpack/run/report_file.h"
 
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/report/report_page.h"
 #include "vdbpack/run/measure_stage.h"
 
@@ -62,6 +63,9 @@ public:
         add("--clip", domain.clips);
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
+        if (domain.repair) add("--repair", "yes");
+        add("--repair-voxel", domain.repairVoxel, " mm");
+        add("--shells", domain.shells);
     }
     void add(const char* name, const InputPack& input, const Report& report) {
         add(name, input.pack);
@@ -74,6 +78,7 @@ public:
         if (random) add("--seed", std::to_string(settings.seed));
         add("--threads", std::to_string(report.threads));
         add("--contact-tol", settings.contactTolerance);
+        add("--density", settings.density);
     }
     void add(const VoidRecipe& voids) {
         add("--voids", voids.method);
@@ -191,9 +196,7 @@ ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe
 }  // namespace
 
 bool isPage(const std::string& reportFile) {
-    const std::string end = ".html";
-    return reportFile.size() > end.size() &&
-           reportFile.compare(reportFile.size() - end.size(), end.size(), end) == 0;
+    return extensionOf(reportFile) == ".html";
 }
 
 template <int Dim>

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/run/outputs.h"
 
@@ -12,7 +13,7 @@ namespace vdbpack {
 
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks) {
     for (const auto& output : recipe.outputs)
-        if (output.size() < 5 || output.compare(output.size() - 4, 4, ".stl") != 0)
+        if (extensionOf(output) != ".stl")
             throw ParameterError(output + ": surfaces are written as STL; name it .stl");
     checkFiles(recipe.outputs, {}, domainInputs(recipe.domain));
     MeshResult result;

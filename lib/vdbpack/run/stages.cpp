@@ -24,7 +24,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
     checkDensity(settings.density);
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
-    checkFiles(settings.outputs, settings.reportFile, inputs, settings.preview.file);
+    checkFiles(settings.outputs, settings.reportFile, inputs, {settings.preview.file});
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {

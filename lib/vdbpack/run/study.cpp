@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/pack_each.h"
 
@@ -36,15 +37,13 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
                              ": each seed would replace it; name it with {seed}");
     std::optional<OutputFile> file;
     if (!table.empty()) {
-        if (table.size() < 5 || table.compare(table.size() - 4, 4, ".csv") != 0)
+        if (extensionOf(table) != ".csv")
             throw ParameterError("`table` " + table + ": tables are CSV; name it .csv");
         if (withSeed(table, 1) != table)
             throw ParameterError("`table` " + table + ": one table holds all seeds; leave {seed}");
-        for (const auto& r : recipes) {
-            auto all = r.outputs;
-            all.push_back("contacts:" + table);
-            checkFiles(all, r.reportFile, {r.domain.source, r.existing}, r.preview.file);
-        }
+        for (const auto& r : recipes)
+            checkFiles(r.outputs, r.reportFile, {r.domain.source, r.existing},
+                       {r.preview.file, table});
         file.emplace(table);
     }
     StudyResult study;

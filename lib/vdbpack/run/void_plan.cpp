@@ -1,6 +1,7 @@
 #include "vdbpack/run/void_plan.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/void_stage.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 
 namespace vdbpack {
@@ -101,8 +101,9 @@ VoidExtent planVoids(const VoidRecipe& r, const Extent& e, double largestRadius)
     if (method == VoidMethod::list) {
         plan = e.dim == 3 ? listed<3>(r, e) : listed<2>(r, e);
     } else if (method == VoidMethod::grid) {  // as wide as its boxes; a matrix alone has few
-        const double side = std::strtod(r.cell.c_str(), nullptr);
-        if (side > 0) plan = planned(r, e, side / 2, side / 2);
+        const auto sides = parseNumberList(r.cell);
+        if (sides && !sides->empty() && sides->front() > 0)
+            plan = planned(r, e, sides->front() / 2, sides->front() / 2);
     } else {
         const double chosen = r.targetTbth ? 1.2 * *r.targetTbth : 2 * largestRadius;
         const double b = meanOf(r.radius, e.dim, chosen);

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/tensor_grid.h"
 #include "vdbpack/io/number_table.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
@@ -171,10 +172,7 @@ private:
 std::shared_ptr<const DirectionField> readDirectionField(const std::string& file, double scale) {
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive and finite", file, scale));
-    const auto dot = file.rfind('.');
-    std::string extension = dot == std::string::npos ? "" : file.substr(dot);
-    for (char& c : extension)
-        if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+    const std::string extension = extensionOf(file);
     if (extension == ".vdb") return std::make_shared<GridField>(file, scale);
     if (extension == ".csv" || extension == ".tsv" || extension == ".txt")
         return readTable(file, scale);

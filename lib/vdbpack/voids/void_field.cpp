@@ -2,13 +2,13 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <string>
 
@@ -108,21 +108,10 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         }
         return lattice;
     }
-    std::vector<double> sides;
-    const char* at = cell.data();
-    const char* const end = at + cell.size();
-    for (;;) {
-        double side = 0;
-        const auto [next, failed] = std::from_chars(at, end, side);
-        if (failed != std::errc() || !(side > 0) || !std::isfinite(side) ||
-            (next != end && *next != ','))
-            throw ParameterError(
-                fmt::format("`cell` {}: write the side of a box in mm, or {} in mm", cell,
-                            Dim == 3 ? "X,Y,Z" : "X,Y"));
-        sides.push_back(side);
-        if (next == end) break;
-        at = next + 1;
-    }
+    auto sides = parseNumberList(cell).value_or(std::vector<double>{});
+    if (sides.empty() || *std::min_element(sides.begin(), sides.end()) <= 0)
+        throw ParameterError(fmt::format("`cell` {}: write the side of a box in mm, or {} in mm",
+                                         cell, Dim == 3 ? "X,Y,Z" : "X,Y"));
     if (sides.size() == 1) sides.assign(Dim, sides[0]);
     if (sides.size() != Dim)
         throw ParameterError(
