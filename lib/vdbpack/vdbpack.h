@@ -46,6 +46,7 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/pair_correlation.h"
+#include "vdbpack/measure/vacancies.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/mesh/mesh_check.h"

@@ -64,7 +64,7 @@ TEST_CASE("clipped, sliced and voided domains are drawn", "[preview][run]") {
     runPack(clipped);
     CHECK(isPng(folder.file("clipped.png")));
     auto sliced = drawn("ball:10", folder.file("sliced.png"));
-    sliced.domain.slices = {"z=1"};
+    sliced.domain.slice = "z=1";
     runPack(sliced);
     CHECK(isPng(folder.file("sliced.png")));
     auto shelled = drawn("ball:12", folder.file("shelled.png"));

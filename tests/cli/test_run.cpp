@@ -212,7 +212,7 @@ TEST_CASE("a slice is packed with circles and verified as circles", "[run]") {
     for (const std::string& source : {folder.file("b.obj"), std::string("ball:30")}) {
         CAPTURE(source);
         PackRecipe recipe = recipeFor(source, "uniform:0.5,1");
-        recipe.domain.slices = {"z=10"};
+        recipe.domain.slice = "z=10";
         recipe.outputs = {folder.file("c.csv")};
         const auto run = runPack(recipe);
         CHECK(run.passed);

@@ -49,7 +49,7 @@ DensifyOptions to(double fraction, const std::string& spec) {
     return options;
 }
 
-/// How far spheres stick out of a shape whose own distances are exact, mm.
+/// How far spheres protrude from a shape whose own distances are exact, mm.
 template <int Dim>
 double protrusion(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
     const auto sampler = domain.sampler();
@@ -328,7 +328,7 @@ TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {
     refused(to<3>(std::nan(""), ""), "nan");
     DensifyOptions options;
     options.gap = -1;
-    refused(options, "gap -1 mm");
+    refused(options, "-1 mm");
     options.gap = 0;
     options.fixed = before.size() + 1;
     refused(options, std::to_string(before.size() + 1));

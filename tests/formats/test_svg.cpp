@@ -228,7 +228,7 @@ TEST_CASE("a picture is of circles, and is not read", "[formats]") {
     const TemporaryFolder scratch;
     REQUIRE_THROWS_AS(writePack(Pack<3>{}, scratch.file("p.svg"), {}), ParameterError);
     REQUIRE_THROWS_WITH(writePack(Pack<3>{}, scratch.file("p.svg"), {}),
-                        Contains("circles") && Contains("`slices`"));
+                        Contains("circles") && Contains("`slice`"));
     REQUIRE(scratch.files() == 0);
     REQUIRE_NOTHROW(checkPackFormat("p.SVG"));
     REQUIRE_NOTHROW(checkPackFormat("p.svg", 2));

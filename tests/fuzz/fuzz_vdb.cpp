@@ -7,6 +7,12 @@
 
 using namespace vdbpack;
 
+/// OpenVDB 10 loses a few bytes a leaf where reading a point grid ends early: the handles of its
+/// pages lie in a union (points/AttributeArray.h) that no destructor looks into.
+extern "C" const char* __lsan_default_suppressions() {
+    return "leak:compression::PagedInputStream::createHandle\n";
+}
+
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static fuzz::InputAsFile file("f.vdb");
     const std::string& path = file.write(data, size);

@@ -25,7 +25,7 @@ Report fullReport() {
     r.wallSizes = Report::WallSizes{};
     r.seconds.domain = 1.5;
     r.densified = Report::Densified{};
-    r.densified->asked = 0.65;
+    r.densified->requested = 0.65;
     r.densified->contactsAfter = {0.4, 5, 7};
     r.densified->solidLike = 0.01;
     r.peakMemoryBytes = 300 << 20;
@@ -63,7 +63,7 @@ TEST_CASE("the report has the keys that scripts rely on", "[report]") {
       "voids": {"count": 0, "bvtv": 0, "culled": 0},
       "seconds": {"mesh": 0, "domain": 0, "pack": 0, "densify": 0, "voids": 0, "measure": 0, "write": 0,
                   "total": 0},
-      "peakMemoryBytes": 0})");
+      "peakMemoryBytes": 0, "warnings": []})");
     const auto keys = [](const nlohmann::ordered_json& j) {
         std::vector<std::string> names;
         const auto flat = j.flatten();

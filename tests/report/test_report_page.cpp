@@ -228,16 +228,16 @@ TEST_CASE("a histogram of radii counts all of them, beside the requested shares"
     CHECK(h.low == 1);
     CHECK(h.low + 40 * h.width == Approx(2));
     CHECK(std::accumulate(h.counts.begin(), h.counts.end(), std::uint64_t{0}) == radii.size());
-    CHECK(std::accumulate(h.asked.begin(), h.asked.end(), 0.0) == Approx(1));
+    CHECK(std::accumulate(h.requested.begin(), h.requested.end(), 0.0) == Approx(1));
     for (std::size_t b = 0; b < h.counts.size(); ++b) {
-        CHECK(h.asked[b] == Approx(0.025).epsilon(1e-3));
+        CHECK(h.requested[b] == Approx(0.025).epsilon(1e-3));
         CHECK(static_cast<double>(h.counts[b]) == Approx(25).margin(1));
     }
     // One size, and sizes at the ends of bins, as 32-bit floats of a file.
     const auto atOne = [](double r) { return r > 1 ? 1.0 : 0.0; };
     const auto one = radiusHistogram({1, 1, 1}, atOne, {1, 1});
     for (std::size_t b = 0; b < one.counts.size(); ++b)
-        CHECK(static_cast<double>(one.counts[b]) / 3 == one.asked[b]);
+        CHECK(static_cast<double>(one.counts[b]) / 3 == one.requested[b]);
     const std::vector<double> sizes{0.1, 0.2, 0.3, 0.4, 0.5};
     const auto steps = [&](double r) {
         return static_cast<double>(
@@ -249,7 +249,7 @@ TEST_CASE("a histogram of radii counts all of them, beside the requested shares"
     const auto table = radiusHistogram(rounded, steps, {0.1, 0.5}, 40);
     for (std::size_t b = 0; b < table.counts.size(); ++b) {
         CAPTURE(b);
-        CHECK(table.asked[b] == Approx(static_cast<double>(table.counts[b]) / 5).margin(1e-12));
+        CHECK(table.requested[b] == Approx(static_cast<double>(table.counts[b]) / 5).margin(1e-12));
     }
     CHECK(radiusHistogram({}).counts.empty());
 }

@@ -182,7 +182,7 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("NAME [first]")
         ->group("Domain");
     command
-        .add_option("--slice", domain.slices,
+        .add_option("--slice", domain.slice,
                     "use the plane z = V of the domain; its spheres are circles")
         ->option_text("z=V")
         ->group("Domain")

@@ -50,7 +50,7 @@ constexpr OptionName kOptionNames[] = {
     {"seed", "--seed"},
     {"shell", "--shell"},
     {"shells", "--shells"},
-    {"slices", "--slice"},
+    {"slice", "--slice"},
     {"table", "--table"},
     {"targetBvtv", "--target-bvtv"},
     {"targetCount", "--target-count"},

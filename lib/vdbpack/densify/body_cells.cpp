@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
@@ -92,7 +93,10 @@ bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, fl
         cells += static_cast<std::size_t>(level.count[0] * level.count[1] * level.count[2]);
     }
     if (cells >= std::numeric_limits<std::uint32_t>::max())
-        throw ResourceError("densify: the spheres lie too far apart for their size");
+        throw ResourceError(fmt::format(
+            "densify: the spheres lie so far apart that they would need {} cells; check for "
+            "spheres far from the others, and densify in parts",
+            cells));
     starts_.resize(cells + 1);
     return !isNear(whole.lo, whole.hi);
 }

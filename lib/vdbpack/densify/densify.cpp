@@ -38,21 +38,24 @@ constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
 template <int Dim>
 void checkOptions(const DensifyOptions& options, std::size_t count, double volume) {
     if (!(options.gap >= 0) || !std::isfinite(options.gap))
-        throw ParameterError(fmt::format("gap {} mm: must be 0 or more", options.gap));
+        throw ParameterError(fmt::format("`gap` {} mm: must be 0 or more", options.gap));
     if (std::isnan(options.fraction) || options.fraction < 0)
-        throw ParameterError(fmt::format("densify: {} is not a solid fraction", options.fraction));
+        throw ParameterError(fmt::format(
+            "`fraction` {}: is no solid fraction; request 0 (overlaps alone) to {}, or max",
+            options.fraction, kMostFraction<Dim>));
     if (std::isfinite(options.fraction) && options.fraction > kMostFraction<Dim>)
         throw ParameterError(fmt::format(
-            "densify: {} cannot reach a solid fraction of {}; request at most {}, or max for the "
+            "`fraction` {}: {} cannot be packed as densely; request at most {}, or max for the "
             "densest pack",
-            Measure<Dim>::kSpheres, options.fraction, kMostFraction<Dim>));
+            options.fraction, Measure<Dim>::kSpheres, kMostFraction<Dim>));
     if (options.fixed > count)
-        throw ParameterError(fmt::format("densify: {} of {} {} cannot be fixed", options.fixed,
-                                         count, Measure<Dim>::kSpheres));
+        throw ParameterError(fmt::format("`fixed` {}: there are {} {}; fix no more than these",
+                                         options.fixed, count, Measure<Dim>::kSpheres));
     if (!(volume > 0))
-        throw InputError(fmt::format("densify: the domain has no {}", Measure<Dim>::kVolume));
+        throw InputError(fmt::format("densify: the domain has no {}; check its unit and clips",
+                                     Measure<Dim>::kVolume));
     if (!options.regions.empty() && options.regions.size() != count)
-        throw ParameterError(fmt::format("densify: {} regions were passed for {} {}",
+        throw ParameterError(fmt::format("`regions`: {} for {} {}; pass one each, or none",
                                          options.regions.size(), count, Measure<Dim>::kSpheres));
 }
 

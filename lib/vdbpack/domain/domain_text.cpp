@@ -53,7 +53,7 @@ std::vector<HalfSpace<3>> parseClip(const std::string& text) {
 }
 
 double parseSlice(const std::string& text) {
-    const std::string what = fmt::format("`slices` '{}'", text);
+    const std::string what = fmt::format("`slice` '{}'", text);
     if (text.rfind("z=", 0) != 0) malformed(what, "z=V");
     const auto v = numbersIn(what, text.substr(2), "z=V");
     if (v.size() != 1) malformed(what, "z=V");

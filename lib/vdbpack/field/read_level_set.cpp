@@ -48,7 +48,10 @@ FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName
             path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
             names.empty() ? "none" : names));
     const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
-    if (!grid) throw InputError(fmt::format("{}: grid '{}' cannot be read", path, *chosen));
+    if (!grid)
+        throw InputError(
+            fmt::format("{}: grid '{}' is no level set of floats; name another with `gridName`",
+                        path, *chosen));
     return grid;
 }
 

@@ -100,9 +100,9 @@ private:
                           type.compare(type.size() - kHalf.size(), kHalf.size(), kHalf) == 0;
         if (half) type.resize(type.size() - kHalf.size());
         const bool isInstance = !bytes_.text("the parent of a grid").empty();
-        const auto begin = bytes_.get<std::int64_t>("the place of a grid");
-        bytes_.skip(8, "the place of a grid");  // its values: those of an instance have none
-        const auto end = bytes_.get<std::int64_t>("the place of a grid");
+        const auto begin = bytes_.get<std::int64_t>("the offset of a grid");
+        bytes_.skip(8, "the offset of a grid");  // its values: those of an instance have none
+        const auto end = bytes_.get<std::int64_t>("the offset of a grid");
         const auto here = static_cast<std::int64_t>(bytes_.at());
         if (hasOffsets &&
             (begin != here || end < begin || static_cast<std::uint64_t>(end) > bytes_.size()))
@@ -240,7 +240,7 @@ private:
         constexpr std::int32_t kSide = 1 << 12;
         std::array<std::int32_t, 3> origin{};
         for (auto& x : origin) {
-            x = bytes_.get<std::int32_t>("the place of a node");
+            x = bytes_.get<std::int32_t>("the origin of a node");
             if (x % kSide != 0 || x > kFarthest || x < -kFarthest)
                 bytes_.fail(fmt::format("a node at voxel {}", x));
         }
@@ -428,7 +428,7 @@ private:
         if (groups > bytes_.left() / 12) bytes_.fail(fmt::format("{} groups of points", groups));
         for (std::uint64_t g = 0; g < groups; ++g) {
             bytes_.text("the name of a group");
-            bytes_.skip(8, "the place of a group");
+            bytes_.skip(8, "the offset of a group");
         }
         checkMetadata();
         if ((flags & 2) != 0) {

@@ -44,7 +44,7 @@ inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
 ///                   that the image shows where the solid ends.
 /// @param voxelSize  mm; 0: the grid's own voxels without interpolation, those whose centers lie
 ///                   in `bounds`. Else voxels fill `bounds` from its low corner (the last ones may
-///                   stick out) and take the trilinear value. Voxels wider than half of the grid's
+///                   protrude) and take the trilinear value. Voxels wider than half of the grid's
 ///                   band lose the place of the surface between them.
 /// @param margin     mm; voxels this far beyond `bounds` are added with label 0 (all others are
 ///                   then labeled 1): balls and distances at the rim of the total volume then know

@@ -108,8 +108,7 @@ Target targetToWrite(const std::string& file, int dim) {
         throw ParameterError(file + ": dumps are read but not written; " + kWritten);
     if (t.format == Format::svg && dim == 3)
         throw ParameterError(
-            file +
-            ": is a picture of circles; for spheres write .vtp or .vdb, or set `slices` z=V");
+            file + ": is a picture of circles; for spheres write .vtp or .vdb, or set `slice` z=V");
     return t;
 }
 

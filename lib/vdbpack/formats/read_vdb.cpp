@@ -208,7 +208,10 @@ private:
         std::uint64_t sum = 0;
         for (auto leaf = grid_.tree().cbeginLeaf(); leaf; ++leaf) {
             if (leaf->attributeSet().descriptor() != descriptor)
-                throw InputError(path_ + ": leaves of its point grid have different attributes");
+                throw InputError(
+                    fmt::format("{}: leaves of point grid '{}' have different attributes; write it "
+                                "with the same in all",
+                                path_, grid_.getName()));
             // Throws unless every array has as many values as the voxels announce.
             leaf->validateOffsets();
             sum += leaf->attributeSet().get(0)->size();

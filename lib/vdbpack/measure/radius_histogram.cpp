@@ -46,7 +46,7 @@ RadiusHistogram radiusHistogram(const std::vector<double>& radii,
     for (std::size_t b = 0; b < n; ++b) {
         const double end = from + static_cast<double>(b + 1) * result.width;
         const double below = b + 1 < n ? askedBelow(end / (1 + kRounding)) : 1;
-        result.asked.push_back(below - before);
+        result.requested.push_back(below - before);
         before = below;
     }
     return result;

@@ -11,7 +11,7 @@ namespace vdbpack {
 struct RadiusHistogram {
     double low = 0, width = 0;          ///< begin of the first bin, and width of each; mm
     std::vector<std::uint64_t> counts;  ///< radii in each bin
-    std::vector<double> asked;          ///< requested share in each; empty: no request
+    std::vector<double> requested;      ///< requested share in each; empty: no request
 };
 
 /// Equal bins from the smallest to the largest of the radii and of `range`; no bins if there are no

@@ -88,7 +88,7 @@ struct Report {
         /// Gaps up to which contacts are counted, in smaller radii.
         static constexpr std::array<double, 3> kContactTolerances{1e-3, 1e-2, 5e-2};
 
-        std::optional<double> asked;  ///< solid fraction; nothing: as dense as possible
+        std::optional<double> requested;  ///< solid fraction; nothing: as dense as possible
         double before = 0, after = 0;
         std::uint64_t inserted = 0, steps = 0;
         int stages = 0;
@@ -108,13 +108,13 @@ struct Report {
     } seconds;
     std::uint64_t peakMemoryBytes = 0;
 
+    std::vector<std::string> warnings;
+
     /// Not in the JSON: the choices by default, a sentence each ("radius uniform:0.3,0.6, so
-    /// that about 100,000 spheres fill the domain"), the written files, the
-    /// warnings, and how to repeat the run.
+    /// that about 100,000 spheres fill the domain"), the written files, and how to repeat the run.
     std::vector<std::string> chosen;
     std::vector<std::string> files;
     std::string recipe;  ///< TOML that repeats the run; empty: none
-    std::vector<std::string> warnings;
 };
 
 /// The checks that a pack does not pass. Overlaps and protrusions of the input pack do not count.

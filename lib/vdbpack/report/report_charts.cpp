@@ -70,13 +70,13 @@ std::string noSpheres(const Words& words) {
     return fmt::format("There are no {}.", words.spheres);
 }
 
-std::string askedIn(const RadiusHistogram& radii, const Report& report, const Words& words) {
-    const std::string asked = radii.asked.empty()
-                                  ? "No size distribution to compare with (--radius)"
-                                  : "Requested: " + report.requested;
-    return report.existing > 0 ? asked + fmt::format("; without the {} {} that existed before",
-                                                     grouped(report.existing), words.spheres)
-                               : asked;
+std::string requestText(const RadiusHistogram& radii, const Report& report, const Words& words) {
+    const std::string text = radii.requested.empty()
+                                 ? "No size distribution to compare with (--radius)"
+                                 : "Requested: " + report.requested;
+    return report.existing > 0 ? text + fmt::format("; without the {} {} that existed before",
+                                                    grouped(report.existing), words.spheres)
+                               : text;
 }
 
 Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
@@ -84,11 +84,11 @@ Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& wor
         chartOf("chart-sizes", "Sizes", "radius, mm",
                 fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size()),
                 noSpheres(words));
-    chart.note = fmt::format("{}.", askedIn(radii, report, words));
+    chart.note = fmt::format("{}.", requestText(radii, report, words));
     const auto edges = edgesOf(radii);
     chart.series.push_back({"reached", Form::bars, edges, percent(radii.counts), {}});
-    if (!radii.asked.empty())
-        chart.series.push_back({"requested", Form::steps, edges, percent(radii.asked), {}});
+    if (!radii.requested.empty())
+        chart.series.push_back({"requested", Form::steps, edges, percent(radii.requested), {}});
     return chart;
 }
 
@@ -101,9 +101,9 @@ Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const W
     if (radii.counts.empty()) return chart;
     const auto edges = edgesOf(radii);
     chart.series.push_back({"reached", Form::line, edges, cumulated(percent(radii.counts)), {}});
-    if (!radii.asked.empty())
+    if (!radii.requested.empty())
         chart.series.push_back(
-            {"requested", Form::points, edges, cumulated(percent(radii.asked)), {}});
+            {"requested", Form::points, edges, cumulated(percent(radii.requested)), {}});
     return chart;
 }
 

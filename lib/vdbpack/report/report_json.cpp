@@ -57,7 +57,7 @@ Json densifiedJson(const Report& r) {
         contacts.push_back({{"tolerance", Report::Densified::kContactTolerances[k]},
                             {"before", d.contactsBefore[k]},
                             {"after", d.contactsAfter ? Json((*d.contactsAfter)[k]) : Json()}});
-    return {{"asked", d.asked ? Json(*d.asked) : Json("max")},
+    return {{"asked", d.requested ? Json(*d.requested) : Json("max")},
             {"before", d.before},
             {"after", d.after},
             {"inserted", d.inserted},
@@ -148,6 +148,7 @@ nlohmann::ordered_json toJson(const Report& r) {
                        {"voids", r.seconds.voids}, {"measure", r.seconds.measure},
                        {"write", r.seconds.write}, {"total", r.seconds.total}};
     json["peakMemoryBytes"] = r.peakMemoryBytes;
+    json["warnings"] = r.warnings;
     return json;
 }
 

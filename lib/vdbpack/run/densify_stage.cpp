@@ -30,7 +30,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
                  Report& report, const Callbacks& callbacks) {
     Clock clock;
     Report::Densified told;
-    if (std::isfinite(setting.fraction)) told.asked = setting.fraction;
+    if (std::isfinite(setting.fraction)) told.requested = setting.fraction;
     told.contactsBefore = contactsOf(pack.spheres);
     DensifyOptions options;
     options.fraction = setting.fraction;

@@ -95,7 +95,7 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
     const std::string& file = recipe.source;
     if (!shells.outer.empty() && shells.outer != file)
         throw ParameterError(
-            fmt::format("`shells` names {} as the outer surface and DOMAIN is {}: "
+            fmt::format("`shells` names {} as the outer surface and the domain is {}: "
                         "give one of the two",
                         shells.outer, file));
     TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);

@@ -38,7 +38,10 @@ std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, doubl
         if (squaredLength(line.normal) > 0) {
             lines.push_back(line);
         } else if (line.offset < 0) {
-            throw InputError(fmt::format("`clips` leaves nothing at z = {}", height));
+            throw InputError(fmt::format(
+                "`clips` leave nothing of the plane z={} mm; choose another height, or clips that "
+                "cross it",
+                height));
         }
     }
     return lines;
@@ -91,9 +94,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     const std::string& text = recipe.source;
     for (const auto& clip : recipe.clips)
         for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
-    if (recipe.slices.size() > 1)
-        throw ParameterError("`slices` is given twice; a pack has one plane: run once for each");
-    if (!recipe.slices.empty()) slice_ = parseSlice(recipe.slices.front());
+    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
     if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
         throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
 
@@ -105,8 +106,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         else
             wall3_ = spaceWall(*shape);
         if (slice_ && plane_)
-            throw ParameterError("`slices` cuts a domain of space; '" + text +
-                                 "' is plane already");
+            throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
         return;
     }
     const double scale = recipe.scale * millimetersPer(recipe.unit);
@@ -271,7 +271,8 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles,
     if (wall2_ || wall3_) {
         auto wall = wall2_ ? wall2_ : sliceShape(*wall3_, *slice_);
         if (!wall)
-            throw InputError(fmt::format("`slices` z={} misses {}", *slice_, recipe_.source));
+            throw InputError(fmt::format("`slice` z={} mm misses {}; choose a height within it",
+                                         *slice_, recipe_.source));
         wall->clips = inPlane(clips_, slice_.value_or(0));
         return checkProtrusion(circles, *wall);
     }

@@ -1,7 +1,9 @@
 #include "vdbpack/run/input_pack.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
@@ -28,6 +30,20 @@ void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbac
 }
 
 }  // namespace
+
+std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
+                                                const Callbacks& callbacks) {
+    const std::string extension = extensionOf(recipe.pack);
+    if (extension == ".stl" || extension == ".obj" || extension == ".off") return std::nullopt;
+    try {
+        return readInputPack(recipe, callbacks);
+    } catch (const InputError&) {
+        if (extension == ".ply") return std::nullopt;  // without radii: a mesh
+        // Without points it may be a level set; if it is neither, the first message is the better.
+        if (extension != ".vdb" || !holdsLevelSet(recipe.pack)) throw;
+        return std::nullopt;
+    }
+}
 
 Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
@@ -57,7 +73,7 @@ void requireDomain(const InputPack& recipe) {
     if (!d.source.empty()) return;
     const char* set = d.unit != Unit::millimeter ? "`unit`"
                       : d.scale != 1             ? "`scale`"
-                      : !d.slices.empty()        ? "`slices`"
+                      : !d.slice.empty()         ? "`slice`"
                       : !d.clips.empty()         ? "`clips`"
                                                  : nullptr;
     if (set)

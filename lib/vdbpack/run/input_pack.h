@@ -19,6 +19,10 @@ namespace vdbpack {
 /// @throws as readPack; InputError if there are none
 Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks);
 
+/// The same, or nothing if the file is a solid: a mesh, or a .vdb of level sets.
+std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
+                                                const Callbacks& callbacks);
+
 /// Refuses settings of a domain that is not there. @throws ParameterError
 void requireDomain(const InputPack& recipe);
 
@@ -92,7 +96,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     const bool plane = isPlane(given);
     if (source && source->dim() == 3 && plane)
         callbacks.warn(recipe.pack +
-                       ": all its spheres lie at one height. Set `slices` to z=V to "
+                       ": all its spheres lie at one height. Set `slice` to z=V to "
                        "measure them as circles of a plane");
     if (source ? source->dim() == 2 : plane) {
         Pack<2> circles = asCircles(given);

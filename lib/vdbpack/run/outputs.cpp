@@ -224,12 +224,12 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
         if (levelSet && dim == 2)
             throw ParameterError(output +
                                  ": needs a level set, which circles do not have; "
-                                 "write .svg, or leave `slices` out");
+                                 "write .svg, or leave `slice` out");
         if (run == RunKind::convert) {
             if (target.kind == OutputKind::voidList)
-                throw ParameterError(
-                    output +
-                    ": a pack contains no list of voids; vdb_pack pack and voids write lists");
+                throw ParameterError(output +
+                                     ": a pack contains no list of voids; leave it out: runs that "
+                                     "make voids write it");
             if (target.grid == kVoids || target.grid == kSolid)
                 throw ParameterError(fmt::format(
                     "{}: convert makes no voids; name the level set of a .vdb (`packGrid` "

@@ -59,7 +59,7 @@ public:
         if (domain.unit != Unit::millimeter) add("--unit", unitName(domain.unit));
         if (domain.scale != 1) add("--scale", domain.scale);
         add("--grid", domain.gridName);
-        add("--slice", domain.slices);
+        add("--slice", domain.slice);
         add("--clip", domain.clips);
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");

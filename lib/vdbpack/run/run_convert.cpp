@@ -21,20 +21,6 @@ namespace {
 
 constexpr double kVoxelsAcross = 256;  // of a mesh whose voxels nobody has chosen
 
-/// The pack, or nothing where the file is a solid.
-std::optional<Pack<3>> packOf(const ConvertRecipe& recipe, const Callbacks& callbacks) {
-    for (const char* mesh : {".stl", ".obj", ".off"})
-        if (extensionOf(recipe.pack) == mesh) return std::nullopt;
-    try {
-        return readInputPack(recipe, callbacks);
-    } catch (const InputError&) {
-        if (extensionOf(recipe.pack) == ".ply") return std::nullopt;  // without radii: a mesh
-        // Without points it may be a level set; if it is neither, the first message is the better.
-        if (extensionOf(recipe.pack) != ".vdb" || !holdsLevelSet(recipe.pack)) throw;
-        return std::nullopt;
-    }
-}
-
 template <int Dim>
 void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
                  const Callbacks& callbacks) {
@@ -162,7 +148,7 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
-        const auto pack = packOf(recipe, heard);
+        const auto pack = readInputPackUnlessSolid(recipe, heard);
         if (!pack)
             convertSolid(recipe, result, heard);
         else if (isPlane(*pack))

@@ -19,27 +19,14 @@ namespace {
 /// An image narrower than this is warned about.
 constexpr std::int64_t kFewVoxels = 16;
 
-bool isMesh(const std::string& file) {
-    return extensionOf(file) == ".stl" || extensionOf(file) == ".obj" ||
-           extensionOf(file) == ".off";
-}
-
-/// Whether a file is measured as a solid; `pack` is set to what was read if not.
-bool isSolid(const MeasureRecipe& recipe, std::optional<Pack<3>>& pack,
-             const Callbacks& callbacks) {
-    if (isMesh(recipe.pack)) return true;
-    const bool vdb = extensionOf(recipe.pack) == ".vdb";
-    if (vdb && !recipe.domain.gridName.empty() && extensionOf(recipe.domain.source) != ".vdb")
-        return true;
-    try {
-        pack = readInputPack(recipe, callbacks);
-        return false;
-    } catch (const InputError&) {
-        if (extensionOf(recipe.pack) == ".ply") return true;  // without radii: a mesh
-        // Without points it may be a level set; if it is neither, the first message is the better.
-        if (!vdb || !recipe.packGrid.empty() || !holdsLevelSet(recipe.pack)) throw;
-        return true;
-    }
+/// What is measured as a pack, or nothing if it is a solid. A grid's name says which of both.
+std::optional<Pack<3>> packToMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    if (!recipe.packGrid.empty()) return readInputPack(recipe, callbacks);
+    const bool namesLevelSet = extensionOf(recipe.pack) == ".vdb" &&
+                               !recipe.domain.gridName.empty() &&
+                               extensionOf(recipe.domain.source) != ".vdb";
+    if (namesLevelSet) return std::nullopt;
+    return readInputPackUnlessSolid(recipe, callbacks);
 }
 
 /// How far beyond the total volume the solid is looked at, mm, so that balls do not grow through
@@ -144,8 +131,8 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     MeasureResult result = withThreads(recipe.threads, [&] {
         Clock clock;
-        std::optional<Pack<3>> pack;
-        if (isSolid(recipe, pack, heard)) return measureSolid(recipe, std::move(report), heard);
+        std::optional<Pack<3>> pack = packToMeasure(recipe, heard);
+        if (!pack) return measureSolid(recipe, std::move(report), heard);
         report.seconds.mesh = clock.lap();
         const auto depthFor = [&](const RadiusStatistics& r) {
             return structureDepth(r, recipe.shell);

@@ -4,12 +4,15 @@
 #include "vdbpack/run/input_pack.h"
 
 #include <optional>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
-    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
+    std::vector<std::string> warnings;
+    const Callbacks callbacks = keepingWarnings(withinMemory(caller, recipe.memoryLimit), warnings);
     if (recipe.vacancySamples > 0 && recipe.domain.source.empty())
         throw ParameterError("`vacancySamples` are points of a domain; set `domain`");
     Report report = begunReport(recipe, "verify", recipe.pack);
@@ -35,6 +38,7 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
             });
         run.vacancies = vacancies;
         run.report.seconds.total = clock.total();
+        run.report.warnings = std::move(warnings);
         return run;
     });
 }

@@ -93,13 +93,13 @@ void requireUse(const VoidRecipe& r, VoidMethod method) {
 void requireInput(const VoidRecipe& r, VoidMethod method, bool hasSpheres, bool hasFront) {
     if (needsFront(method) && !hasFront)
         throw ParameterError(
-            fmt::format("`voids` {} makes its voids during packing; use it with vdb_pack "
-                        "pack, or choose overlay or boolean here",
+            fmt::format("`voids` {} makes its voids during packing, and this run packs nothing; "
+                        "choose overlay or boolean here",
                         r.method));
     if (isThinning(method) && !hasSpheres)
         throw ParameterError(
-            fmt::format("`voids` {} removes spheres from a pack; use it with vdb_pack pack "
-                        "or carve, or choose grid, overlay or boolean here",
+            fmt::format("`voids` {} removes spheres, and this run has none; choose grid, "
+                        "overlay or boolean here",
                         r.method));
 }
 

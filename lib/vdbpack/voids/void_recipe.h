@@ -29,16 +29,17 @@ struct VoidRecipe {
     std::string method;  ///< name as in VoidMethod, or list:FILE; empty: none
     double shell = 0;    ///< thickness of the layer along the wall that is kept free of voids
     Cull cull = Cull::center;
-    bool keepConnected = false;  ///< remove spheres that are not connected to the shell
-    std::optional<double> targetBvtv, targetTbth;
-    double voxelSize = 0;         ///< of the level sets; 0: chosen by the program
-    std::string radius;           ///< SPEC of the half-axis b; empty: chosen by the program
-    std::string aspect;           ///< SPEC of a / b; empty: 2
-    std::optional<double> count;  ///< voids with centers deeper than the shell
-    std::optional<double> probability;
-    std::optional<double> deleteFraction;
-    std::string matrix;  ///< file of 0 and 1 for `grid`
-    std::string cell;    ///< "S" or "X,Y,Z": sides of the boxes of `grid`
+    bool keepConnected = false;        ///< remove spheres that are not connected to the shell
+    std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1
+    std::optional<double> targetTbth;  ///< boolean: mean Tb.Th to reach by the size of voids
+    double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
+    std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
+    std::string aspect;                ///< SPEC of a / b; empty: 2
+    std::optional<double> count;  ///< boolean, overlay: voids with centers deeper than the shell
+    std::optional<double> probability;     ///< grid: of a void in a box; mixed, ellipses: of a hole
+    std::optional<double> deleteFraction;  ///< D of concentric and threshold, 0 to 1
+    std::string matrix;                    ///< file of 0 and 1 for `grid`
+    std::string cell;                      ///< "S" or "X,Y,Z": sides of the boxes of `grid`
     OrientationRecipe orientation;
 
     bool empty() const { return method.empty(); }
