@@ -46,10 +46,6 @@ struct Job {
     std::string mesh;  ///< MESH[:UNIT[:SMALLEST_RADIUS_MM]]; empty: a box or square
 };
 
-const char* nameOf(Effort effort) {
-    return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
-}
-
 /// Solid fraction within one largest diameter of the faces between blocks, minus that elsewhere,
 /// both deeper than three largest radii; nothing if there is one block.
 template <int Dim>

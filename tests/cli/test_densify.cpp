@@ -43,9 +43,10 @@ TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli]
     CHECK(json["seconds"]["densify"] > 0);
     CHECK(toJson(before)["densified"].is_null());
     Report report = run.report;
-    CHECK_THAT(summary(report), Contains("densified  from 0.5") && Contains("--contact-tol 0.01"));
+    CHECK_THAT(summary(report),
+               Contains("densified  from 0.5") && Contains("`contactTolerance` 0.01"));
     report.contactTolerance = 0.01;
-    CHECK_THAT(summary(report), !Contains("--contact-tol"));
+    CHECK_THAT(summary(report), !Contains("contactTolerance"));
     // One name and one place in the order each.
     const auto& pack = std::get<Pack<3>>(run.pack);
     CHECK(pack.order.size() == pack.spheres.size());

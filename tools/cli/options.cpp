@@ -23,13 +23,18 @@ using namespace vdbpack;
 
 namespace {
 
-const Names<Effort> kEfforts{
-    {"fast", Effort::fast}, {"normal", Effort::normal}, {"dense", Effort::dense}};
-const Names<Order> kOrders{{"sweep", Order::sweep},
-                           {"wall", Order::wall},
-                           {"centre", Order::center},
+/// A value with its name.
+template <class Enum>
+std::pair<std::string, Enum> named(Enum value) {
+    return {nameOf(value), value};
+}
+
+const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(Effort::dense)};
+const Names<Order> kOrders{named(Order::sweep),
+                           named(Order::wall),
+                           named(Order::center),
                            {"center", Order::center},
-                           {"fifo", Order::fifo}};
+                           named(Order::fifo)};
 
 /// Number of points that are searched in about an hour.
 constexpr std::uint64_t kMostVacancySamples = 10'000'000'000;
@@ -274,7 +279,8 @@ CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
     command->add_option("--scale", job.domain.scale, "further factor on its lengths")
         ->option_text("F [1]")
         ->group("Units");
-    command->add_flag("--json", print.json, "print the report as JSON")->group("Run");
+    addMemoryLimit(*command, job.memoryLimit);
+    addPrinting(*command, print);
     return command;
 }
 

@@ -8,4 +8,11 @@ namespace vdbpack {
 /// middle outwards, and first in, first out from the middle.
 enum class Order { sweep, wall, center, fifo };
 
+constexpr const char* nameOf(Order order) {
+    return order == Order::sweep    ? "sweep"
+           : order == Order::wall   ? "wall"
+           : order == Order::center ? "centre"
+                                    : "fifo";
+}
+
 }  // namespace vdbpack

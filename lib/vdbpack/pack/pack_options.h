@@ -17,6 +17,10 @@ namespace vdbpack {
 /// with more pending radii.
 enum class Effort { fast, normal, dense };
 
+constexpr const char* nameOf(Effort effort) {
+    return effort == Effort::fast ? "fast" : effort == Effort::normal ? "normal" : "dense";
+}
+
 /// Options of `packSpheres`, set by name:
 ///
 ///     PackOptions options(SizeDistribution::uniform(1, 2));

@@ -118,7 +118,7 @@ void addDensified(Summary& out, const Report& r, const Words& words) {
     constexpr double kNextTolerance = Report::Densified::kContactTolerances[1];
     if (r.contactTolerance < kNextTolerance)
         out.line("", fmt::format("contacts and bonds of densified {} need a wider tolerance: "
-                                 "--contact-tol {:.2g}",
+                                 "`contactTolerance` {:.2g}",
                                  words.spheres, kNextTolerance));
     out.line("", fmt::format("{:.2g} % in crystalline order (by bond order)", 100 * *d.solidLike));
 }

@@ -109,17 +109,6 @@ std::string densifyText(double fraction) {
     return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
 }
 
-const char* nameOf(Effort effort) {
-    return effort == Effort::fast ? "fast" : effort == Effort::dense ? "dense" : "normal";
-}
-
-const char* nameOf(Order order) {
-    return order == Order::wall     ? "wall"
-           : order == Order::center ? "centre"
-           : order == Order::fifo   ? "fifo"
-                                    : "sweep";
-}
-
 std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& recipe,
                                                             const Report& report) {
     Settings s;

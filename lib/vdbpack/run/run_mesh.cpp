@@ -1,6 +1,7 @@
 #include "vdbpack/run/run_mesh.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/write_stl.h"
@@ -11,11 +12,12 @@
 
 namespace vdbpack {
 
-MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks) {
+MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
     for (const auto& output : recipe.outputs)
         if (extensionOf(output) != ".stl")
             throw ParameterError(output + ": surfaces are written as STL; name it .stl");
     checkFiles(recipe.outputs, {}, domainInputs(recipe.domain));
+    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     MeshResult result;
     withThreads(recipe.threads, [&] {
         std::shared_ptr<const RepairReport> repair;
