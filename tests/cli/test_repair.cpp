@@ -101,8 +101,13 @@ TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
     CHECK(volume(file("both.obj") + " --shells solid") == Approx(outside));
     CHECK(volume(file("both.obj") + " --repair --shells solid") == Approx(outside));
     CHECK(volume(file("outer.obj") + " --shells inner=" + file("inner.obj")) == Approx(hollow));
-    CHECK(volume("--shells outer=" + file("outer.obj") + ",inner=" + file("inner.obj")) ==
-          Approx(hollow));
+    const std::string both = " --shells outer=" + file("outer.obj") + ",inner=" + file("inner.obj");
+    CHECK(volume(both) == Approx(hollow));
+    CHECK(vdbPack("verify " + file("p.csv") + both).code == 0);
+    CHECK(vdbPack("densify " + file("p.csv") + both + " -o " + file("d.csv")).code == 0);
+    CHECK(vdbPack("carve " + file("p.csv") + both + " --voids threshold --delete-fraction 0.1 -o " +
+                  file("c.csv"))
+              .code == 0);
 
     const auto aside = vdbPack("pack " + file("outer.obj") +
                                " --shells inner=" + file("aside.obj") + " -o " + file("p.csv"));

@@ -328,7 +328,7 @@ TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {
     refused(to<3>(std::nan(""), ""), "nan");
     DensifyOptions options;
     options.gap = -1;
-    refused(options, "-1 mm");
+    refused(options, "`gap` -1 mm");
     options.gap = 0;
     options.fixed = before.size() + 1;
     refused(options, std::to_string(before.size() + 1));

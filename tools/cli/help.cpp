@@ -62,10 +62,7 @@ std::string HelpPage::make_usage(const CLI::App* app, std::string) const {
         line = (a->get_parent() == nullptr ? std::string("vdb_pack") : a->get_name()) +
                (line.empty() ? "" : " " + line);
     for (const auto* option : app->get_options())
-        if (option->get_positional())
-            line += ' ' + option->get_name(true, false);
-        else if (option->get_required())
-            line += ' ' + option->get_name() + ' ' + option->get_option_text();
+        if (option->get_positional()) line += ' ' + option->get_name(true, false);
     const bool commands = app->get_parent() == nullptr;
     line += commands ? " COMMAND [options]" : " [options]";
     if (app->get_option_no_throw("--output") != nullptr) line += " [-o FILE ...]";

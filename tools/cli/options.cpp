@@ -57,6 +57,11 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
+/// Says so in the help. CLI11 cannot tell whether the domain comes from --shells: the run refuses.
+void requireDomain(CLI::App& command) {
+    command.get_option("--domain")->option_text("DOMAIN (required)");
+}
+
 /// Sizes of the spheres of `pack`, and how they are packed.
 void addSphereOptions(CLI::App* command, PackJob& job) {
     addSizeOptions(*command, job.radius, job.weightBy,
@@ -161,7 +166,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
-    command->get_option("--domain")->required();
+    requireDomain(*command);
     addVoidOptions(*command, job.voids, VoidsIn::file);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
@@ -178,7 +183,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addDensify(*command, job.fraction,
                "add and move spheres until the solid fraction is F, or as high as possible (max); "
                "without this option, no sphere is added and only overlaps are removed");
-    command->get_option("--domain")->required();
+    requireDomain(*command);
     addGap(*command, job.gap);
     addRunOptions(*command, job.seed, job.reportFile, print);
     addPreviewOptions(*command, job.preview);
