@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 # What users include, and all that it includes.
-set(entry_headers vdbpack/vdbpack.h)
+set(entry_headers vdbpack/vdbpack.h vdbpack/field/narrow_band.h)
 set(headers)
 while(entry_headers)
     list(POP_FRONT entry_headers header)

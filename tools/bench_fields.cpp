@@ -56,8 +56,11 @@ openvdb::FloatGrid::Ptr bareField(const TriangleMesh& mesh, double voxelSize, do
 /// The exact band of the same widths.
 openvdb::FloatGrid::Ptr exactBand(const TriangleMesh& mesh, const Facing& facing, double voxelSize,
                                   double depth) {
-    const auto grid = narrowBand({mesh, mesh.bounds().center(), voxelSize},
-                                 static_cast<float>(depth / voxelSize) + 1.0f, 3, facing);
+    NarrowBandOptions options;
+    options.origin = mesh.bounds().center();
+    options.facing = &facing;
+    const auto grid =
+        narrowBand(mesh, voxelSize, static_cast<float>(depth / voxelSize) + 1.0f, 3, options);
     if (grid->activeVoxelCount() == 0) throw std::runtime_error("narrowBand made no voxels");
     return grid;
 }

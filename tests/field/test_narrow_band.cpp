@@ -4,7 +4,6 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/field/narrow_band.h"
-#include "vdbpack/field/vdb_init.h"
 
 #include <catch2/catch.hpp>
 
@@ -102,19 +101,23 @@ std::vector<Case> cases() {
     return all;
 }
 
-Facing facingOf(const Case& c) {
-    return c.facing == 0 ? Facing{} : Facing(c.mesh.triangles.size(), 1);
+/// @param tell  whether the band knows which way the triangles face.
+openvdb::FloatGrid::Ptr bandOf(const Case& c, float inside, float outside, bool tell = true) {
+    const Facing outward(c.mesh.triangles.size(), 1);
+    NarrowBandOptions options;
+    options.origin = c.origin;
+    if (tell && c.facing != 0) options.facing = &outward;
+    return narrowBand(c.mesh, c.voxelSize, inside, outside, options);
 }
 
 }  // namespace
 
 TEST_CASE("narrow bands are exact", "[field]") {
-    initializeOpenVdb();
     constexpr float kInside = 5, kOutside = 3;
     for (const Case& c : cases()) {
         INFO(c.name);
         const LatticeMesh lattice{c.mesh, c.origin, c.voxelSize};
-        const auto grid = narrowBand(lattice, kInside, kOutside, facingOf(c));
+        const auto grid = bandOf(c, kInside, kOutside);
         // Every voxel around the mesh: those in the band active and exact, all others a side.
         Box<3> box;
         for (const auto& v : c.mesh.vertices) box.add((v - c.origin) * (1 / c.voxelSize));
@@ -159,12 +162,9 @@ TEST_CASE("narrow bands are exact", "[field]") {
 }
 
 TEST_CASE("a narrow band is the same for any number of threads", "[field]") {
-    initializeOpenVdb();
     const Case c = cases().front();
     const auto make = [&](int threads) {
-        return withThreads(threads, [&] {
-            return narrowBand({c.mesh, c.origin, c.voxelSize}, 5, 3, facingOf(c));
-        });
+        return withThreads(threads, [&] { return bandOf(c, 5, 3); });
     };
     const auto one = make(1), three = make(3);
     REQUIRE(one->activeVoxelCount() == three->activeVoxelCount());
@@ -173,10 +173,8 @@ TEST_CASE("a narrow band is the same for any number of threads", "[field]") {
 }
 
 TEST_CASE("which way triangles face does not matter to a narrow band", "[field]") {
-    initializeOpenVdb();
     const Case c = cases().front();
-    const LatticeMesh lattice{c.mesh, c.origin, c.voxelSize};
-    const auto known = narrowBand(lattice, 5, 3, facingOf(c)), unknown = narrowBand(lattice, 5, 3);
+    const auto known = bandOf(c, 5, 3), unknown = bandOf(c, 5, 3, false);
     REQUIRE(known->activeVoxelCount() == unknown->activeVoxelCount());
     for (auto value = known->cbeginValueOn(); value; ++value)
         REQUIRE(std::abs(unknown->tree().getValue(value.getCoord()) - *value) < 1e-5 * c.voxelSize);

@@ -3,7 +3,7 @@
 #include "fuzz_file.h"
 #include "support/band_oracle.h"
 
-#include "vdbpack/field/vdb_init.h"
+#include "vdbpack/field/narrow_band.h"
 
 #include <set>
 
@@ -38,11 +38,10 @@ TriangleMesh meshOf(const std::uint8_t* data, std::size_t size) {
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     constexpr float kInside = 4, kOutside = 3;
-    initializeOpenVdb();
     const TriangleMesh mesh = meshOf(data, size);
     if (mesh.triangles.empty()) return 0;
     const LatticeMesh lattice{mesh, {}, 1};
-    const auto grid = narrowBand(lattice, kInside, kOutside);
+    const auto grid = narrowBand(mesh, 1, kInside, kOutside);
     for (int x = -4; x <= 20; x += 2)
         for (int y = -4; y <= 20; y += 2)
             for (int z = -4; z <= 20; ++z) {

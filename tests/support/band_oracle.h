@@ -1,7 +1,7 @@
 // Distances and sides by all triangles of a mesh, one after the other.
 #pragma once
 
-#include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/lattice_mesh.h"
 
 #include <algorithm>
 #include <cmath>

@@ -11,7 +11,10 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <exception>
+#include <functional>
 
 namespace vdbpack {
 
@@ -35,6 +38,24 @@ void forAll(std::size_t n, const Work& work) {
                       [&](const tbb::blocked_range<std::size_t>& part) {
                           for (std::size_t i = part.begin(); i < part.end(); ++i) work(i);
                       });
+}
+
+/// Runs `works` beside one another, each to its end: in tbb::parallel_invoke an exception of one
+/// ends TBB algorithms within the others early, which then go on with what is half done.
+/// The exception of the first work that has one passes through.
+template <class... Works>
+void invokeAll(const Works&... works) {
+    const std::array<std::function<void()>, sizeof...(works)> all{works...};
+    std::array<std::exception_ptr, sizeof...(works)> thrown;
+    tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t i) {
+        try {
+            all[i]();
+        } catch (...) {
+            thrown[i] = std::current_exception();
+        }
+    });
+    for (const std::exception_ptr& exception : thrown)
+        if (exception) std::rethrow_exception(exception);
 }
 
 /// The bounds of all that `add(i, box)` adds, 0 <= i < n.

@@ -37,6 +37,18 @@ public:
         return distance;
     }
 
+    DepthRange depthRange(const Vec<Dim>& x) override {
+        DepthRange range = base_->depthRange(x);
+        for (const auto& plane : planes_) {
+            const double depth = plane.offset - dot(plane.normal, x);
+            range.least = std::min(range.least, depth);
+            range.most = std::min(range.most, depth);
+        }
+        // Outside, the wall can be farther away than each part's.
+        if (range.least < 0) range.least = -std::numeric_limits<double>::infinity();
+        return range;
+    }
+
     bool contains(const Vec<Dim>& x) override {
         for (const auto& plane : planes_)
             if (dot(plane.normal, x) >= plane.offset) return false;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/depth_range.h"
 #include "vdbpack/core/vec.h"
 
 #include <cstdint>
@@ -30,6 +31,13 @@ public:
     /// the width of the field. One lookup. Exact for analytic shapes; for meshes the field's
     /// trilinear value, off by about a voxel at worst near the wall.
     virtual double signedDistance(const Vec<Dim>& x) = 0;
+
+    /// Certain bounds of the depth of `x`, where they are closer than the error of
+    /// `signedDistance`; by default none. A little slower than that.
+    virtual DepthRange depthRange(const Vec<Dim>& x) {
+        (void)x;
+        return {};
+    }
 
     /// Whether `x` is inside, by the wall itself: in gaps narrower than a voxel, a field may take
     /// the outside for inside. Slower than `signedDistance`. A front needs it only where it starts,

@@ -1,4 +1,5 @@
 // How far every cell is from the nearest cell with a facet.
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_cells.h"
 
 #include <tbb/blocked_range.h>
@@ -83,19 +84,12 @@ std::vector<std::uint8_t> emptyRings(const FacetCells<Dim>& cells,
     const std::size_t n = cells.size();
     std::vector<std::uint8_t> rings(n);
     Spread<Dim> near(cells.count, n);
-    for (std::size_t i = 0; i < n; ++i) {
-        near.marked[i] = start[i] != start[i + 1];
-        rings[i] = near.marked[i] ? 0 : most;
-    }
-    for (std::uint8_t ring = 1; ring < most; ++ring) {
-        near.grow();
-        bool changed = false;
-        for (std::size_t i = 0; i < n; ++i)
-            if (near.marked[i] && rings[i] == most) {
-                rings[i] = ring;
-                changed = true;
-            }
-        if (!changed) break;
+    forAll(n, [&](std::size_t i) { near.marked[i] = start[i] != start[i + 1]; });
+    for (std::uint8_t ring = 0; ring < most; ++ring) {
+        if (ring > 0) near.grow();
+        forAll(n, [&](std::size_t i) {
+            rings[i] = static_cast<std::uint8_t>(rings[i] + (near.marked[i] == 0));
+        });
     }
     return rings;
 }

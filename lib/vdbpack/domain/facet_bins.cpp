@@ -17,6 +17,8 @@ namespace {
 // More empty rings than this are not counted; a search starts there at the latest.
 constexpr std::uint8_t kMostRings = 7;
 constexpr std::size_t kFacetsPerChunk = 4096;
+/// Ranges of cells that are filled in parallel.
+constexpr std::size_t kSlabs = 64;
 // A triangle lower than this share of its longest edge is replaced by that edge: its normal has no
 // digits left, and its points move by less than this share.
 constexpr double kSliver = 1e-8;
@@ -53,17 +55,39 @@ double commonExtent(const std::vector<Facet<Dim>>& facets) {
     return *middle;
 }
 
+/// Entries of some facets, by slabs of cells; in each slab with rising facets.
+class Chunk {
+public:
+    std::vector<FacetEntry> entries;
+
+    /// Sorts the entries by slabs of `cellsPerSlab` cells.
+    void sortBySlab(std::size_t slabs, std::size_t cellsPerSlab) {
+        start_.assign(slabs + 1, 0);
+        for (const auto& entry : entries) ++start_[entry.cell / cellsPerSlab + 1];
+        for (std::size_t s = 0; s < slabs; ++s) start_[s + 1] += start_[s];
+        std::vector<std::size_t> next(start_.begin(), start_.end() - 1);
+        std::vector<FacetEntry> sorted(entries.size());
+        for (const auto& entry : entries) sorted[next[entry.cell / cellsPerSlab]++] = entry;
+        entries = std::move(sorted);
+    }
+    const FacetEntry* first(std::size_t slab) const { return entries.data() + start_[slab]; }
+    const FacetEntry* last(std::size_t slab) const { return entries.data() + start_[slab + 1]; }
+
+private:
+    std::vector<std::size_t> start_;  // of each slab, and one past the last
+};
+
 /// Entries of all facets in chunks of rising facets. @return false if there are more than `most`.
 template <int Dim>
 bool listAll(const FacetCells<Dim>& cells, const std::vector<Facet<Dim>>& facets, std::size_t most,
-             std::vector<std::vector<FacetEntry>>& chunks) {
+             std::vector<Chunk>& chunks) {
     chunks.resize((facets.size() + kFacetsPerChunk - 1) / kFacetsPerChunk);
     std::atomic<std::size_t> total{0};
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, chunks.size(), 1),
         [&](const tbb::blocked_range<std::size_t>& range) {
             for (std::size_t k = range.begin(); k != range.end(); ++k) {
-                auto& entries = chunks[k];
+                auto& entries = chunks[k].entries;
                 const std::size_t begin = k * kFacetsPerChunk;
                 const std::size_t end = std::min(facets.size(), begin + kFacetsPerChunk);
                 std::size_t counted = 0;
@@ -97,20 +121,37 @@ FacetBins<Dim>::FacetBins(std::vector<Facet<Dim>> facets) : facets_(std::move(fa
 /// `mostItems` entries.
 template <int Dim>
 bool FacetBins<Dim>::fill(std::size_t mostItems) {
-    std::vector<std::vector<FacetEntry>> chunks;
+    std::vector<Chunk> chunks;
     if (!listAll(cells_, facets_, mostItems, chunks)) return false;
-    // A counting sort: facets stay in their order within each cell, for any number of threads.
-    const std::size_t cells = cells_.size();
-    start_.assign(cells + 1, 0);
+    // A counting sort, slab by slab: facets stay in their order within each cell, for any number of
+    // threads.
+    const std::size_t cells = cells_.size(), perSlab = cells / kSlabs + 1;
+    tbb::parallel_for(std::size_t{0}, chunks.size(),
+                      [&](std::size_t k) { chunks[k].sortBySlab(kSlabs, perSlab); });
+    std::array<std::size_t, kSlabs + 1> slabStart{};
     for (const auto& chunk : chunks)
-        for (const auto& entry : chunk) ++start_[entry.cell + 1];
-    for (std::size_t i = 0; i < cells; ++i) start_[i + 1] += start_[i];
+        for (std::size_t s = 0; s < kSlabs; ++s)
+            slabStart[s + 1] += static_cast<std::size_t>(chunk.last(s) - chunk.first(s));
+    for (std::size_t s = 0; s < kSlabs; ++s) slabStart[s + 1] += slabStart[s];
     const std::vector<Item> ballOf = balls();
-    items_.resize(start_[cells]);
-    for (const auto& chunk : chunks)
-        for (const auto& entry : chunk) items_[start_[entry.cell]++] = ballOf[entry.facet];
-    for (std::size_t i = cells; i > 0; --i) start_[i] = start_[i - 1];
-    start_[0] = 0;
+    items_.resize(slabStart[kSlabs]);
+    start_.assign(cells + 1, static_cast<std::uint32_t>(slabStart[kSlabs]));
+    tbb::parallel_for(std::size_t{0}, kSlabs, [&](std::size_t s) {
+        const std::size_t begin = std::min(s * perSlab, cells),
+                          end = std::min(begin + perSlab, cells);
+        std::fill(start_.data() + begin, start_.data() + end, 0);
+        for (const auto& chunk : chunks)
+            for (const auto* entry = chunk.first(s); entry != chunk.last(s); ++entry)
+                ++start_[entry->cell];
+        auto sum = static_cast<std::uint32_t>(slabStart[s]);
+        for (std::size_t cell = begin; cell < end; ++cell) sum = start_[cell] += sum;
+        // From the last entry to the first: what was the end of a cell becomes its start.
+        for (std::size_t k = chunks.size(); k-- > 0;)
+            for (const auto* entry = chunks[k].last(s); entry != chunks[k].first(s);) {
+                --entry;
+                items_[--start_[entry->cell]] = ballOf[entry->facet];
+            }
+    });
     return true;
 }
 

@@ -84,7 +84,7 @@ private:
     void listSegment() {
         const Vec<Dim> edge = facet_[1] - facet_[0];
         const int pieces = static_cast<int>(extent_ * cells_.inverse) + 1;
-        std::vector<std::size_t> touched;
+        std::vector<std::uint32_t> touched;
         for (int piece = 0; piece < pieces; ++piece) {
             Box<Dim> box;
             box.add(facet_[0] + edge * (static_cast<double>(piece) / pieces));
@@ -97,7 +97,7 @@ private:
         }
         std::sort(touched.begin(), touched.end());
         touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-        for (const std::size_t cell : touched) entries_.push_back({cell, id_});
+        for (const std::uint32_t cell : touched) entries_.push_back({cell, id_});
     }
 
     /// Column by column along the axis that the facet faces most, so that the work is proportional

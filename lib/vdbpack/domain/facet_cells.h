@@ -41,18 +41,18 @@ struct FacetCells {
         const auto last = count[static_cast<std::size_t>(axis)] - 1;
         return static_cast<int>(std::clamp(index, 0.0, static_cast<double>(last)));
     }
-    std::size_t flat(const Index& index) const {
-        std::size_t cell = 0;
+    std::uint32_t flat(const Index& index) const {
+        std::uint32_t cell = 0;
         for (std::size_t i = static_cast<std::size_t>(Dim); i-- > 0;)
-            cell = cell * static_cast<std::size_t>(count[i]) + static_cast<std::size_t>(index[i]);
+            cell =
+                cell * static_cast<std::uint32_t>(count[i]) + static_cast<std::uint32_t>(index[i]);
         return cell;
     }
 };
 
 /// A facet listed in a cell.
 struct FacetEntry {
-    std::size_t cell;
-    std::uint32_t facet;
+    std::uint32_t cell, facet;
 };
 
 /// Appends an entry for every cell that the facet number `id` meets;

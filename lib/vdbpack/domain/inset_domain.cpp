@@ -16,6 +16,11 @@ public:
 
     double signedDistance(const Vec<Dim>& x) override { return outer_->signedDistance(x) + inset_; }
 
+    DepthRange depthRange(const Vec<Dim>& x) override {
+        const DepthRange range = outer_->depthRange(x);
+        return {range.least - inset_, range.most - inset_};
+    }
+
     bool contains(const Vec<Dim>& x) override {
         return !outer_->isWallCloser(x, inset_) && outer_->contains(x);
     }

@@ -10,7 +10,6 @@
 #include "vdbpack/mesh/mesh_sides.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <cmath>
@@ -64,6 +63,8 @@ public:
         return distance_;
     }
 
+    DepthRange depthRange(const Vec<3>& x) override { return field_.depthRange(x); }
+
     bool contains(const Vec<3>& x) override {
         const int side = contour_ ? field_.sideAround(x) : 0;
         return side != 0 ? side < 0 : sides_.inside(x);
@@ -99,8 +100,7 @@ struct Parts {
     std::unique_ptr<const VdbField> field;
     std::unique_ptr<const FacetBins<3>> bins;
     std::unique_ptr<const MeshSides> sides;
-    std::vector<std::int8_t> facing;
-    std::vector<std::uint8_t> depthOfTriangle;  // as `VdbField`
+    MeshNesting nesting;
     std::string name;
     bool contour = false;  // the mesh is the contour of the field
     double volume = 0;
@@ -138,11 +138,11 @@ public:
     std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const override {
         if (std::abs(voxelSize - parts_.field->voxelSize()) < 1e-9 * voxelSize) return grid();
         requireVoxels(parts_.name, parts_.mesh, parts_.area, voxelSize, 0);
-        return VdbField(parts_.mesh, parts_.depthOfTriangle, voxelSize, 0).surface();
+        return VdbField(parts_.mesh, parts_.nesting, voxelSize, 0).surface();
     }
     const TriangleMesh& wall() const override { return parts_.mesh; }
     std::shared_ptr<const Domain<2>> slice(double height) const override {
-        return meshSlice(shared_from_this(), parts_.facing, height);
+        return meshSlice(shared_from_this(), parts_.nesting.facing, height);
     }
 
 private:
@@ -156,20 +156,27 @@ bool isAbout(double voxelSize, double wanted) {
     return voxelSize > 0.4 * wanted && voxelSize < 1.5 * wanted;
 }
 
-/// Which shells of a mesh bound cavities, and which way its triangles face.
-/// @param depthOfTriangle  as `VdbField`. @param facing  as `meshSlice`.
-void nestingOf(const ShellAnalysis& shells, std::vector<std::uint8_t>& depthOfTriangle,
-               std::vector<std::int8_t>& facing) {
-    depthOfTriangle.resize(shells.shellOfTriangle.size());
-    facing.resize(shells.shellOfTriangle.size());
-    bool nested = false;
-    for (std::size_t i = 0; i < shells.shellOfTriangle.size(); ++i) {
-        const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
-        depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(shell.depth, 255));
-        nested = nested || shell.depth > 0;
-        facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
+MeshNesting nestingOf(const MeshAnalysis& analysis) {
+    const ShellAnalysis& shells = analysis.shells;
+    const std::size_t n = shells.shellOfTriangle.size();
+    MeshNesting nesting;
+    nesting.watertight = analysis.health.isWatertight();
+    if (std::any_of(shells.shells.begin(), shells.shells.end(),
+                    [](const Shell& shell) { return shell.depth > 0; })) {
+        nesting.depthOfTriangle.resize(n);
+        forAll(n, [&](std::size_t i) {
+            const int depth = shells.shells[shells.shellOfTriangle[i]].depth;
+            nesting.depthOfTriangle[i] = static_cast<std::uint8_t>(std::min(depth, 255));
+        });
     }
-    if (!nested) depthOfTriangle.clear();
+    if (isClean(analysis.health)) {
+        nesting.facing.resize(n);
+        forAll(n, [&](std::size_t i) {
+            const Shell& shell = shells.shells[shells.shellOfTriangle[i]];
+            nesting.facing[i] = (shell.signedVolume > 0) == (shell.depth % 2 == 0) ? 1 : -1;
+        });
+    }
+    return nesting;
 }
 
 /// Builds the field of a mesh, or takes a level set for it, such that inside and outside are as the
@@ -181,14 +188,13 @@ public:
     double volume = 0;     // that the field encloses, mm³
     bool contour = false;  // the field is a level set, the mesh its contour
 
-    FieldBuilder(const TriangleMesh& mesh, const MeshHealth& health,
-                 const std::vector<std::uint8_t>& depthOfTriangle, const FieldOptions& options,
-                 const Callbacks& callbacks)
+    FieldBuilder(const TriangleMesh& mesh, const MeshHealth& health, const MeshNesting& nesting,
+                 const FieldOptions& options, const Callbacks& callbacks)
         : voxelSize(options.voxelSize > 0 ? options.voxelSize
                                           : defaultVoxelSize(mesh, options.detail)),
           mesh_(mesh),
           health_(health),
-          depthOfTriangle_(depthOfTriangle),
+          nesting_(nesting),
           options_(options),
           callbacks_(callbacks) {
         requireVoxels(options.name, mesh, health.area, voxelSize, options.depth);
@@ -222,8 +228,7 @@ private:
 
     /// @return whether the volume of the field agrees with that of the mesh.
     bool voxelize(double size) {
-        field =
-            std::make_unique<VdbField>(mesh_, depthOfTriangle_, size, options_.depth, callbacks_);
+        field = std::make_unique<VdbField>(mesh_, nesting_, size, options_.depth, callbacks_);
         volume = field->volumeDeeperThan(0);
         if (!(volume > 0)) return false;
         const double difference =
@@ -247,7 +252,7 @@ private:
 
     const TriangleMesh& mesh_;
     const MeshHealth& health_;
-    const std::vector<std::uint8_t>& depthOfTriangle_;
+    const MeshNesting& nesting_;
     const FieldOptions& options_;
     const Callbacks& callbacks_;
 };
@@ -276,19 +281,18 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     if (!(health.area > 0))
         throw InputError(fmt::format("{}: no triangle has an area; repair the mesh", options.name));
     Parts parts;
-    nestingOf(analysis->shells, parts.depthOfTriangle, parts.facing);
-    FieldBuilder builder(mesh, health, parts.depthOfTriangle, options, callbacks);
+    parts.nesting = nestingOf(*analysis);
+    FieldBuilder builder(mesh, health, parts.nesting, options, callbacks);
     // Each is partly serial.
-    tbb::parallel_invoke(
+    invokeAll(
         [&] { builder.build(levelSet); },
         [&] { parts.bins = std::make_unique<const FacetBins<3>>(facetsOf(mesh)); },
-        [&] { parts.sides = std::make_unique<const MeshSides>(mesh, health.isWatertight()); });
+        [&] { parts.sides = std::make_unique<const MeshSides>(mesh, parts.nesting.watertight); });
     if (!isClean(health)) {
         callbacks.warn(fmt::format(
             "{}: the mesh has flaws: {}; its field is sound and is used ({:.6g} mm³, the mesh "
             "itself {:.6g} mm³)",
             options.name, flawsOf(health), builder.volume, health.enclosedVolume));
-        parts.facing.clear();
     }
     parts.volume = isClean(health) ? health.enclosedVolume : builder.volume;
     parts.area = health.area;

@@ -6,6 +6,8 @@
 #include "vdbpack/field/band/column_crossings.h"
 #include "vdbpack/field/band/leaf_distances.h"
 #include "vdbpack/field/band/leaf_lists.h"
+#include "vdbpack/field/vdb_grid.h"
+#include "vdbpack/field/vdb_init.h"
 
 #include <tbb/enumerable_thread_specific.h>
 
@@ -149,16 +151,17 @@ private:
     mutable StopRequest request_;
 };
 
-BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Facing& facing) {
+BandMesh bandMesh(const TriangleMesh& from, double voxelSize, float inside, float outside,
+                  const NarrowBandOptions& options) {
     BandMesh mesh;
-    const double perLength = 1 / from.voxelSize;
-    mesh.vertices.resize(from.mesh.vertices.size());
+    const double perLength = 1 / voxelSize;
+    mesh.vertices.resize(from.vertices.size());
     forAll(mesh.vertices.size(), [&](std::size_t v) {
-        mesh.vertices[v] = (from.mesh.vertices[v] - from.origin) * perLength;
+        mesh.vertices[v] = (from.vertices[v] - options.origin) * perLength;
     });
-    mesh.triangles = &from.mesh.triangles;
+    mesh.triangles = &from.triangles;
     mesh.normals.resize(mesh.triangles->size());
-    mesh.facing = facing.empty() ? nullptr : facing.data();
+    mesh.facing = options.facing ? options.facing->data() : nullptr;
     mesh.inside = inside;
     mesh.outside = outside;
     mesh.bounds = boundsOfAll<3>(mesh.normals.size(), [&](std::size_t i, Box<3>& box) {
@@ -171,19 +174,23 @@ BandMesh bandMesh(const LatticeMesh& from, float inside, float outside, const Fa
 
 }  // namespace
 
-FloatGrid::Ptr narrowBand(const LatticeMesh& lattice, float inside, float outside,
-                          const Facing& facing, const Callbacks& callbacks) {
-    const double h = lattice.voxelSize;
+FloatGrid::Ptr narrowBand(const TriangleMesh& triangles, double voxelSize, float inside,
+                          float outside, const NarrowBandOptions& options,
+                          const Callbacks& callbacks) {
+    initializeOpenVdb();
     FloatGrid::Ptr grid;
-    if (lattice.mesh.triangles.empty()) {
-        grid = FloatGrid::create(static_cast<float>(outside * h));
+    if (triangles.triangles.empty()) {
+        grid = FloatGrid::create(static_cast<float>(outside * voxelSize));
     } else {
-        const BandMesh mesh = bandMesh(lattice, inside, outside, facing);
+        const BandMesh mesh = bandMesh(triangles, voxelSize, inside, outside, options);
         LeafLists lists(mesh, callbacks);
         const ColumnCrossings crossings(mesh, callbacks);
-        grid = BandBuilder(mesh, lists, crossings, h, callbacks).build();
+        grid = BandBuilder(mesh, lists, crossings, voxelSize, callbacks).build();
     }
-    grid->setTransform(openvdb::math::Transform::createLinearTransform(h));
+    const Vec<3>& o = options.origin;
+    const auto transform = openvdb::math::Transform::createLinearTransform(voxelSize);
+    transform->postTranslate(openvdb::Vec3d(o[0], o[1], o[2]));
+    grid->setTransform(transform);
     grid->setGridClass(openvdb::GRID_LEVEL_SET);
     return grid;
 }

@@ -2,14 +2,15 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/lattice_mesh.h"
+#include "vdbpack/field/vdb_grid.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace vdbpack {
 
-/// Signed distances to the chosen triangles of a mesh (all, if empty) as `narrowBand`, by
+/// Signed distances to the chosen triangles of a mesh (all, if empty) on a lattice about zero, by
 /// OpenVDB's `meshToVolume`: inside is what its flood from outside does not reach, so that holes
 /// smaller than voxels are closed and shells within shells are ignored.
 ///

@@ -6,7 +6,8 @@
 
 Options follow a lone "--" (`-- --help` lists them); their defaults are the constants below. The
 files that PACK names lie beside this script and move with it. In the window, the tab "vdb_pack" of
-the 3D view's sidebar (key N) colors the spheres again.
+the 3D view's sidebar (key N) colors the spheres again. It is one long file because it is written
+beside each pack and runs without anything else of vdb_pack.
 """
 
 import argparse

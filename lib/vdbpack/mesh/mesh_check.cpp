@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/parallel_invoke.h>
 
 #include <algorithm>
 #include <array>
@@ -187,7 +186,7 @@ MeshAnalysis analyzeMesh(const TriangleMesh& mesh) {
     MeshHealth& health = analysis.health;
     std::size_t collapsed = 0;
     // Each sets members of its own.
-    tbb::parallel_invoke(
+    invokeAll(
         [&] {
             const EdgeTable edges(mesh);
             countEdges(mesh, edges, health);

@@ -1,10 +1,12 @@
 #include "vdbpack/mesh/mesh_sides.h"
 
+#include "vdbpack/core/count.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/mesh/vertical_line.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
-#include <numeric>
 
 namespace vdbpack {
 
@@ -27,14 +29,21 @@ MeshSides::Columns::Columns(TriangleMesh m) : mesh(std::move(m)), bounds(mesh.bo
                 visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(count[0]) +
                       static_cast<std::size_t>(i));
     };
-    start.assign(static_cast<std::size_t>(count[0]) * static_cast<std::size_t>(count[1]) + 1, 0);
-    for (const auto& t : mesh.triangles)
-        forEachCell(t, [&](std::size_t cell) { ++start[cell + 1]; });
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    triangles.resize(start.back());
-    auto next = start;
-    for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k)
-        forEachCell(mesh.triangles[k], [&](std::size_t cell) { triangles[next[cell]++] = k; });
+    std::vector<std::atomic<std::uint32_t>> next(static_cast<std::size_t>(count[0]) *
+                                                 static_cast<std::size_t>(count[1]));
+    forAll(mesh.triangles.size(), [&](std::size_t k) {
+        forEachCell(mesh.triangles[k],
+                    [&](std::size_t cell) { next[cell].fetch_add(1, std::memory_order_relaxed); });
+    });
+    triangles.resize(firstPositions(next, start, "triangles over the cells of a plane",
+                                    "use a mesh of fewer triangles"));
+    // In any order: crossings are counted.
+    forAll(mesh.triangles.size(), [&](std::size_t k) {
+        forEachCell(mesh.triangles[k], [&](std::size_t cell) {
+            triangles[next[cell].fetch_add(1, std::memory_order_relaxed)] =
+                static_cast<std::uint32_t>(k);
+        });
+    });
 }
 
 int MeshSides::Columns::index(double x, int axis) const {
@@ -48,7 +57,7 @@ void MeshSides::Columns::cross(const Vec<3>& x, int& above, int& below) const {
     const std::size_t cell =
         static_cast<std::size_t>(index(x[1], 1)) * static_cast<std::size_t>(count[0]) +
         static_cast<std::size_t>(index(x[0], 0));
-    for (std::uint64_t k = start[cell]; k < start[cell + 1]; ++k) {
+    for (std::uint32_t k = start[cell]; k < start[cell + 1]; ++k) {
         const auto& t = mesh.triangles[triangles[k]];
         if (!coversLine(mesh, t, x)) continue;
         // On the wall itself either answer will do.

@@ -30,7 +30,7 @@ private:
         Box<3> bounds;
         int count[2] = {1, 1};
         double perLength[2] = {0, 0};
-        std::vector<std::uint64_t> start;
+        std::vector<std::uint32_t> start;
         std::vector<std::uint32_t> triangles;
 
         explicit Columns(TriangleMesh m);

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <memory>
+#include <utility>
 
 namespace vdbpack {
 
@@ -20,25 +20,40 @@ constexpr double kFlat = 1e-7;
 constexpr double kSame = 1e-9;
 /// Cones of vertices with more edges are not computed: all directions count.
 constexpr std::size_t kMostEdges = 24;
+/// Vertices that are worked on at a time, which bounds the memory for their triangles.
+constexpr std::size_t kVerticesAtATime = std::size_t{1} << 20;
 
-/// The triangles at each vertex, in any order.
-struct Corners {
-    std::vector<std::uint32_t> start, triangle;
-
-    explicit Corners(const BandMesh& mesh) {
+/// The triangles at each of some vertices, in any order.
+class Corners {
+public:
+    /// @param begin, end  the vertices.
+    Corners(const BandMesh& mesh, std::size_t begin, std::size_t end) : begin_(begin) {
         const auto& triangles = *mesh.triangles;
-        std::vector<std::atomic<std::uint32_t>> next(mesh.vertices.size());
-        forAll(triangles.size(), [&](std::size_t i) {
-            for (const auto v : triangles[i]) next[v].fetch_add(1, std::memory_order_relaxed);
+        std::vector<std::atomic<std::uint32_t>> next(end - begin);
+        const auto forEachCorner = [&](const auto& visit) {
+            forAll(triangles.size(), [&](std::size_t i) {
+                for (const std::size_t v : triangles[i])
+                    if (v - begin < next.size()) visit(next[v - begin], i);
+            });
+        };
+        forEachCorner([](std::atomic<std::uint32_t>& count, std::size_t) {
+            count.fetch_add(1, std::memory_order_relaxed);
         });
-        triangle.resize(
-            firstPositions(next, start, "corners of triangles", "use a mesh of fewer triangles"));
-        forAll(triangles.size(), [&](std::size_t i) {
-            for (const auto v : triangles[i])
-                triangle[next[v].fetch_add(1, std::memory_order_relaxed)] =
-                    static_cast<std::uint32_t>(i);
+        triangle_.resize(
+            firstPositions(next, start_, "corners of triangles", "use a mesh of fewer triangles"));
+        forEachCorner([&](std::atomic<std::uint32_t>& place, std::size_t i) {
+            triangle_[place.fetch_add(1, std::memory_order_relaxed)] =
+                static_cast<std::uint32_t>(i);
         });
     }
+
+    /// The triangles at a vertex.
+    std::uint32_t* first(std::size_t v) { return triangle_.data() + start_[v - begin_]; }
+    std::uint32_t* last(std::size_t v) { return triangle_.data() + start_[v - begin_ + 1]; }
+
+private:
+    std::size_t begin_;
+    std::vector<std::uint32_t> start_, triangle_;
 };
 
 /// An edge from the vertex that is worked on, and its first two triangles.
@@ -75,7 +90,7 @@ public:
 
     /// Adds the edges from `v` to higher vertices. @param first, last  the triangles at `v`.
     void addEdges(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                  std::vector<BandEdge>& edges) {
+                  BlockList<BandEdge>& edges) {
         edges_.clear();
         forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
             const auto& t = (*mesh_.triangles)[triangle];
@@ -93,13 +108,13 @@ public:
             for (const std::uint32_t of : {edge.a, edge.b})
                 if ((bends_[of].load(std::memory_order_relaxed) & bend) == 0)
                     bends_[of].fetch_or(bend, std::memory_order_relaxed);
-            if (!visits_.edge(edge)) edges.push_back(edge);
+            if (!visits_.edge(edge)) edges.add(edge);
         }
     }
 
     /// Adds `v`, if it matters.
     void addVertex(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                   std::vector<BandVertex>& vertices) {
+                   BlockList<BandVertex>& vertices) {
         const unsigned bends = bends_[v].load(std::memory_order_relaxed);
         if (bends == Bend::flat) return;
         BandVertex vertex{v, 0, {}, -1};
@@ -111,7 +126,7 @@ public:
                 ? coneOfNormals(v, first, last, bends == Bend::above ? 1 : -1, vertex)
                 : polarCone(v, first, last, vertex);
         if (!matters) return;
-        if (!visits_.vertex(vertex)) vertices.push_back(vertex);
+        if (!visits_.vertex(vertex)) vertices.add(vertex);
     }
 
 private:
@@ -263,40 +278,40 @@ Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
 
 BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                           const Callbacks& callbacks) {
-    auto corners = std::make_unique<Corners>(mesh);
-    callbacks.stopIfCancelled();
     Bends bends(mesh.vertices.size());
     tbb::enumerable_thread_specific<BandFeatures> locals;
     tbb::enumerable_thread_specific<Neighborhood> neighborhoods(
         [&] { return Neighborhood(mesh, visits, bends); });
-    const auto forEachVertex = [&](const auto& work) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096),
+    const auto forEachVertex = [&](std::size_t begin, std::size_t end, const auto& work) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, 4096),
                           [&](const tbb::blocked_range<std::size_t>& part) {
                               BandFeatures& features = locals.local();
                               Neighborhood& around = neighborhoods.local();
-                              std::uint32_t* const triangles = corners->triangle.data();
                               for (std::size_t v = part.begin(); v < part.end(); ++v)
-                                  work(static_cast<std::uint32_t>(v), triangles + corners->start[v],
-                                       triangles + corners->start[v + 1], around, features);
+                                  work(static_cast<std::uint32_t>(v), around, features);
                           });
         callbacks.stopIfCancelled();
     };
-    forEachVertex([](std::uint32_t v, std::uint32_t* first, std::uint32_t* last,
-                     Neighborhood& around, BandFeatures& features) {
-        // Threads wrote them; sums shall not depend on which was first.
-        std::sort(first, last);
-        around.addEdges(v, first, last, features.edges);
-    });
-    forEachVertex([](std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                     Neighborhood& around, BandFeatures& features) {
-        around.addVertex(v, first, last, features.vertices);
-    });
-    corners = nullptr;  // makes room for the copy
+    for (std::size_t begin = 0; begin < mesh.vertices.size(); begin += kVerticesAtATime) {
+        const std::size_t end = std::min(begin + kVerticesAtATime, mesh.vertices.size());
+        Corners corners(mesh, begin, end);
+        callbacks.stopIfCancelled();
+        forEachVertex(begin, end,
+                      [&](std::uint32_t v, Neighborhood& around, BandFeatures& features) {
+                          // Threads wrote them; sums shall not depend on which was first.
+                          std::sort(corners.first(v), corners.last(v));
+                          around.addEdges(v, corners.first(v), corners.last(v), features.edges);
+                      });
+        // The edges from lower vertices are known, too.
+        forEachVertex(begin, end,
+                      [&](std::uint32_t v, Neighborhood& around, BandFeatures& features) {
+                          around.addVertex(v, corners.first(v), corners.last(v), features.vertices);
+                      });
+    }
     BandFeatures all;
     for (BandFeatures& f : locals) {
-        all.edges.insert(all.edges.end(), f.edges.begin(), f.edges.end());
-        all.vertices.insert(all.vertices.end(), f.vertices.begin(), f.vertices.end());
-        f = {};
+        all.edges.append(std::move(f.edges));
+        all.vertices.append(std::move(f.vertices));
     }
     return all;
 }

@@ -5,6 +5,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/vec.h"
+#include "vdbpack/field/band/block_list.h"
 
 #include <array>
 #include <cstdint>
@@ -63,8 +64,8 @@ struct BandVertex {
 };
 
 struct BandFeatures {
-    std::vector<BandEdge> edges;
-    std::vector<BandVertex> vertices;
+    BlockList<BandEdge> edges;
+    BlockList<BandVertex> vertices;
 };
 
 /// Takes an edge or a vertex; true if it is dealt with, so that it need not be kept. Called from

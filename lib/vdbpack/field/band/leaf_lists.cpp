@@ -71,19 +71,6 @@ struct Entry {
     std::uint32_t index;
 };
 
-/// Candidates of one kind that one thread found.
-struct Entries {
-    static constexpr std::size_t kBlock = 1 << 14;
-    std::vector<std::vector<Entry>> blocks;
-    void add(const Entry& entry) {
-        if (blocks.empty() || blocks.back().size() == kBlock) {
-            blocks.emplace_back();
-            blocks.back().reserve(kBlock);
-        }
-        blocks.back().push_back(entry);
-    }
-};
-
 /// Points with normal * x + offset >= 0.
 struct HalfSpace {
     Vec<3> normal;
@@ -212,7 +199,7 @@ public:
                                 callbacks_);
         const auto findAll = [&](std::size_t kind, const auto& candidates) {
             find(
-                kind, candidates.size(), [](std::size_t) { return false; },
+                kind, candidates.end(), [&](std::size_t i) { return !candidates.holds(i); },
                 [&](std::size_t i) { return regionOf(mesh_, candidates[i]); });
         };
         findAll(1, features.edges);
@@ -223,17 +210,15 @@ public:
     }
 
 private:
-    /// What one thread found.
-    using Found = std::array<Entries, kKinds>;
+    /// What one thread found, by kind.
+    using Found = std::array<BlockList<Entry>, kKinds>;
 
-    void moveItems(Entries& entries, std::size_t kind) {
-        auto& blocks = entries.blocks;
-        tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t b) {
-            for (const Entry& entry : blocks[b]) {
+    void moveItems(BlockList<Entry>& entries, std::size_t kind) {
+        tbb::parallel_for(std::size_t{0}, entries.blockCount(), [&](std::size_t block) {
+            entries.consume(block, [&](const Entry& entry) {
                 auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
                 lists_.items[slots[kind].fetch_add(1, std::memory_order_relaxed)] = entry.index;
-            }
-            blocks[b] = {};
+            });
         });
         callbacks_.stopIfCancelled();
     }
@@ -315,7 +300,7 @@ private:
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, count, 512),
             [&](const tbb::blocked_range<std::size_t>& part) {
-                Entries& entries = found_.local()[kind];
+                BlockList<Entry>& entries = found_.local()[kind];
                 for (std::size_t i = part.begin(); i < part.end(); ++i) {
                     if (taken(i)) continue;
                     forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {

@@ -6,10 +6,12 @@ template <int Dim>
 bool BlockState<Dim>::findWall(const Vec<Dim>& inside, const Vec<Dim>& x, double least,
                                double reach, TangentPlane<Dim>& plane, double& distance) const {
     const Vec<Dim> global = x + origin;
-    if (settings.fieldDepth > reach + settings.fieldError &&
-        -sampler->signedDistance(global) > reach + settings.fieldError) {
+    const double depth = -sampler->signedDistance(global), error = settings.fieldError;
+    if (settings.fieldDepth > reach + error &&
+        (depth > reach + error ||
+         (depth > reach - error && sampler->depthRange(global).least > reach))) {
         // The field may be off by more than its stated error: the triangles decide up to `least`.
-        if (settings.fieldError == 0) return false;
+        if (error == 0) return false;
         reach = least;
     }
     WallPoint<Dim> wall;

@@ -98,6 +98,15 @@ void VacancySearch<Dim>::stampSpheres() {
     }
 }
 
+/// Whether all points within `around` of `x` are certainly too near to the wall, or outside.
+template <int Dim>
+bool VacancySearch<Dim>::isTooShallow(const Vec<Dim>& x, double around) {
+    DomainSampler<Dim>& sampler = *state_->sampler;
+    const double depth = -sampler.signedDistance(x), error = state_->settings.fieldError;
+    const double least = mostRoom_ - around;
+    return depth < least - error || (depth < least + error && sampler.depthRange(x).most < least);
+}
+
 /// Marks what lies too far outside the domain, in bricks: one lookup decides most of them.
 template <int Dim>
 void VacancySearch<Dim>::stampOutside() {
@@ -124,12 +133,10 @@ void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
         for (int j = at[1]; j < end[1]; ++j) left |= ~row(j, k)[at[0] >> 6] & mask;
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
-    const double depth = -state_->sampler->signedDistance(center);
-    const double least = mostRoom_ - state_->settings.fieldError;
-    if (depth < least - corner) {
+    if (isTooShallow(center, corner)) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
-    } else if (edge > 2 && depth < least + corner) {
+    } else if (edge > 2 && isTooShallow(center, -corner)) {
         const int half = edge / 2;
         for (int child = 0; child < (1 << Dim); ++child) {
             std::array<int, 3> sub = at;
@@ -161,13 +168,12 @@ bool VacancySearch<Dim>::nextWord() {
 template <int Dim>
 bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
     const double corner = 0.5 * step_ * std::sqrt(static_cast<double>(Dim));
-    const double least = mostRoom_ - corner - state_->settings.fieldError;
     do {
         for (; left_ != 0; skip()) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
             Vec<Dim> c;
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
-            if (-state_->sampler->signedDistance(c + state_->origin) < least) continue;
+            if (isTooShallow(c + state_->origin, corner)) continue;
             nearby_.clear();
             state_->cells.near(c, mostRoom_, [&](std::uint32_t i) {
                 nearby_.push_back(i);

@@ -32,6 +32,7 @@ public:
 
 private:
     void stampSpheres();
+    bool isTooShallow(const Vec<Dim>& x, double around);
     void stampOutside();
     void stampOutside(const std::array<int, 3>& at, int edge);
     std::uint64_t* row(int j, int k) {
