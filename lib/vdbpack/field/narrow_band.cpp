@@ -160,14 +160,11 @@ BandMesh bandMesh(const TriangleMesh& from, double voxelSize, float inside, floa
         mesh.vertices[v] = (from.vertices[v] - options.origin) * perLength;
     });
     mesh.triangles = &from.triangles;
-    mesh.normals.resize(mesh.triangles->size());
     mesh.facing = options.facing ? options.facing->data() : nullptr;
     mesh.inside = inside;
     mesh.outside = outside;
-    mesh.bounds = boundsOfAll<3>(mesh.normals.size(), [&](std::size_t i, Box<3>& box) {
-        const Vec<3>&a = mesh.corner(i, 0), &b = mesh.corner(i, 1), &c = mesh.corner(i, 2);
-        mesh.normals[i] = bandNormal(a, b, c);
-        for (const Vec<3>* corner : {&a, &b, &c}) box.add(*corner);
+    mesh.bounds = boundsOfAll<3>(from.triangles.size(), [&](std::size_t i, Box<3>& box) {
+        for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
     });
     return mesh;
 }

@@ -1,6 +1,7 @@
 #include "vdbpack/field/band/band_features.h"
 
 #include "vdbpack/core/count.h"
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/core/parallel.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -20,20 +21,16 @@ constexpr double kFlat = 1e-7;
 constexpr double kSame = 1e-9;
 /// Cones of vertices with more edges are not computed: all directions count.
 constexpr std::size_t kMostEdges = 24;
-/// Vertices that are worked on at a time, which bounds the memory for their triangles.
-constexpr std::size_t kVerticesAtATime = std::size_t{1} << 20;
 
-/// The triangles at each of some vertices, in any order.
-class Corners {
+/// The triangles at each vertex, in any order.
+class Fans {
 public:
-    /// @param begin, end  the vertices.
-    Corners(const BandMesh& mesh, std::size_t begin, std::size_t end) : begin_(begin) {
+    explicit Fans(const BandMesh& mesh) {
         const auto& triangles = *mesh.triangles;
-        std::vector<std::atomic<std::uint32_t>> next(end - begin);
+        std::vector<std::atomic<std::uint32_t>> next(mesh.vertices.size());
         const auto forEachCorner = [&](const auto& visit) {
             forAll(triangles.size(), [&](std::size_t i) {
-                for (const std::size_t v : triangles[i])
-                    if (v - begin < next.size()) visit(next[v - begin], i);
+                for (const std::size_t v : triangles[i]) visit(next[v], i);
             });
         };
         forEachCorner([](std::atomic<std::uint32_t>& count, std::size_t) {
@@ -48,27 +45,31 @@ public:
     }
 
     /// The triangles at a vertex.
-    std::uint32_t* first(std::size_t v) { return triangle_.data() + start_[v - begin_]; }
-    std::uint32_t* last(std::size_t v) { return triangle_.data() + start_[v - begin_ + 1]; }
+    std::uint32_t* first(std::size_t v) { return triangle_.data() + start_[v]; }
+    std::uint32_t* last(std::size_t v) { return triangle_.data() + start_[v + 1]; }
 
 private:
-    std::size_t begin_;
     std::vector<std::uint32_t> start_, triangle_;
+};
+
+/// A triangle at the vertex that is worked on.
+struct Corner {
+    Vec<3> normal;
+    BandWidths widths;
 };
 
 /// An edge from the vertex that is worked on, and its first two triangles.
 struct Uses {
     std::uint32_t other;  ///< the vertex at the other end
     std::uint32_t count;  ///< triangles at the edge
-    std::array<std::uint32_t, 2> triangle;
+    std::array<std::uint32_t, 2> corner;
     std::array<bool, 2> forward;  ///< the triangle runs from this vertex to the other
     float widest;                 ///< of the bands at all triangles
 };
 
 /// The side to which the wedge between the triangles at an edge opens: that of their normals, the
 /// other, ... Bits, so that those of a vertex's edges can be collected.
-enum Bend : std::uint8_t { flat = 0, above = 1, below = 2, unknown = 4 };
-using Bends = std::vector<std::atomic<std::uint8_t>>;
+enum Bend : unsigned { flat = 0, above = 1, below = 2, unknown = 4 };
 
 float reachOf(unsigned bends, const BandWidths& widths) {
     return bends == Bend::above   ? widths.above
@@ -84,171 +85,193 @@ Vec<3> unit(const Vec<3>& v) {
 /// Works on one vertex at a time.
 class Neighborhood {
 public:
-    /// @param bends  of the edges at each vertex: collected by `addEdges`, read by `addVertex`.
-    Neighborhood(const BandMesh& mesh, const FeatureVisits& visits, Bends& bends)
-        : mesh_(mesh), visits_(visits), bends_(bends) {}
+    Neighborhood(const BandMesh& mesh, const FeatureVisits& visits)
+        : mesh_(mesh), visits_(visits) {}
 
-    /// Adds the edges from `v` to higher vertices. @param first, last  the triangles at `v`.
-    void addEdges(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                  BlockList<BandEdge>& edges) {
-        edges_.clear();
-        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
-            const auto& t = (*mesh_.triangles)[triangle];
-            const std::uint32_t next = t[(k + 1) % 3], before = t[(k + 2) % 3];
-            if (next > v) addUse(next, triangle, true);
-            if (before > v) addUse(before, triangle, false);
-        });
+    /// Adds `v`, if it matters, and its edges to higher vertices.
+    /// @param first, last  the triangles at `v`.
+    void add(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
+             BandFeatures& features) {
+        gather(v, first, last);
+        unsigned bends = Bend::flat;
         for (const Uses& uses : edges_) {
             BandEdge edge{v, uses.other, uses.widest, {}, {}};
             const Bend bend = wedgeOf(uses, edge);
-            if (bend == Bend::flat) continue;
+            bends |= bend;
+            if (bend == Bend::flat || uses.other < v) continue;
             if (bend != Bend::unknown)
-                edge.reach = std::max(reachOf(bend, mesh_.widths(uses.triangle[0])),
-                                      reachOf(bend, mesh_.widths(uses.triangle[1])));
-            for (const std::uint32_t of : {edge.a, edge.b})
-                if ((bends_[of].load(std::memory_order_relaxed) & bend) == 0)
-                    bends_[of].fetch_or(bend, std::memory_order_relaxed);
-            if (!visits_.edge(edge)) edges.add(edge);
+                edge.reach = std::max(reachOf(bend, corners_[uses.corner[0]].widths),
+                                      reachOf(bend, corners_[uses.corner[1]].widths));
+            if (!visits_.edge(edge)) features.edges.add(edge);
         }
-    }
-
-    /// Adds `v`, if it matters.
-    void addVertex(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                   BlockList<BandVertex>& vertices) {
-        const unsigned bends = bends_[v].load(std::memory_order_relaxed);
-        if (bends == Bend::flat) return;
+        if (bends == Bend::flat || addConesOfNormals(v, bends, features.vertices)) return;
         BandVertex vertex{v, 0, {}, -1};
-        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t) {
-            vertex.reach = std::max(vertex.reach, reachOf(bends, mesh_.widths(triangle)));
-        });
-        const bool matters =
-            bends == Bend::above || bends == Bend::below
-                ? coneOfNormals(v, first, last, bends == Bend::above ? 1 : -1, vertex)
-                : polarCone(v, first, last, vertex);
-        if (!matters) return;
-        if (!visits_.vertex(vertex)) vertices.add(vertex);
+        for (const Corner& corner : corners_)
+            vertex.reach = std::max(vertex.reach, reachOf(bends, corner.widths));
+        if (polarCone(vertex) && !visits_.vertex(vertex)) features.vertices.add(vertex);
     }
 
 private:
-    /// Calls `visit(triangle, k)` where `v` is corner k; not for triangles with two equal corners,
-    /// which are no more than an edge of others.
-    template <class Visit>
-    void forEachCorner(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                       const Visit& visit) const {
+    /// Without triangles with two equal corners, which are no more than an edge of others.
+    void gather(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last) {
+        corners_.clear();
+        edges_.clear();
         for (; first != last; ++first) {
             const auto& t = (*mesh_.triangles)[*first];
             if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
-            visit(*first, t[0] == v ? 0u : t[1] == v ? 1u : 2u);
+            corners_.push_back({mesh_.normal(*first), mesh_.widths(*first)});
+            const std::size_t k = t[0] == v ? 0 : t[1] == v ? 1 : 2;
+            addUse(t[(k + 1) % 3], true);
+            addUse(t[(k + 2) % 3], false);
         }
     }
-
-    void addUse(std::uint32_t other, std::uint32_t triangle, bool forward) {
-        const float widest = mesh_.widths(triangle).larger();
+    /// Adds a use of an edge by the last corner.
+    void addUse(std::uint32_t other, bool forward) {
+        const auto corner = static_cast<std::uint32_t>(corners_.size() - 1);
+        const float widest = corners_.back().widths.larger();
         for (Uses& uses : edges_) {
             if (uses.other != other) continue;
             if (uses.count == 1) {
-                uses.triangle[1] = triangle;
+                uses.corner[1] = corner;
                 uses.forward[1] = forward;
             }
             ++uses.count;
             uses.widest = std::max(uses.widest, widest);
             return;
         }
-        edges_.push_back({other, 1, {triangle, 0}, {forward, false}, widest});
+        Uses uses;
+        uses.other = other;
+        uses.count = 1;
+        uses.corner[0] = corner;
+        uses.forward[0] = forward;
+        uses.widest = widest;
+        edges_.push_back(uses);
     }
 
-    /// How the triangles at an edge meet; sets the edge's planes.
+    /// How the triangles at an edge meet; sets the edge's wedge.
     Bend wedgeOf(const Uses& uses, BandEdge& edge) const {
-        if (uses.count > 2) return Bend::unknown;
-        Vec<3> normal[2];
-        for (std::size_t k = 0; k < uses.count; ++k) {
-            normal[k] = mesh_.normals[uses.triangle[k]];
-            if (!(squaredLength(normal[k]) > 0)) return Bend::unknown;
-        }
+        if (uses.count != 2) return Bend::unknown;
+        const bool consistent = uses.forward[0] != uses.forward[1];
+        const std::size_t ahead = uses.forward[0] ? 0 : 1;
+        // A triangle that faces the other way than its neighbor is turned over.
+        const Vec<3>& forward = corners_[uses.corner[ahead]].normal;
+        const Vec<3> backward = corners_[uses.corner[1 - ahead]].normal * (consistent ? 1.0 : -1.0);
+        if (!(squaredLength(forward) > 0 && squaredLength(backward) > 0)) return Bend::unknown;
         // The wedge is as wide as the normals differ.
-        const double opening = uses.forward[0] != uses.forward[1] ? length(normal[0] - normal[1])
-                                                                  : length(normal[0] + normal[1]);
-        if (uses.count == 2 && !(opening > kFlat)) return Bend::flat;
-        const Vec<3> e = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
-        const double inverse = 1 / length(e);
-        if (!std::isfinite(inverse)) return Bend::unknown;
-        const auto away = [&](std::size_t k) {
-            return cross(normal[k], e) * (uses.forward[k] ? -inverse : inverse);
-        };
-        edge.away0 = away(0);
-        if (uses.count == 1) return Bend::unknown;
-        edge.away1 = away(1);
-        const Vec<3> opens = edge.away0 + edge.away1;
-        const double side0 = dot(normal[0], opens), side1 = dot(normal[1], opens);
-        // Folded back, or triangles that face different ways.
-        if (std::min(std::abs(side0), std::abs(side1)) < 1e-3 * opening ||
-            (side0 > 0) != (side1 > 0))
-            return Bend::unknown;
-        return side0 > 0 ? Bend::above : Bend::below;
+        const double opening = squaredLength(forward - backward);
+        if (!(opening > kFlat * kFlat)) return Bend::flat;
+        const Vec<3> along = mesh_.vertices[edge.b] - mesh_.vertices[edge.a];
+        const double turn = dot(along, cross(forward, backward));
+        edge.n0 = turn > 0 ? forward : backward * -1.0;
+        edge.n1 = turn > 0 ? backward : forward * -1.0;
+        const bool foldedBack = turn * turn < 1e-6 * opening * squaredLength(along);
+        return foldedBack || !consistent ? Bend::unknown : turn > 0 ? Bend::above : Bend::below;
     }
 
-    void setCone(const std::vector<Vec<3>>& rays, BandVertex& vertex) const {
+    /// @return false where rays span a right angle: they no longer bound a convex cone.
+    bool setCone(const std::vector<Vec<3>>& rays, BandVertex& vertex) const {
         Vec<3> sum{};
         for (const auto& r : rays) sum = sum + r;
         const Vec<3> axis = unit(sum);
         double cosine = 1;
         for (const auto& r : rays) cosine = std::min(cosine, dot(r, axis));
-        // Beyond a right angle rays no longer bound a convex cone.
-        if (!(cosine > 0.01)) return;
+        if (!(cosine > 0.01)) return false;
         for (int i = 0; i < 3; ++i)
             vertex.axis[static_cast<std::size_t>(i)] = static_cast<float>(axis[i]);
         vertex.cosine = static_cast<float>(cosine - 1e-6);
+        return true;
     }
 
-    /// Where all edges bend the same way the normals are the extreme rays of the cone of points
-    /// that are nearest to the vertex. @return false for a vertex within a straight edge.
-    bool coneOfNormals(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                       int side, BandVertex& vertex) {
+    /// The points that are nearest to a vertex lie in the cone about the mean of its normals that
+    /// holds all of these, or in the opposite cone: if all edges bend the same way, in one of them,
+    /// where the normals are its extreme rays. @return false if the vertex is not dealt with.
+    bool addConesOfNormals(std::uint32_t v, unsigned bends, BlockList<BandVertex>& vertices) {
+        if ((bends & Bend::unknown) != 0) return false;
+        BandVertex above{v, 0, {}, -1}, below = above;
         rays_.clear();
-        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t) {
-            const Vec<3> ray = mesh_.normals[triangle] * side;
-            if (std::none_of(rays_.begin(), rays_.end(), [&](const Vec<3>& other) {
-                    return squaredLength(ray - other) < kSame * kSame;
-                }))
-                rays_.push_back(ray);
-        });
-        if (rays_.size() <= 2) return false;
-        setCone(rays_, vertex);
+        for (const Corner& corner : corners_) {
+            rays_.push_back(corner.normal);
+            above.reach = std::max(above.reach, corner.widths.above);
+            below.reach = std::max(below.reach, corner.widths.below);
+        }
+        if (!setCone(rays_, above)) return false;
+        below.cosine = above.cosine;
+        for (std::size_t i = 0; i < 3; ++i) below.axis[i] = -above.axis[i];
+        const bool done = ((bends & Bend::above) == 0 || visits_.vertex(above)) &&
+                          ((bends & Bend::below) == 0 || visits_.vertex(below));
+        if (done) return true;
+        if (bends == (Bend::above | Bend::below)) return false;
+        if (!isWithinStraightEdge()) vertices.add(bends == Bend::above ? above : below);
         return true;
+    }
+    /// Whether `rays_` are the normals of two planes.
+    bool isWithinStraightEdge() const {
+        const auto same = [](const Vec<3>& one, const Vec<3>& other) {
+            return squaredLength(one - other) < kSame * kSame;
+        };
+        const auto other = std::find_if(rays_.begin(), rays_.end(), [&](const Vec<3>& ray) {
+            return !same(ray, rays_.front());
+        });
+        return std::all_of(other, rays_.end(), [&](const Vec<3>& ray) {
+            return same(ray, rays_.front()) || same(ray, *other);
+        });
     }
 
     /// The cone of the points whose product with no edge is positive. @return whether there are
     /// any.
-    bool polarCone(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last,
-                   BandVertex& vertex) {
-        others_.clear();
-        forEachCorner(v, first, last, [&](std::uint32_t triangle, std::uint32_t k) {
-            const auto& t = (*mesh_.triangles)[triangle];
-            others_.insert(others_.end(), {t[(k + 1) % 3], t[(k + 2) % 3]});
-        });
-        std::sort(others_.begin(), others_.end());
-        others_.erase(std::unique(others_.begin(), others_.end()), others_.end());
-        if (others_.size() > kMostEdges) return true;
+    bool polarCone(BandVertex& vertex) {
+        const std::size_t count = edges_.size();
+        if (count > kMostEdges) return true;
+        const std::size_t groups = padded(count) / kLanes;
         directions_.clear();
-        for (const auto other : others_)
-            directions_.push_back(unit(mesh_.vertices[other] - mesh_.vertices[v]));
+        for (std::size_t g = 0; g < groups; ++g) lanes_[g] = {};
+        for (std::size_t i = 0; i < count; ++i) {
+            directions_.push_back(
+                unit(mesh_.vertices[edges_[i].other] - mesh_.vertices[vertex.vertex]));
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                lanes_[i / kLanes][axis][i % kLanes] = static_cast<float>(directions_[i].c[axis]);
+        }
         rays_.clear();
-        for (std::size_t i = 0; i < directions_.size(); ++i)
-            for (std::size_t j = i + 1; j < directions_.size(); ++j) {
-                const Vec<3> normal = cross(directions_[i], directions_[j]);
-                // Of two parallel edges, one bounds the cone no less than the other.
-                if (!(squaredLength(normal) > 1e-24)) continue;
-                for (const double sign : {1.0, -1.0}) {
-                    const Vec<3> ray = unit(normal) * sign;
-                    if (std::all_of(directions_.begin(), directions_.end(),
-                                    [&](const Vec<3>& d) { return dot(d, ray) <= 1e-9; }))
-                        rays_.push_back(ray);
-                }
-            }
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t g = i / kLanes; g < groups; ++g)
+                forEachSet(mayBound(i, g, count), [&](std::size_t lane) {
+                    const std::size_t j = kLanes * g + lane;
+                    if (j > i && j < count) addRays(i, j);
+                });
         // One edge, or several on a line: a half-space or a plane.
         if (rays_.empty()) return onLine();
-        setCone(rays_, vertex);
+        setCone(rays_, vertex);  // else all directions count
         return true;
+    }
+    /// For each edge of a group, whether the normal of the plane of it and of edge i may be a ray
+    /// of the polar cone. Beyond rounding it is not if it has products of both signs with others.
+    Int8 mayBound(std::size_t i, std::size_t group, std::size_t count) const {
+        constexpr float kRounding = 1e-6f;
+        const Vec<3>& d = directions_[i];
+        const auto dx = static_cast<float>(d[0]), dy = static_cast<float>(d[1]),
+                   dz = static_cast<float>(d[2]);
+        const auto& [ex, ey, ez] = lanes_[group];
+        const Float8 x = dy * ez - dz * ey, y = dz * ex - dx * ez, z = dx * ey - dy * ex;
+        Float8 low{}, high{};
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto& [kx, ky, kz] = lanes_[k / kLanes];
+            const std::size_t lane = k % kLanes;
+            const Float8 product = x * kx[lane] + y * ky[lane] + z * kz[lane];
+            low = smaller(low, product);
+            high = larger(high, product);
+        }
+        return (high <= kRounding) | (low >= -kRounding);
+    }
+    void addRays(std::size_t i, std::size_t j) {
+        const Vec<3> normal = cross(directions_[i], directions_[j]);
+        // Of two parallel edges, one bounds the cone no less than the other.
+        if (!(squaredLength(normal) > 1e-24)) return;
+        for (const double sign : {1.0, -1.0}) {
+            const Vec<3> ray = unit(normal) * sign;
+            if (std::all_of(directions_.begin(), directions_.end(),
+                            [&](const Vec<3>& d) { return dot(d, ray) <= 1e-9; }))
+                rays_.push_back(ray);
+        }
     }
     bool onLine() const {
         for (const auto& d : directions_)
@@ -258,56 +281,33 @@ private:
 
     const BandMesh& mesh_;
     const FeatureVisits& visits_;
-    Bends& bends_;
+    std::vector<Corner> corners_;
     std::vector<Uses> edges_;
-    std::vector<std::uint32_t> others_;
     std::vector<Vec<3>> rays_, directions_;
+    std::array<std::array<Float8, 3>, kMostEdges / kLanes> lanes_;  ///< `directions_`
 };
 
 }  // namespace
 
-Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
-    // The height over the longest side is what the normal depends on.
-    const Vec<3> ab = b - a, ac = c - a, bc = c - b;
-    const Vec<3> n = cross(ab, ac);
-    const double longest = std::max({squaredLength(ab), squaredLength(ac), squaredLength(bc)});
-    const double square = squaredLength(n);
-    if (!(square > 1e-14 * longest)) return {};
-    return n * (1 / std::sqrt(square));
-}
-
 BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                           const Callbacks& callbacks) {
-    Bends bends(mesh.vertices.size());
     tbb::enumerable_thread_specific<BandFeatures> locals;
     tbb::enumerable_thread_specific<Neighborhood> neighborhoods(
-        [&] { return Neighborhood(mesh, visits, bends); });
-    const auto forEachVertex = [&](std::size_t begin, std::size_t end, const auto& work) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, 4096),
-                          [&](const tbb::blocked_range<std::size_t>& part) {
-                              BandFeatures& features = locals.local();
-                              Neighborhood& around = neighborhoods.local();
-                              for (std::size_t v = part.begin(); v < part.end(); ++v)
-                                  work(static_cast<std::uint32_t>(v), around, features);
-                          });
-        callbacks.stopIfCancelled();
-    };
-    for (std::size_t begin = 0; begin < mesh.vertices.size(); begin += kVerticesAtATime) {
-        const std::size_t end = std::min(begin + kVerticesAtATime, mesh.vertices.size());
-        Corners corners(mesh, begin, end);
-        callbacks.stopIfCancelled();
-        forEachVertex(begin, end,
-                      [&](std::uint32_t v, Neighborhood& around, BandFeatures& features) {
-                          // Threads wrote them; sums shall not depend on which was first.
-                          std::sort(corners.first(v), corners.last(v));
-                          around.addEdges(v, corners.first(v), corners.last(v), features.edges);
+        [&] { return Neighborhood(mesh, visits); });
+    Fans fans(mesh);
+    callbacks.stopIfCancelled();
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096),
+                      [&](const tbb::blocked_range<std::size_t>& part) {
+                          BandFeatures& features = locals.local();
+                          Neighborhood& around = neighborhoods.local();
+                          for (std::size_t v = part.begin(); v < part.end(); ++v) {
+                              // Threads wrote them; sums shall not depend on which was first.
+                              std::sort(fans.first(v), fans.last(v));
+                              around.add(static_cast<std::uint32_t>(v), fans.first(v), fans.last(v),
+                                         features);
+                          }
                       });
-        // The edges from lower vertices are known, too.
-        forEachVertex(begin, end,
-                      [&](std::uint32_t v, Neighborhood& around, BandFeatures& features) {
-                          around.addVertex(v, corners.first(v), corners.last(v), features.vertices);
-                      });
-    }
+    callbacks.stopIfCancelled();
     BandFeatures all;
     for (BandFeatures& f : locals) {
         all.edges.append(std::move(f.edges));

@@ -7,7 +7,9 @@
 #include "vdbpack/core/vec.h"
 #include "vdbpack/field/band/block_list.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
@@ -20,17 +22,31 @@ struct BandWidths {
     float larger() const { return above > below ? above : below; }
 };
 
+/// Unit normal of a triangle; zero if it is degenerate: its edges hold all of its points to 1e-7
+/// of a voxel.
+inline Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c) {
+    // The height over the longest side is what the normal depends on.
+    const Vec<3> ab = b - a, ac = c - a, bc = c - b;
+    const Vec<3> n = cross(ab, ac);
+    const double longest = std::max({squaredLength(ab), squaredLength(ac), squaredLength(bc)});
+    const double square = squaredLength(n);
+    if (!(square > 1e-14 * longest)) return {};
+    return n * (1 / std::sqrt(square));
+}
+
 /// A mesh on a lattice.
 struct BandMesh {
     std::vector<Vec<3>> vertices;  ///< in voxels
     const std::vector<std::array<std::uint32_t, 3>>* triangles = nullptr;
-    std::vector<Vec<3>> normals;          ///< of each triangle, as `bandNormal`
     const std::int8_t* facing = nullptr;  ///< as `Facing`; null: unknown
     float inside = 0, outside = 0;        ///< widths of the band, voxels
     Box<3> bounds;                        ///< of the triangles, voxels
 
     const Vec<3>& corner(std::size_t triangle, std::size_t k) const {
         return vertices[(*triangles)[triangle][k]];
+    }
+    Vec<3> normal(std::size_t triangle) const {
+        return bandNormal(corner(triangle, 0), corner(triangle, 1), corner(triangle, 2));
     }
     BandWidths widths(std::size_t triangle) const {
         const int side = facing ? facing[triangle] : 0;
@@ -39,20 +55,19 @@ struct BandMesh {
     }
 };
 
-/// Unit normal of a triangle; zero if it is degenerate: its edges hold all of its points to 1e-7
-/// of a voxel.
-Vec<3> bandNormal(const Vec<3>& a, const Vec<3>& b, const Vec<3>& c);
-
 /// An edge that is nearest to points of the band: of the wedge between its two triangles on the
 /// side where they bend away.
 struct BandEdge {
     std::uint32_t a, b;  ///< vertices, a < b
     float reach;         ///< distance to the farthest point, voxels
-    /// Normals of the two planes that bound the wedge, into the wedge: across the edge, away from
-    /// each of its triangles. Zero: no bound.
-    Vec<3> away0, away1;
+    /// The wedge spans from the edge to these unit vectors across it, and to all that a
+    /// right-handed turn about the edge takes from n0 to n1. Zero: all around the edge.
+    Vec<3> n0, n1;
 
-    bool hasWedge() const { return squaredLength(away1) > 0; }
+    bool hasWedge() const { return squaredLength(n0) > 0; }
+    // The wedge is where products with these are not negative. @param along  from a to b.
+    Vec<3> inward0(const Vec<3>& along) const { return cross(along, n0); }
+    Vec<3> inward1(const Vec<3>& along) const { return cross(n1, along); }
 };
 
 /// A vertex that is nearest to points of the band: in a cone.

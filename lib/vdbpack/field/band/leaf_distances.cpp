@@ -86,7 +86,7 @@ void LeafDistances::start(const BandLeaf& leaf) {
 void LeafDistances::addTriangle(std::uint32_t triangle) {
     const Vec<3> a = mesh_.corner(triangle, 0) - center_, b = mesh_.corner(triangle, 1) - center_,
                  c = mesh_.corner(triangle, 2) - center_;
-    const Vec<3>& n = mesh_.normals[triangle];
+    const Vec<3> n = bandNormal(a, b, c);
     const BandWidths widths = mesh_.widths(triangle);
     const Linear plane(n, -dot(n, a));
     // Positive on the inner side of each edge; in voxels times the length of the edge.
@@ -129,7 +129,7 @@ void LeafDistances::addEdge(const BandEdge& edge) {
     const Float3 e = single(along);
     const float support = std::fabs(e.x) + std::fabs(e.y) + std::fabs(e.z);
     const float farthest = edge.reach + kSlack;
-    const Float3 u0 = single(edge.away0), u1 = single(edge.away1);
+    const Float3 u0 = single(edge.inward0(along)), u1 = single(edge.inward1(along));
     const auto product = [](const Float3& u, const Lanes& w) {
         return w.x * u.x + w.y * u.y + w.z * u.z;
     };

@@ -102,7 +102,7 @@ Region regionOf(const BandMesh& mesh, std::size_t triangle) {
     const Vec<3>&a = mesh.corner(triangle, 0), &b = mesh.corner(triangle, 1),
           &c = mesh.corner(triangle, 2);
     Region region;
-    const Vec<3>& n = mesh.normals[triangle];
+    const Vec<3> n = bandNormal(a, b, c);
     if (!(squaredLength(n) > 0)) return region;  // an empty box
     const BandWidths widths = mesh.widths(triangle);
     for (const Vec<3>* x : {&a, &b, &c}) {
@@ -117,23 +117,6 @@ Region regionOf(const BandMesh& mesh, std::size_t triangle) {
     return region;
 }
 
-/// The unit vectors that bound the wedge of an edge, and the one between them.
-struct Wedge {
-    Vec<3> n0, n1, middle;
-
-    /// @param along  from a to b, not zero.
-    Wedge(const BandEdge& edge, const Vec<3>& along) {
-        const Vec<3> opens = edge.away0 + edge.away1;
-        middle = opens * (1 / length(opens));
-        // A quarter turn from one plane's normal, and back from the other's: also right for an edge
-        // folded back, where `middle` is on neither side of the planes.
-        const Vec<3> turned = cross(along, edge.away0);
-        const double turn = std::copysign(1 / length(along), dot(turned, middle));
-        n0 = turned * turn;
-        n1 = cross(along, edge.away1) * -turn;
-    }
-};
-
 Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
     const Vec<3>&a = mesh.vertices[edge.a], &b = mesh.vertices[edge.b];
     Box<3> ends;
@@ -141,20 +124,21 @@ Region regionOf(const BandMesh& mesh, const BandEdge& edge) {
     Region region;
     region.box = ends.grown(edge.reach);
     if (!edge.hasWedge()) return region;
-    const Wedge wedge(edge, b - a);
+    const Vec<3> inward0 = edge.inward0(b - a), inward1 = edge.inward1(b - a);
+    const Vec<3> opens = inward0 + inward1, middle = opens * (1 / length(opens));
     // The arc lies below the end of the middle, and within reach.
-    const double cosine = dot(wedge.n0, wedge.middle);
+    const double cosine = dot(edge.n0, middle);
     if (cosine > 0.2) {
         Box<3> wedgeBox = ends;
         for (const Vec<3>* x : {&a, &b}) {
-            wedgeBox.add(*x + wedge.n0 * edge.reach);
-            wedgeBox.add(*x + wedge.n1 * edge.reach);
-            wedgeBox.add(*x + wedge.middle * (edge.reach / cosine));
+            wedgeBox.add(*x + edge.n0 * edge.reach);
+            wedgeBox.add(*x + edge.n1 * edge.reach);
+            wedgeBox.add(*x + middle * (edge.reach / cosine));
         }
         region.box = intersection(region.box, wedgeBox);
     }
-    region.bound(edge.away0, a);
-    region.bound(edge.away1, a);
+    region.bound(inward0, a);
+    region.bound(inward1, a);
     return region;
 }
 
@@ -318,25 +302,30 @@ private:
     /// @param base  the lattice point that the region and `squares` are relative to.
     template <class Squares>
     void visitVoxels(const NarrowRegion& region, const Vec<3>& base, const Squares& squares) {
+        LeafPlace lastLeaf;
+        LeafSquares* last = nullptr;
         region.visit(squares, [&](std::array<std::int32_t, 3> x, float square) {
             LeafPlace leaf;
             for (std::size_t i = 0; i < 3; ++i) {
                 x[i] += static_cast<std::int32_t>(base.c[i]);
                 leaf[i] = x[i] >> 3;
             }
+            if (!last || leaf != lastLeaf) {
+                last = &nodeOf(leaf).squaresOf(numberInNode(leaf));
+                lastLeaf = leaf;
+            }
             const auto in = [&](std::size_t i) { return static_cast<std::uint32_t>(x[i]) & 7u; };
-            lower(nodeOf(leaf).squaresOf(numberInNode(leaf))[voxelInLeaf(in(0), in(1), in(2))],
-                  square);
+            lower((*last)[voxelInLeaf(in(0), in(1), in(2))], square);
         });
     }
 
     // Visit the voxels that may be nearest to a feature. @return false if its region is not narrow.
 
     bool takeNarrow(std::size_t triangle) {
-        const Vec<3>& n = mesh_.normals[triangle];
-        if (!(squaredLength(n) > 0)) return true;
         const Vec<3>&a = mesh_.corner(triangle, 0), &b = mesh_.corner(triangle, 1),
               &c = mesh_.corner(triangle, 2);
+        const Vec<3> n = bandNormal(a, b, c);
+        if (!(squaredLength(n) > 0)) return true;
         if (isLong(b - a) || isLong(c - b) || isLong(a - c)) return false;
         const Vec<3> base = latticePoint(a);
         const std::array<Vec<3>, 3> abc{a - base, b - base, c - base};
@@ -351,10 +340,9 @@ private:
         if (!edge.hasWedge() || isLong(b - a)) return false;
         const Vec<3> base = latticePoint(a);
         const std::array<Vec<3>, 2> ab{a - base, b - base};
-        const Wedge wedge(edge, ab[1] - ab[0]);
-        const auto region = NarrowRegion::over(ab, wedge.n0, wedge.n1, edge.reach);
+        const auto region = NarrowRegion::over(ab, edge.n0, edge.n1, edge.reach);
         if (!region.isNarrow(kNarrow)) return false;
-        visitVoxels(region, base, SegmentSquares(ab));
+        visitVoxels(region, base, EdgeSquares(ab, edge));
         return true;
     }
     bool takeNarrow(const BandVertex& v) {

@@ -95,13 +95,17 @@ public:
     }
 
     /// Calls `visit(x, square)` for each lattice point inside the bounds.
-    /// @param squares  `TriangleSquares`, `SegmentSquares` or `PointSquares`.
+    /// @param squares  `TriangleSquares`, `EdgeSquares` or `PointSquares`.
     template <class Squares, class Visit>
     void visit(const Squares& squares, const Visit& visit) const {
         const auto w = static_cast<std::size_t>(w_), u = static_cast<std::size_t>(across_[0]),
                    v = static_cast<std::size_t>(across_[1]);
         for (double first = std::ceil(low_); first <= high_; first += kLanes) {
+            const Int8 planes = kPlanes <= static_cast<float>(high_ - first);
             const Window wu = window(bounds_[0], first), wv = window(bounds_[1], first);
+            // Of a fine mesh, most regions hold no lattice point.
+            const Int8 held = planes & (wu.first <= wu.last) & (wv.first <= wv.last);
+            if (noneOf(held)) continue;
             Vec<3> base;
             base.c[w] = first;
             base.c[u] = wu.base;
@@ -109,9 +113,8 @@ public:
             const auto near = squares.near(base);
             Lanes3 x;
             x[w] = kPlanes;
-            const Int8 planes = kPlanes <= static_cast<float>(high_ - first);
             for (x[u] = wu.first;; x[u] += 1) {
-                const Int8 column = planes & (x[u] <= wu.last);
+                const Int8 column = held & (x[u] <= wu.last);
                 if (noneOf(column)) break;
                 for (x[v] = wv.first;; x[v] += 1) {
                     Int8 point = column & (x[v] <= wv.last);
@@ -209,17 +212,20 @@ private:
     std::array<Bounds, 2> bounds_;
 };
 
+/// The side of a plane that `inward` points to, with what rounding may take from it, so that no
+/// point between two regions is left out.
+/// @param base  that of the points, relative to a point of the plane.
+inline Linear3 inwardSide(const Vec<3>& inward, const Vec<3>& base) {
+    constexpr double kRounding = 4e-6;  // voxels
+    const double support = std::abs(inward[0]) + std::abs(inward[1]) + std::abs(inward[2]);
+    return Linear3(inward, dot(base, inward) + kRounding * support);
+}
+
 /// Squared distance to the plane of a triangle, of points that project into it.
 class TriangleSquares {
 public:
     TriangleSquares(const std::array<Vec<3>, 3>& abc, const Vec<3>& n, const BandWidths& widths)
-        : n_(n), offset_(-dot(n, abc[0])), widths_(widths) {
-        for (std::size_t k = 0; k < 3; ++k) {
-            const Vec<3>& in = inward_[k] = cross(n, abc[(k + 1) % 3] - abc[k]);
-            const double support = std::abs(in[0]) + std::abs(in[1]) + std::abs(in[2]);
-            least_[k] = dot(abc[k], in) - kRounding * support;
-        }
-    }
+        : n_(n), abc_(abc), widths_(widths) {}
 
     class Near {
     public:
@@ -240,31 +246,30 @@ public:
     };
     Near near(const Vec<3>& base) const {
         Near near;
-        near.plane_ = Linear3(n_, dot(base, n_) + offset_);
+        near.plane_ = Linear3(n_, dot(base - abc_[0], n_));
         for (std::size_t k = 0; k < 3; ++k)
-            near.sides_[k] = Linear3(inward_[k], dot(base, inward_[k]) - least_[k]);
+            near.sides_[k] = inwardSide(cross(n_, abc_[(k + 1) % 3] - abc_[k]), base - abc_[k]);
         near.widths_ = widths_;
         return near;
     }
 
 private:
-    /// Added to the sides, so that no point between two triangles is left out; voxels.
-    static constexpr double kRounding = 4e-6;
     Vec<3> n_;
-    double offset_;
+    std::array<Vec<3>, 3> abc_;
     BandWidths widths_;
-    std::array<Vec<3>, 3> inward_;
-    std::array<double, 3> least_;
 };
 
-/// Squared distance to a segment of positive length.
-class SegmentSquares {
+/// Squared distance to an edge of positive length, of points in its wedge.
+class EdgeSquares {
 public:
-    explicit SegmentSquares(const std::array<Vec<3>, 2>& ab) : a_(ab[0]), along_(ab[1] - ab[0]) {}
+    EdgeSquares(const std::array<Vec<3>, 2>& ab, const BandEdge& edge)
+        : a_(ab[0]), along_(ab[1] - ab[0]), edge_(edge) {}
 
     class Near {
     public:
-        VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8&) const {
+        /// As in TriangleSquares, for points that lie outside the wedge.
+        VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8& points) const {
+            for (const Linear3& side : sides_) points &= side(x) >= 0.0f;
             const Float8 t = smaller(larger(share_(x), 0.0f), 1.0f);
             Float8 square{};
             for (std::size_t i = 0; i < 3; ++i) {
@@ -275,13 +280,16 @@ public:
         }
 
     private:
-        friend class SegmentSquares;
+        friend class EdgeSquares;
+        std::array<Linear3, 2> sides_;
         Linear3 share_;
         std::array<float, 3> offset_, along_;
     };
     Near near(const Vec<3>& base) const {
         Near near;
         const Vec<3> offset = base - a_, share = along_ * (1 / squaredLength(along_));
+        near.sides_ = {inwardSide(edge_.inward0(along_), offset),
+                       inwardSide(edge_.inward1(along_), offset)};
         near.share_ = Linear3(share, dot(offset, share));
         for (std::size_t i = 0; i < 3; ++i) {
             near.offset_[i] = static_cast<float>(offset.c[i]);
@@ -292,6 +300,7 @@ public:
 
 private:
     Vec<3> a_, along_;
+    const BandEdge& edge_;
 };
 
 /// Squared distance to a point.
