@@ -27,14 +27,18 @@ TriangleMesh fineBox(const Vec<3>& lo, const Vec<3>& hi, int times) {
     return mesh;
 }
 
+/// Moves each coordinate at random by at most `most`.
+TriangleMesh shaken(TriangleMesh mesh, double most, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shift(-most, most);
+    for (auto& v : mesh.vertices)
+        for (int i = 0; i < 3; ++i) v[i] += shift(random);
+    return mesh;
+}
+
 /// A box whose vertices are moved at random: convex and concave edges, saddles, slivers.
 TriangleMesh crumpled(int times, unsigned seed) {
-    TriangleMesh mesh = fineBox({{-5, -5, -5}}, {{5, 5, 5}}, times);
-    std::mt19937 random(seed);
-    std::uniform_real_distribution<double> shift(-0.35, 0.35);
-    for (auto& v : mesh.vertices)
-        for (int i = 0; i < 3; ++i) v[i] += shift(random) * 10 / (1 << times);
-    return mesh;
+    return shaken(fineBox({{-5, -5, -5}}, {{5, 5, 5}}, times), 3.5 / (1 << times), seed);
 }
 
 struct Case {
@@ -96,6 +100,14 @@ std::vector<Case> cases() {
     all.push_back({"small faces on lattice planes", fineBox({{-4, -4, -4}}, {{4, 4, 4}}, 4), 0.5});
     all.push_back({"small coplanar faces between lattice planes",
                    fineBox({{-3.3, -2.9, -4.1}}, {{3.7, 4.2, 3.9}}, 5), 0.7});
+    // Lattice points lie over the edges and vertices of nearly flat faces.
+    for (const int times : {2, 4})
+        for (const double tilt : {2e-5, 1e-4}) {
+            const TriangleMesh flat = fineBox({{-4, -4, -4}}, {{4, 4, 4}}, times);
+            all.push_back({"nearly flat faces, " + std::to_string(times) + ", tilted by " +
+                               std::to_string(tilt),
+                           shaken(flat, tilt * 4 / (1 << times), 8), 0.5});
+        }
     all.push_back({"small triangles far from zero", translated(crumpled(4, 7), away), 1.2,
                    away + Vec<3>{{0.1, 0.2, 0.3}}});
     return all;

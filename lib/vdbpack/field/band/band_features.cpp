@@ -15,8 +15,6 @@ namespace vdbpack {
 
 namespace {
 
-/// Sine of the angle at an edge below which it counts as flat.
-constexpr double kFlat = 1e-7;
 /// Normals that differ by less are of one plane.
 constexpr double kSame = 1e-9;
 /// Cones of vertices with more edges are not computed: all directions count.
@@ -104,7 +102,11 @@ public:
                                       reachOf(bend, corners_[uses.corner[1]].widths));
             if (!visits_.edge(edge)) features.edges.add(edge);
         }
-        if (bends == Bend::flat || addConesOfNormals(v, bends, features.vertices)) return;
+        if (bends == Bend::flat) {
+            if (isFlat()) return;
+            bends = Bend::above | Bend::below;
+        }
+        if (addConesOfNormals(v, bends, features.vertices)) return;
         BandVertex vertex{v, 0, {}, -1};
         for (const Corner& corner : corners_)
             vertex.reach = std::max(vertex.reach, reachOf(bends, corner.widths));
@@ -166,6 +168,13 @@ private:
         edge.n1 = turn > 0 ? backward : forward * -1.0;
         const bool foldedBack = turn * turn < 1e-6 * opening * squaredLength(along);
         return foldedBack || !consistent ? Bend::unknown : turn > 0 ? Bend::above : Bend::below;
+    }
+
+    /// Whether all normals count as one.
+    bool isFlat() const {
+        return std::all_of(corners_.begin(), corners_.end(), [&](const Corner& corner) {
+            return squaredLength(corner.normal - corners_.front().normal) <= kFlat * kFlat;
+        });
     }
 
     /// @return false where rays span a right angle: they no longer bound a convex cone.

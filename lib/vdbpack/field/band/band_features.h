@@ -16,6 +16,12 @@
 
 namespace vdbpack {
 
+/// Normals that differ by no more than this count as one: coordinates in single precision tilt
+/// small triangles of a flat face by about as much. Edges and vertices between such triangles are
+/// left out. Points in the gaps over them count as over the triangles beside: their distances are
+/// too small by at most 1.5 kFlat^2 of themselves.
+constexpr double kFlat = 1e-4;
+
 /// Widths of a band on the side that the normal of a triangle points to and on the other, voxels.
 struct BandWidths {
     float above = 0, below = 0;
@@ -91,7 +97,7 @@ struct FeatureVisits {
 };
 
 /// The edges and vertices that matter and that no visit deals with. A point of the band is nearest
-/// to one of them, or to the inside of a triangle; flat edges and vertices (to 1e-7) are left out.
+/// to one of them, or to the inside of a triangle; flat edges and vertices are left out.
 ///
 /// The region of an edge is the set of points whose projection onto none of its triangles comes
 /// nearer (the product of the point with the direction into each triangle is not positive), that

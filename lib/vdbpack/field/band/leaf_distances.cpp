@@ -95,13 +95,13 @@ void LeafDistances::addTriangle(std::uint32_t triangle) {
         return Linear(inward, -dot(inward, from));
     };
     const Linear ab = sideOf(a, b), bc = sideOf(b, c), ca = sideOf(c, a);
-    const float least[3] = {-kRounding * ab.support, -kRounding * bc.support,
-                            -kRounding * ca.support};
+    constexpr auto kGap = static_cast<float>(kFlat);
     const auto hits = [&](Float8 d, Float8 s0, Float8 s1, Float8 s2, float half) {
         const float more = half * plane.support + kRounding;
+        const float beside = half + kRounding + kGap * widths.larger();
         return (d <= widths.above + more) & (d >= -widths.below - more) &
-               (s0 >= least[0] - half * ab.support) & (s1 >= least[1] - half * bc.support) &
-               (s2 >= least[2] - half * ca.support);
+               (s0 >= -beside * ab.support) & (s1 >= -beside * bc.support) &
+               (s2 >= -beside * ca.support);
     };
     const Float8 d4 = plane.blocks4(), ab4 = ab.blocks4(), bc4 = bc.blocks4(), ca4 = ca.blocks4();
     forEachSet(hits(d4, ab4, bc4, ca4, kHalf4), [&](std::size_t i) {
@@ -109,8 +109,10 @@ void LeafDistances::addTriangle(std::uint32_t triangle) {
                      ca2 = ca.blocks2(ca4[i]);
         forEachSet(hits(d2, ab2, bc2, ca2, kHalf2), [&](std::size_t j) {
             const Float8 d = plane.voxels(d2[j]);
-            const Int8 inside = (ab.voxels(ab2[j]) >= least[0]) & (bc.voxels(bc2[j]) >= least[1]) &
-                                (ca.voxels(ca2[j]) >= least[2]);
+            const Float8 beside = absolute(d) * -kGap - kRounding;
+            const Int8 inside = (ab.voxels(ab2[j]) >= beside * ab.support) &
+                                (bc.voxels(bc2[j]) >= beside * bc.support) &
+                                (ca.voxels(ca2[j]) >= beside * ca.support);
             float* const to = squares_.data() + 64 * i + 8 * j;
             const Float8 before = load(to);
             store(to, choose(inside, smaller(d * d, before), before));

@@ -87,8 +87,8 @@ struct Region {
     std::array<HalfSpace, 5> planes;
     std::size_t count = 0;
 
-    void bound(const Vec<3>& normal, const Vec<3>& through) {
-        planes[count++] = {normal, kSlack * length(normal) - dot(normal, through)};
+    void bound(const Vec<3>& normal, const Vec<3>& through, double slack = kSlack) {
+        planes[count++] = {normal, slack * length(normal) - dot(normal, through)};
     }
     bool meets(const LeafPlace& leaf) const {
         const Vec<3> center{{leaf[0] * 8 + kHalf, leaf[1] * 8 + kHalf, leaf[2] * 8 + kHalf}};
@@ -109,9 +109,11 @@ Region regionOf(const BandMesh& mesh, std::size_t triangle) {
         region.box.add(*x + n * widths.above);
         region.box.add(*x - n * widths.below);
     }
-    region.bound(cross(n, b - a), a);
-    region.bound(cross(n, c - b), b);
-    region.bound(cross(n, a - c), c);
+    const double gap = kFlat * widths.larger();
+    region.box = region.box.grown(gap);
+    region.bound(cross(n, b - a), a, kSlack + gap);
+    region.bound(cross(n, c - b), b, kSlack + gap);
+    region.bound(cross(n, a - c), c, kSlack + gap);
     region.bound(n, a - n * widths.below);
     region.bound(n * -1.0, a + n * widths.above);
     return region;

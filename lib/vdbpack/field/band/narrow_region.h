@@ -43,12 +43,13 @@ public:
     static NarrowRegion over(const std::array<Vec<3>, 3>& abc, const Vec<3>& n,
                              const BandWidths& widths) {
         NarrowRegion region(n);
-        const double w = n[region.w_];
+        // Gaps reach out of the prism by kFlat of the distance.
+        const double w = n[region.w_], gap = 2 * kFlat * widths.larger();
         for (std::size_t i = 0; i < 2; ++i) {
             const double slope = n[region.across_[i]] / w;
-            region.bound(i, abc.data(), 3, slope, slope);
+            region.bound(i, abc.data(), 3, slope, slope, gap);
         }
-        region.extend(abc.data(), 3, w * widths.above, -w * widths.below);
+        region.extend(abc.data(), 3, w * widths.above, -w * widths.below, gap);
         return region;
     }
 
@@ -151,14 +152,14 @@ private:
     /// Bounds of the lines from the points, if those of the lower bound have one slope and those of
     /// the upper another.
     void bound(std::size_t i, const Vec<3>* points, std::size_t count, double lowSlope,
-               double highSlope) {
+               double highSlope, double slack = 0) {
         double low = kInfinite, high = -kInfinite;
         for (std::size_t k = 0; k < count; ++k) {
             const double x = points[k][across_[i]], p = points[k][w_];
             low = std::min(low, x - p * lowSlope);
             high = std::max(high, x - p * highSlope);
         }
-        bounds_[i] = {low - kSlack, lowSlope, high + kSlack, highSlope};
+        bounds_[i] = {low - kSlack - slack, lowSlope, high + kSlack + slack, highSlope};
     }
     /// Bounds of the half-lines from the points with slopes in a range.
     /// @param direction  its sign is that of the half-lines along the region.
@@ -169,15 +170,16 @@ private:
         else
             bound(i, points, count, slopes.second, slopes.first);
     }
-    void extend(const Vec<3>* points, std::size_t count, double one, double other) {
+    void extend(const Vec<3>* points, std::size_t count, double one, double other,
+                double slack = 0) {
         low_ = kInfinite;
         high_ = -kInfinite;
         for (std::size_t k = 0; k < count; ++k) {
             low_ = std::min(low_, points[k][w_]);
             high_ = std::max(high_, points[k][w_]);
         }
-        low_ += std::min(one, other) - kSlack;
-        high_ += std::max(one, other) + kSlack;
+        low_ += std::min(one, other) - kSlack - slack;
+        high_ += std::max(one, other) + kSlack + slack;
     }
 
     /// Bounds in eight planes, relative to a lattice coordinate, so that single precision suffices.
@@ -212,13 +214,18 @@ private:
     std::array<Bounds, 2> bounds_;
 };
 
+/// The most that a linear function with this gradient changes within 1 along each axis; no less
+/// than its length.
+inline double supportOf(const Vec<3>& gradient) {
+    return std::abs(gradient[0]) + std::abs(gradient[1]) + std::abs(gradient[2]);
+}
+
 /// The side of a plane that `inward` points to, with what rounding may take from it, so that no
 /// point between two regions is left out.
 /// @param base  that of the points, relative to a point of the plane.
 inline Linear3 inwardSide(const Vec<3>& inward, const Vec<3>& base) {
     constexpr double kRounding = 4e-6;  // voxels
-    const double support = std::abs(inward[0]) + std::abs(inward[1]) + std::abs(inward[2]);
-    return Linear3(inward, dot(base, inward) + kRounding * support);
+    return Linear3(inward, dot(base, inward) + kRounding * supportOf(inward));
 }
 
 /// Squared distance to the plane of a triangle, of points that project into it.
@@ -230,11 +237,12 @@ public:
     class Near {
     public:
         /// @param x  relative to the base. @param points  those that do not project into the
-        ///        triangle (to some 1e-6 voxel), or lie beyond the band, are taken out.
+        ///        triangle (or a gap of a flat face), or lie beyond the band, are taken out.
         VDBPACK_INLINE Float8 operator()(const Lanes3& x, Int8& points) const {
-            for (const Linear3& side : sides_) points &= side(x) >= 0.0f;
             const Float8 d = plane_(x);
             points &= (d <= widths_.above) & (d >= -widths_.below);
+            for (std::size_t k = 0; k < 3; ++k)
+                points &= sides_[k](x) + absolute(d) * gaps_[k] >= 0.0f;
             return d * d;
         }
 
@@ -242,13 +250,17 @@ public:
         friend class TriangleSquares;
         Linear3 plane_;
         std::array<Linear3, 3> sides_;
+        std::array<float, 3> gaps_;  ///< how far outside of each side a gap may reach, by distance
         BandWidths widths_;
     };
     Near near(const Vec<3>& base) const {
         Near near;
         near.plane_ = Linear3(n_, dot(base - abc_[0], n_));
-        for (std::size_t k = 0; k < 3; ++k)
-            near.sides_[k] = inwardSide(cross(n_, abc_[(k + 1) % 3] - abc_[k]), base - abc_[k]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            const Vec<3> inward = cross(n_, abc_[(k + 1) % 3] - abc_[k]);
+            near.sides_[k] = inwardSide(inward, base - abc_[k]);
+            near.gaps_[k] = static_cast<float>(kFlat * supportOf(inward));
+        }
         near.widths_ = widths_;
         return near;
     }
