@@ -191,3 +191,11 @@ TEST_CASE("which way triangles face does not matter to a narrow band", "[field]"
     for (auto value = known->cbeginValueOn(); value; ++value)
         REQUIRE(std::abs(unknown->tree().getValue(value.getCoord()) - *value) < 1e-5 * c.voxelSize);
 }
+
+TEST_CASE("a band asked for deeper than its mesh is that of the whole inside", "[field]") {
+    const Case c = cases().front();
+    const auto whole = bandOf(c, 20, 3), deeper = bandOf(c, 1e5f, 3);
+    REQUIRE(whole->activeVoxelCount() == deeper->activeVoxelCount());
+    for (auto value = whole->cbeginValueOn(); value; ++value)
+        REQUIRE(deeper->tree().getValue(value.getCoord()) == *value);
+}

@@ -161,11 +161,14 @@ BandMesh bandMesh(const TriangleMesh& from, double voxelSize, float inside, floa
     });
     mesh.triangles = &from.triangles;
     mesh.facing = options.facing ? options.facing->data() : nullptr;
-    mesh.inside = inside;
-    mesh.outside = outside;
     mesh.bounds = boundsOfAll<3>(from.triangles.size(), [&](std::size_t i, Box<3>& box) {
         for (std::size_t k = 0; k < 3; ++k) box.add(mesh.corner(i, k));
     });
+    // No point inside is deeper than halfway through, however deep a band is asked for.
+    const Vec<3> size = mesh.bounds.hi - mesh.bounds.lo;
+    const double deepest = 0.5 * std::min({size[0], size[1], size[2]}) + 1;
+    mesh.inside = std::min(inside, static_cast<float>(deepest));
+    mesh.outside = outside;
     return mesh;
 }
 
