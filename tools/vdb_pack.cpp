@@ -60,7 +60,8 @@ void onSignal(int) {
         ::_exit(kInterrupted);
     }
     sayFromHandler(
-        "\nvdb_pack: interrupted; completed spheres are kept. Interrupt again to stop at once.\n");
+        "\nvdb_pack: interrupted; completed spheres are written to NAME.interrupted.EXT. Interrupt "
+        "again to stop at once.\n");
 }
 
 /// Signals that request a stop, and those that would end the process if writing fails: the call

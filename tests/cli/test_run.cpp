@@ -2,6 +2,7 @@
 #include "support/generators.h"
 #include "support/mesh_file.h"
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
@@ -318,9 +319,38 @@ TEST_CASE("an interrupted run keeps what is complete, or writes nothing", "[run]
     CHECK(run.report.count > 2000);
     CHECK(run.passed);
     VerifyRecipe verify;
-    verify.pack = folder.file("p.csv");
+    verify.pack = folder.file("p.interrupted.csv");
     verify.domain.source = recipe.domain.source;
     CHECK(runVerify(verify).passed);
+}
+
+TEST_CASE("an interrupt never replaces the files of a whole run", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:60,60,60", "uniform:1,2");
+    recipe.outputs = {folder.file("p.csv"), folder.file("p.vdb"), "yade:" + folder.file("p.txt"),
+                      "contacts:" + folder.file("pairs.csv"), folder.file("plain.name/p.vtp")};
+    std::filesystem::create_directory(folder.file("plain.name"));
+    recipe.reportFile = folder.file("p.json");
+    recipe.preview.file = folder.file("p.png");
+    recipe.optionsText = "domain = \"box:60,60,60\"\n";
+    const auto whole = runPack(recipe);
+    std::vector<std::pair<std::string, std::string>> before;
+    for (const auto& file : whole.report.files) before.emplace_back(file, contentOf(file));
+    REQUIRE(before.size() == 8);
+    bool stop = false;
+    Callbacks callbacks;
+    callbacks.cancelled = [&] { return stop; };
+    callbacks.progress = [&](const Progress& p) { stop = stop || p.count > 1000; };
+    const auto part = runPack(recipe, callbacks);
+    REQUIRE(part.report.interrupted);
+    for (const auto& [file, bytes] : before) CHECK(contentOf(file) == bytes);
+    REQUIRE(part.report.files.size() == 7);
+    for (const auto& file : part.report.files) {
+        CAPTURE(file);
+        CHECK(file.find(".interrupted.") != std::string::npos);
+        CHECK(std::filesystem::exists(file));
+    }
+    CHECK(contentOf(folder.file("p.interrupted.txt")).find(", interrupted") != std::string::npos);
 }
 
 TEST_CASE("a target count on a mesh is met within 2 percent", "[run]") {

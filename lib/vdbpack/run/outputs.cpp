@@ -144,6 +144,13 @@ std::string filePart(const std::string& name) {
     return targetOf(name).file;
 }
 
+std::string interruptedName(const std::string& name) {
+    const std::string file = filePart(name);
+    const std::string extension = std::filesystem::path(file).extension().string();
+    std::string marked = name;
+    return marked.insert(name.size() - extension.size(), ".interrupted");
+}
+
 bool isSolidOutput(const std::string& output) {
     const Target target = targetOf(output);
     switch (target.kind) {

@@ -18,6 +18,10 @@ namespace vdbpack {
 /// The first file behind "prefix:name", where the prefix is one that names a format.
 std::string filePart(const std::string& name);
 
+/// NAME.interrupted.EXT for NAME.EXT, behind the same prefix, if there is one: what an interrupted
+/// run leaves never replaces the file of a whole one.
+std::string interruptedName(const std::string& name);
+
 /// Refuses before the work what would fail after it: unknown formats, folders that are not there,
 /// outputs that are inputs or named twice, be it by another path or by links.
 /// @param reportFile  .json or .html; may be empty.

@@ -4,6 +4,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/report/report_page.h"
 #include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -206,15 +207,21 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
     return details;
 }
 
+std::string reportFileOf(const RunSettings& settings, const Report& report) {
+    const std::string& file = settings.reportFile;
+    return report.interrupted && !file.empty() ? interruptedName(file) : file;
+}
+
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe) {
-    if (recipe.reportFile.empty()) return;
+    const std::string file = reportFileOf(recipe, run.report);
+    if (file.empty()) return;
     Json figures = toJson(run);
-    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    if (!isPage(file)) return write(file, jsonText(figures));
     addTo(figures, details.structure);
     ReportPage page = pageOf(run, recipe.domain.source, recipe);
     page.structure = details.structure;
     page.radii = details.radii;
-    write(recipe.reportFile, reportPage(page, figures));
+    write(file, reportPage(page, figures));
 }
 
 namespace {
@@ -222,12 +229,13 @@ namespace {
 /// The report of a run on a pack that exists.
 template <class Recipe>
 void writeOfGiven(const RunResult& run, const Recipe& recipe) {
-    if (recipe.reportFile.empty()) return;
+    const std::string file = reportFileOf(recipe, run.report);
+    if (file.empty()) return;
     const Json figures = toJson(run);
-    if (!isPage(recipe.reportFile)) return write(recipe.reportFile, jsonText(figures));
+    if (!isPage(file)) return write(file, jsonText(figures));
     ReportPage page = pageOf(run, recipe.pack, recipe);
     std::visit([&](const auto& pack) { page.radii = histogramOf(pack, 0, nullptr); }, run.pack);
-    write(recipe.reportFile, reportPage(page, figures));
+    write(file, reportPage(page, figures));
 }
 
 }  // namespace

@@ -26,6 +26,10 @@ PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
                         const Report& report, const Callbacks& callbacks);
 
+/// Where the report of a run is written: `settings.reportFile`, or its `interruptedName`; empty if
+/// it is.
+std::string reportFileOf(const RunSettings& settings, const Report& report);
+
 /// Writes `recipe.reportFile`, if it is set, in the format of its extension. @throws IoError
 void writeReport(const RunResult& run, const PageDetails& details, const PackRecipe& recipe);
 void writeReport(const RunResult& run, const CarveRecipe& recipe);

@@ -139,7 +139,8 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     PackWriteOptions& write = have.options;
     write.contactTolerance = run.settings.contactTolerance;
     write.unit = run.settings.outUnit;
-    write.generator = "vdb_pack " + run.report.version;
+    write.generator =
+        "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : "");
     write.particleDensity = particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.levelSets = run.voids.levelSets();
     if (write.levelSets.empty() && run.built.mesh) write.levelSets = {run.built.mesh->grid()};
@@ -152,13 +153,19 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     return have;
 }
 
-/// Writes the outputs.
+/// Writes the outputs and the recipe that repeats the run.
 template <int Dim>
 void write(Run<Dim>& run) {
-    run.report.seconds.measure = run.clock.lap();
-    // Interrupted before the first sphere: nothing is worth replacing a file.
-    if (run.report.interrupted && run.report.count == 0) return;
-    run.report.files = writeOutputs(run.settings.outputs, outputsOf(run), run.callbacks);
+    const RunSettings& settings = run.settings;
+    Report& report = run.report;
+    report.seconds.measure = run.clock.lap();
+    std::vector<std::string> outputs = settings.outputs;
+    if (report.interrupted) {
+        if (report.count == 0) return;
+        std::transform(outputs.begin(), outputs.end(), outputs.begin(), interruptedName);
+    }
+    report.files = writeOutputs(outputs, outputsOf(run), run.callbacks);
+    if (!report.files.empty()) leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
 }
 
 /// Draws the preview, or the picture of the report page.
@@ -181,16 +188,14 @@ template <int Dim>
 RunResult finishStage(Run<Dim>& run) {
     write(run);
     draw(run);
-    const RunSettings& settings = run.settings;
     Report& report = run.report;
-    if (!report.files.empty())
-        leaveRecipe(settings.optionsText, settings.outputs, report, run.callbacks);
     report.seconds.write = run.clock.lap();
     report.seconds.total = run.clock.total();
     report.peakMemoryBytes = peakMemory();
     RunResult result;
     result.passed = !failedChecks(report).any();
-    if (!settings.reportFile.empty()) report.files.push_back(settings.reportFile);
+    const std::string reportFile = reportFileOf(run.settings, report);
+    if (!reportFile.empty()) report.files.push_back(reportFile);
     result.report = std::move(report);
     result.picture = std::move(run.picture);
     if (run.hasPack) result.pack = std::move(run.pack);
