@@ -1,6 +1,7 @@
 #include "vdbpack/field/vdb_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/lanes.h"
 #include "vdbpack/field/band_width.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/narrow_band.h"
@@ -13,9 +14,11 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <mutex>
 #include <new>
+#include <numeric>
 
 namespace vdbpack {
 
@@ -64,7 +67,8 @@ struct VdbField::Impl {
     mutable std::once_flag surfaceOnce;
     mutable std::shared_ptr<const VdbGrid> surface;
 
-    /// Sum of `share(value)` over all voxels, in voxels; the same for any number of threads.
+    /// Sum of `share(value)` over all voxels, in voxels; the same for any number of threads and
+    /// lanes.
     template <class Share>
     double sumOverVoxels(const Share& share) const {
         const openvdb::tree::LeafManager<const FloatGrid::TreeType> leafs(grid->tree());
@@ -72,11 +76,12 @@ struct VdbField::Impl {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 64),
                           [&](const tbb::blocked_range<std::size_t>& range) {
                               for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  const Leaf& leaf = leafs.leaf(i);
-                                  double sum = 0;
-                                  for (openvdb::Index k = 0; k < Leaf::SIZE; ++k)
-                                      sum += share(leaf.getValue(k));
-                                  sums[i] = sum;
+                                  const float* const values = leafs.leaf(i).buffer().data();
+                                  std::array<double, kLanes> lanes{};
+                                  for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
+                                      for (std::size_t l = 0; l < kLanes; ++l)
+                                          lanes[l] += share(values[k + l]);
+                                  sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
                               }
                           });
         double total = 0;

@@ -165,6 +165,10 @@ bool isSolidOutput(const std::string& output) {
     }
 }
 
+bool usesLevelSets(const std::string& output) {
+    return isSolidOutput(output) || targetOf(output).kind == OutputKind::blender;
+}
+
 void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
                 const std::vector<std::string>& inputs, const std::vector<std::string>& further) {
     namespace fs = std::filesystem;

@@ -34,6 +34,8 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
 
 /// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
 bool isSolidOutput(const std::string& output);
+/// The same, or one that shows level sets beside the spheres (blender:).
+bool usesLevelSets(const std::string& output);
 
 /// What a run ends with.
 enum class RunKind {

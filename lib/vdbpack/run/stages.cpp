@@ -143,7 +143,10 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
         "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : "");
     write.particleDensity = particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.levelSets = run.voids.levelSets();
-    if (write.levelSets.empty() && run.built.mesh) write.levelSets = {run.built.mesh->grid()};
+    const auto& outputs = run.settings.outputs;
+    if (write.levelSets.empty() && run.built.mesh &&
+        std::any_of(outputs.begin(), outputs.end(), usesLevelSets))
+        write.levelSets = {run.built.mesh->grid()};
     if constexpr (Dim == 2) write.frame = run.domain().bounds();
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     if (run.positionStep > 0)
