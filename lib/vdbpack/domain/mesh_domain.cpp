@@ -342,7 +342,7 @@ double defaultVoxelSize(const TriangleMesh& mesh, double detail) {
     if (volume > 0) largest = std::min(largest, volume / area);
     const double smallest =
         std::max(std::sqrt(kCommonLayers * area / kMostDefaultVoxels), longest * 1e-5);
-    const double wanted = detail > 0 ? 1.1 * detail : largest;
+    const double wanted = detail > 0 ? kVoxelPerDetail * detail : largest;
     return std::max(std::min(wanted, largest), smallest);
 }
 

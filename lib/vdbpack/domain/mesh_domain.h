@@ -19,6 +19,11 @@ inline double fieldDetail(double smallest, double mean) {
     return std::max(smallest, 0.5 * mean);
 }
 
+/// Default voxel of a field, in details: at this size the center of a sphere of that radius is
+/// inside by the field wherever the sphere fits (the corners of its voxel are 0.87 voxels away on
+/// average).
+inline constexpr double kVoxelPerDetail = 1.1;
+
 struct FieldOptions {
     /// Edge of a voxel, mm; 0: chosen by `defaultVoxelSize`.
     double voxelSize = 0;
@@ -81,10 +86,9 @@ std::shared_ptr<const MeshDomain> levelSetDomain(const std::string& path,
                                                  const FieldOptions& options,
                                                  const Callbacks& callbacks = {});
 
-/// The default voxel size of `meshDomain`, mm: 1.1 times the detail, at which the center of a
-/// sphere of that radius is inside by the field wherever the sphere fits (the corners of its voxel
-/// are 0.87 voxels away on average); coarser where there would be more than some 40 million voxels,
-/// finer where the bone is thinner than two such voxels.
+/// The default voxel size of `meshDomain`, mm: `kVoxelPerDetail` times the detail; coarser where
+/// there would be more than some 40 million voxels, finer where the bone is thinner than two such
+/// voxels.
 double defaultVoxelSize(const TriangleMesh& mesh, double detail);
 
 }  // namespace vdbpack

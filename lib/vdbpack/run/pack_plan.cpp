@@ -25,8 +25,8 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
         radii.scale = std::pow((dim == 3 ? 0.58 : 0.8) * guess, 1.0 / dim);
     }
     radii.detail = fieldDetail(sizes.min(), sizes.mean()) * radii.scale;
-    radii.reach =
-        std::max(sizes.max() * radii.scale * 1.05 + recipe.gap, depthForShell(recipe.voids) / 3);
+    radii.reach = std::max(sizes.max() * radii.scale * 1.05 + recipe.gap,
+                           depthForShell(recipe.voids, plannedVoxel(recipe.voids, dim)) / 3);
     return radii;
 }
 

@@ -39,8 +39,8 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     run.voidRecipe = &recipe.voids;
     run.largestRadius = radius.max;
     const double detail = fieldDetail(radius.min, radius.mean);
-    const double reach = std::max(radius.max, depthForShell(recipe.voids) / 3);
     const double voxel = plannedVoxel(recipe.voids, Dim);
+    const double reach = std::max(radius.max, depthForShell(recipe.voids, voxel) / 3);
     Extent extent = extentOf(run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
     extent.voids = planVoids(recipe.voids, extent, radius.max);

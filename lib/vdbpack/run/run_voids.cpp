@@ -11,10 +11,10 @@ namespace vdbpack {
 
 namespace {
 
-/// The smallest feature that the field of a domain has to resolve, mm; 0: unknown. Exact distances
-/// come from the wall itself, so voxels may be larger than those of the voids.
-double detailFor(const VoidRecipe& recipe) {
-    if (recipe.voxelSize > 0) return 4 * recipe.voxelSize;
+/// The smallest feature that the field of a domain has to resolve, mm; 0: unknown. Where the voxels
+/// of the voids are known, the field gets the same.
+double detailFor(const VoidRecipe& recipe, double voxel) {
+    if (voxel > 0) return voxel / kVoxelPerDetail;
     return recipe.radius.empty() ? 0 : SizeDistribution::parse(recipe.radius, 3).min();
 }
 
@@ -24,8 +24,9 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
     Run<Dim> run(recipe, source, report, clock, callbacks);
     run.hasPack = false;
     run.voidRecipe = &recipe.voids;
-    const double detail = detailFor(recipe.voids), reach = depthForShell(recipe.voids) / 3;
     const double voxel = plannedVoxel(recipe.voids, Dim);
+    const double detail = detailFor(recipe.voids, voxel);
+    const double reach = depthForShell(recipe.voids, voxel) / 3;
     Extent extent = extentOf(source, detail, reach, voxel);
     extent.voids = planVoids(recipe.voids, extent, 0);
     domainStage(run, extent, detail, reach, voxel);

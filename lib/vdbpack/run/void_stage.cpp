@@ -174,8 +174,8 @@ double plannedVoxel(const VoidRecipe& recipe, int dim) {
                         SizeDistribution::parse(recipe.radius, dim).min() * std::min(1.0, aspect));
 }
 
-double depthForShell(const VoidRecipe& recipe) {
-    return recipe.shell > 0 ? 1.1 * recipe.shell + 10 * recipe.voxelSize : 0;
+double depthForShell(const VoidRecipe& recipe, double voxel) {
+    return recipe.shell > 0 ? 1.1 * recipe.shell + 10 * voxel : 0;
 }
 
 namespace {

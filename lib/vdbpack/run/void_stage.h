@@ -42,7 +42,8 @@ double voidVoxelFor(const VoidRecipe& recipe, double least);
 double plannedVoxel(const VoidRecipe& recipe, int dim);
 
 /// Depth of the distance field that the shell needs, mm.
-double depthForShell(const VoidRecipe& recipe);
+/// @param voxel  of the voids, mm; 0: unknown.
+double depthForShell(const VoidRecipe& recipe, double voxel);
 
 /// Refuses a shell that leaves no core, and voids larger than the domain
 /// (those of a list only if `early`, since `makeVoids` checks them).

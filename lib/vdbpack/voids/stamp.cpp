@@ -77,6 +77,10 @@ public:
             const double reach = shell_ + kStampBand * h_;
             return shell_ - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
         }
+        // Where the field's lattice is that of the voids, this is the distance itself.
+        const DepthRange depth = sampler_->depthRange(x);
+        if (depth.least > shell_ || depth.most < shell_)
+            return std::clamp(outside, shell_ - depth.most, shell_ - depth.least);
         if (std::fabs(outside) < error_ && field < 0 &&
             sampler_->nearestWall(x, shell_ + error_, wall))
             return shell_ - wall.distance;
