@@ -22,6 +22,7 @@ constexpr OptionName kOptionNames[] = {
     {"domain", "--domain"},
     {"effort", "--effort"},
     {"existing", "--existing"},
+    {"fill", "--fill"},
     {"gap", "--gap"},
     {"gridName", "--grid"},
     {"keepConnected", "--keep-connected"},

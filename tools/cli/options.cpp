@@ -30,6 +30,7 @@ std::pair<std::string, Enum> named(Enum value) {
 }
 
 const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(Effort::dense)};
+const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
 const Names<Order> kOrders{named(Order::sweep),
                            named(Order::wall),
                            named(Order::center),
@@ -68,8 +69,8 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
                    " (default: uniform with ratio 1:2, about 100,000 spheres)");
     command
         ->add_option("--target-count", job.targetCount,
-                     "scale the radii so that about N spheres fill the domain; spheres of "
-                     "--existing do not count")
+                     "scale the radii so that about N spheres are written: those that voids leave, "
+                     "with those that --densify adds, without those of --existing")
         ->option_text("N")
         ->check(positive())
         ->group("Spheres");
@@ -138,6 +139,11 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
     addVoidOptions(*command, job.voids, VoidsIn::pack);
+    addChoice(*command, "--fill", job.voids.fill, kFills,
+              "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
+              "first, then fill what they leave")
+        ->option_text("domain|solid [domain]")
+        ->group("Voids");
     addPackRunOptions(command, job, print);
     return command;
 }

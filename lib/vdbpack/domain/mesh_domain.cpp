@@ -82,7 +82,13 @@ public:
         bins_.within(x, reach, points);
     }
 
-    bool isWallCloser(const Vec<3>& x, double reach) override { return bins_.anyCloser(x, reach); }
+    bool isWallCloser(const Vec<3>& x, double reach) override {
+        // The field decides, unless the wall is about that far away.
+        const DepthRange depth = field_.depthRange(x);
+        if (depth.least >= reach || depth.most <= -reach) return false;
+        if (depth.least > -reach && depth.most < reach) return true;
+        return bins_.anyCloser(x, reach);
+    }
 
 private:
     VdbField::Sampler field_;

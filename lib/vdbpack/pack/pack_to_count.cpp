@@ -15,7 +15,7 @@ namespace {
 
 /// How far the final count may be from the target before another pack is made: a share of it, and
 /// spheres.
-constexpr double kCountTolerance = 0.018, kCountsApart = 1.5;
+constexpr double kCountTolerance = 0.018, kCountsApart = 0.5;
 constexpr int kCountAttempts = 8;
 
 bool isNear(double off, double target) {
@@ -59,12 +59,18 @@ SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int d
 
 template <int Dim>
 PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
-                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
+                            const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing,
+                            const CountedSpheres<Dim>& counted) {
     const SizeDistribution sizes = options.sizes;
     PackResult<Dim> best;
-    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1;
+    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1, bestCount = 0;
     ScaleSearch search(target, Dim);
-    double scale = scaleForCount(domain, options, target, callbacks, existing);
+    const double front = std::max(1.0, target / counted.share);
+    double scale =
+        counted.fraction > 0
+            ? std::pow(counted.fraction * domain.volume() / (front * sizes.meanBall(Dim)),
+                       1.0 / Dim)
+            : scaleForCount(domain, options, front, callbacks, existing);
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
         options.sizes = scaledSizes(sizes, scale, Dim);
         PackResult<Dim> result;
@@ -73,12 +79,16 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         } catch (const InputError&) {  // nothing fits
             if (attempt + 1 == kCountAttempts && best.pack.spheres.empty()) throw;
         }
-        const auto count = static_cast<double>(result.pack.spheres.size());
+        const auto& spheres = result.pack.spheres;
         const bool interrupted = result.interrupted;
+        const double count = counted.count && !interrupted && !spheres.empty()
+                                 ? counted.count(spheres, options.sizes.max())
+                                 : static_cast<double>(spheres.size());
         // Where the last one was interrupted, the one that has more is kept.
         if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
             bestOff = std::fabs(count - target);
             bestScale = scale;
+            bestCount = count;
             best = std::move(result);
         }
         best.interrupted = interrupted;
@@ -87,14 +97,16 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
     }
     options.sizes = scaledSizes(sizes, bestScale, Dim);
     if (!best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
-        callbacks.warn(fmt::format("{} {} are the nearest count to the target count {:.0f}",
-                                   best.pack.spheres.size(), Measure<Dim>::kSpheres, target));
+        callbacks.warn(
+            fmt::format("`targetCount` {:.0f}: the nearest count found is {:.0f} {}; "
+                        "give another number, or the radii themselves",
+                        target, bestCount, Measure<Dim>::kSpheres));
     return best;
 }
 
 template PackResult<2> packToCount(const Domain<2>&, PackOptions&, double, const Callbacks&,
-                                   const std::vector<Sphere<2>>&);
+                                   const std::vector<Sphere<2>>&, const CountedSpheres<2>&);
 template PackResult<3> packToCount(const Domain<3>&, PackOptions&, double, const Callbacks&,
-                                   const std::vector<Sphere<3>>&);
+                                   const std::vector<Sphere<3>>&, const CountedSpheres<3>&);
 
 }  // namespace vdbpack

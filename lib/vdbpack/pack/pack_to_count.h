@@ -3,23 +3,35 @@
 
 #include "vdbpack/pack/packer.h"
 
+#include <functional>
 #include <vector>
 
 namespace vdbpack {
+
+/// The spheres of a pack that count toward a target, where later stages remove others.
+template <int Dim>
+struct CountedSpheres {
+    /// How many of the spheres, in a pack whose largest radius is `largest` mm; empty: all.
+    std::function<double(const std::vector<Sphere<Dim>>& spheres, double largest)> count;
+    double share = 1;     ///< of all spheres, estimated
+    double fraction = 0;  ///< of the domain that spheres fill, about; 0: found by smaller packs
+};
 
 /// A pack of about `target` spheres: `options.sizes` are scaled until so many fill the domain.
 ///
 /// The first scale is `scaleForCount`'s guess from smaller packs, the next ones follow the line
 /// through the last two packs (logarithm of the count against that of the scale), kept between
-/// scales that gave too few and too many. Within 1.8 % of `target`, or 1.5 spheres; where eight
-/// packs come no nearer, the nearest is returned with a warning.
+/// scales that gave too few and too many. Within 1.8 % of `target`, or the number itself where that
+/// is less than a sphere; where eight packs come no nearer, the nearest is returned with a warning.
 /// @param options   its sizes are left as they were packed.
 /// @param existing  as for `packSpheres`; not counted.
+/// @param counted   which spheres of a pack count.
 /// @throws as `packSpheres` and `scaleForCount`.
 template <int Dim>
 PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
                             const Callbacks& callbacks = {},
-                            const std::vector<Sphere<Dim>>& existing = {});
+                            const std::vector<Sphere<Dim>>& existing = {},
+                            const CountedSpheres<Dim>& counted = {});
 
 /// The distribution with its radii times `factor`: where it is a formula, exactly what the formula
 /// says when it is read again.

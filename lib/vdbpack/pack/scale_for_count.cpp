@@ -9,6 +9,14 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// How often the radii of a trial are reduced, and by what factor.
+constexpr int kSmallerTrials = 20;
+constexpr double kSmaller = 0.7;
+
+}  // namespace
+
 template <int Dim>
 double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, double count,
                      const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
@@ -52,12 +60,24 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     const double room = guess * std::max(0.05, 1 - taken / domain.volume());
     // Solid fraction f = a - b s at scale s, since a layer as thick as the radii is packed worse
     // along the wall. Two trials with 1/20 and 1/5 of the spheres give a and b.
-    const double coarse = scaleFor(room, std::max(count / 20, 50.0));
-    const double fine = scaleFor(room, std::max(count / 5, 100.0));
+    double coarse = scaleFor(room, std::max(count / 20, 50.0));
+    double fine = scaleFor(room, std::max(count / 5, 100.0));
+    // A domain may be too thin for the spheres of a trial, or for those that would fill it.
+    const auto tryOut = [&](double& scale) {
+        for (int attempt = 0;; ++attempt) {
+            try {
+                return fractionAt(scale);
+            } catch (const InputError&) {
+                if (attempt == kSmallerTrials || callbacks.isCancelled()) throw;
+                scale *= kSmaller;
+            }
+        }
+    };
     if (callbacks.isCancelled()) return fine;
-    const double f1 = fractionAt(coarse);
+    const double f1 = tryOut(coarse);
+    fine = std::min(fine, coarse);
     if (callbacks.isCancelled()) return fine;
-    const double f2 = fractionAt(fine);
+    const double f2 = tryOut(fine);
     const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
     double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);
     for (int i = 0; i < 20; ++i) {

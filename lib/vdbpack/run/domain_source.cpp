@@ -14,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
@@ -131,6 +132,14 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
             "`unit` m, cm, mm or um if that is wrong",
             text, extent, unitName(recipe.unit)));
+}
+
+DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize)
+    : mesh_(std::move(mesh)) {
+    recipe_.source = name;
+    recipe_.voxelSize = voxelSize;
+    fileBounds_ = mesh_->bounds();
+    analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
 }
 
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,

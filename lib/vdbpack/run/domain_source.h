@@ -66,6 +66,9 @@ public:
     /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
     explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
 
+    /// A closed mesh of the program's own, mm, whose field gets voxels of `voxelSize` mm.
+    DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize);
+
     int dim() const;        ///< 2 for rect, disc and slices
     double volume() const;  ///< estimate before the field is made, mm^dim
     bool isFile() const { return mesh_.has_value(); }

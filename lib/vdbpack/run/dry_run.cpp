@@ -22,13 +22,16 @@ namespace {
 /// Spheres of a pack that is its own trial, and of the larger trial of others; beside existing
 /// spheres, whose radii do not scale with the others. The smaller trial has kRatio times fewer.
 constexpr double kTrial = 40000, kTrialBesides = 400000, kRatio = 4;
+/// Voxels of the voids of a trial, at most, in those of the run.
+constexpr double kCoarserVoxels = 2;
 
 /// The run of a recipe with larger radii.
 struct Trial {
-    double scale = 1;   ///< of the radii, against the pack to come
-    double count = 0;   ///< spheres placed
-    double solid = 0;   ///< their share of the domain
-    double voxels = 0;  ///< of the field
+    double scale = 1;    ///< of the radii, against the pack to come
+    double count = 0;    ///< spheres placed
+    double solid = 0;    ///< their share of the domain
+    double voxels = 0;   ///< of the field
+    double stamped = 0;  ///< memory of the voids, which their time is in proportion to
     Report report;
 };
 
@@ -40,14 +43,21 @@ double ballsFrom(const Pack<Dim>& pack, std::size_t first) {
     return sum;
 }
 
-Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale,
+/// Fixes the sizes of voids, and enlarges their voxels with the spheres, as far as the voids
+/// permit.
+void coarsenVoids(VoidRecipe& voids, double scale, const VoidExtent& planned) {
+    if (!(scale > 1) || !(planned.voxelSize > 0)) return;
+    voids.voxelSize = std::min(scale, kCoarserVoxels) * planned.voxelSize;
+}
+
+Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale, const VoidExtent& voids,
              const Callbacks& callbacks) {
     if (scale > 1) recipe.maxCount = 0;
     recipe.targetCount =
         requestedSizes(recipe, source.dim()).targetCount / std::pow(scale, source.dim());
     recipe.radiusFactor = scale;
     recipe.gap *= scale;
-    recipe.voids = {};
+    coarsenVoids(recipe.voids, scale, voids);
     recipe.outputs.clear();
     recipe.reportFile.clear();
     recipe.preview = {};
@@ -62,7 +72,9 @@ Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale,
     trial.solid =
         std::visit([&](const auto& p) { return ballsFrom(p, run.report.existing); }, run.pack) /
         run.report.volume;
-    trial.voxels = extentOf(recipe, source).field.voxels();
+    const Extent extent = extentOf(recipe, source);
+    trial.voxels = extent.field.voxels();
+    trial.stamped = stampBytes(extent);
     trial.report = std::move(run.report);
     return trial;
 }
@@ -79,9 +91,15 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     Extent extent = extentOf(recipe, source);
     const double most = recipe.existing.empty() ? kTrial : kTrialBesides;
     const double scale = std::max(1.0, std::pow(extent.count / most, 1.0 / dim));
-    const Trial large = tryOut(recipe, source, scale, callbacks);
-    const Trial small =
-        scale > 1 ? tryOut(recipe, source, scale * std::pow(kRatio, 1.0 / dim), callbacks) : large;
+    // Voids keep the sizes that follow from the radii of the pack to come.
+    PackRecipe sized = recipe;
+    if (!recipe.voids.empty() && recipe.voids.radius.empty())
+        sized.voids.radius =
+            defaultVoidRadius(requested.sizes.max() * fieldRadii(recipe, requested, source).scale);
+    const Trial large = tryOut(sized, source, scale, extent.voids, callbacks);
+    const Trial small = scale > 1 ? tryOut(sized, source, scale * std::pow(kRatio, 1.0 / dim),
+                                           extent.voids, callbacks)
+                                  : large;
     DryRun run;
     run.trial = large.report;
     run.voxelSize = extent.field.voxelSize;
@@ -118,6 +136,13 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     for (const auto stage :
          {&Report::Seconds::pack, &Report::Seconds::densify, &Report::Seconds::measure})
         run.seconds.*stage = secondsAt(stage, &Trial::count, run.count);
+    // Voids, and the contour of a solid that is filled, cost time for the voxels of their walls.
+    const double finer = large.stamped > 0 ? std::max(1.0, stampBytes(extent) / large.stamped) : 1;
+    run.seconds.voids = finer * large.report.seconds.voids;
+    if (recipe.voids.fill == Fill::solid) {
+        run.seconds.domain = std::max(run.seconds.domain, finer * large.report.seconds.domain);
+        run.seconds.measure = std::max(run.seconds.measure, finer * large.report.seconds.measure);
+    }
     run.count += static_cast<double>(run.trial.existing);
     extent.count = run.count;
     run.estimate = estimate(extent, recipe);
@@ -135,7 +160,7 @@ DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks) {
         DryRun run = predict(recipe, source, callbacks);
         Report::Seconds& s = run.seconds;
         s.mesh = mesh;
-        s.total = mesh + s.domain + s.pack + s.densify + s.measure;
+        s.total = mesh + s.domain + s.pack + s.densify + s.voids + s.measure;
         run.trialSeconds = clock.total();
         return run;
     });
@@ -151,9 +176,10 @@ nlohmann::ordered_json toJson(const DryRun& f) {
     json["spheres"] = {
         {"count", std::llround(f.count)}, {"existing", f.trial.existing}, {"requested", f.sizes}};
     json["solidFraction"] = {{"total", f.solidFraction}};
-    json["seconds"] = {{"mesh", f.seconds.mesh},       {"domain", f.seconds.domain},
-                       {"pack", f.seconds.pack},       {"densify", f.seconds.densify},
-                       {"measure", f.seconds.measure}, {"total", f.seconds.total}};
+    json["seconds"] = {{"mesh", f.seconds.mesh},   {"domain", f.seconds.domain},
+                       {"pack", f.seconds.pack},   {"densify", f.seconds.densify},
+                       {"voids", f.seconds.voids}, {"measure", f.seconds.measure},
+                       {"total", f.seconds.total}};
     const auto whole = [](double bytes) { return std::llround(std::min(bytes, 9e18)); };
     json["peakMemoryBytes"] = whole(f.estimate.memory());
     for (const auto& part : f.estimate.parts) json["memory"][part.name] = whole(part.bytes);
@@ -175,10 +201,11 @@ std::string summary(const DryRun& f) {
                         f.densified ? "" : "; denser packs are not reached");
     if (f.voxelSize > 0) text += fmt::format("{:<11}voxels of {:.4g} mm\n", "field", f.voxelSize);
     text += fmt::format(
-        "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, {}measure {:.2f}, total {:.2f} on {} "
+        "{:<11}mesh {:.2f}, domain {:.2f}, pack {:.2f}, {}{}measure {:.2f}, total {:.2f} on {} "
         "thread{}\n",
         "seconds", f.seconds.mesh, f.seconds.domain, f.seconds.pack,
         f.seconds.densify > 0 ? fmt::format("densify {:.2f}, ", f.seconds.densify) : std::string(),
+        f.seconds.voids > 0 ? fmt::format("voids {:.2f}, ", f.seconds.voids) : std::string(),
         f.seconds.measure, f.seconds.total, f.trial.threads, f.trial.threads == 1 ? "" : "s");
     text += fmt::format("{:<11}about {} at most: {}\n", "memory", bytesText(f.estimate.memory()),
                         f.estimate.memoryText());

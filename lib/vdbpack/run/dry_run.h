@@ -19,16 +19,17 @@ struct DryRun {
     bool densified = true;     ///< whether `densify` reaches its solid fraction
     std::string sizes;         ///< radii as they would be packed
     double voxelSize = 0;      ///< of the field, mm; 0: none
-    Report::Seconds seconds;   ///< on as many threads, without voids and writing
+    Report::Seconds seconds;   ///< on as many threads, without writing
     Estimate estimate;         ///< of memory, and what the files will take
     Report trial;              ///< of the larger trial
     double trialSeconds = 0;   ///< of both
 };
 
-/// Runs the recipe twice with larger radii, without voids and files, and goes on along the line
-/// through both: the solid fraction falls in proportion to the radii (walls), the field costs time
-/// for its voxels, packing and measuring for each sphere. A small pack is made as it is. Packs that
-/// exceed memory or disk space are predicted, too: `requireResources(dryRun.estimate,
+/// Runs the recipe twice with larger radii, without files, and goes on along the line through both:
+/// the solid fraction falls in proportion to the radii (walls), the field costs time for its
+/// voxels, packing and measuring for each sphere. Voids keep their sizes; their voxels are larger,
+/// and cost time in proportion to those that their walls meet. A small pack is made as it is. Packs
+/// that exceed memory or disk space are predicted, too: `requireResources(dryRun.estimate,
 /// recipe.memoryLimit)` throws what `runPack` would. @throws as `runPack` otherwise.
 DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 

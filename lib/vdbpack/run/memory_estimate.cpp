@@ -31,6 +31,8 @@ constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 10
 // field.
 constexpr double kText = 125, kBinary = 60, kPairsText = 250, kStlTriangle = 50;
 constexpr double kFace = 125, kCutFace = 40, kVoxel = 1.5;
+/// Triangles of a contour for each voxel's face.
+constexpr double kContourTriangles = 3.1;
 
 /// Parts of a smaller share are not listed; files this much smaller than estimated may still fit.
 constexpr double kListedShare = 0.02, kFileTolerance = 0.8;
@@ -104,12 +106,19 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
     // Contours are complete in memory before they are written.
     for (const auto& file : all.files)
         if (endsWith(file.name, ".stl") && e.voids.count > 0) voids += file.bytes;
+    const double contour =
+        e.solid && e.voids.voxelSize > 0
+            ? kContourTriangles * (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2)
+            : 0;
     const bool draws = !settings.preview.file.empty() || isPage(settings.reportFile);
     const double picture = draws ? kDrawnSphere * e.count : 0;
     all.parts = {
         {"program", kProgram, "the program", "that is the least there can be, raise `memoryLimit`"},
-        {"mesh", kTriangle * static_cast<double>(e.field.triangles),
-         fmt::format("{} triangles", e.field.triangles), "use a mesh of fewer triangles"},
+        {"mesh", kTriangle * (static_cast<double>(e.field.triangles) + contour),
+         contour > 0 ? fmt::format("{} triangles and about {:.2g} of the solid's contour",
+                                   e.field.triangles, contour)
+                     : fmt::format("{} triangles", e.field.triangles),
+         contour > 0 ? "choose a larger `voids.voxelSize`" : "use a mesh of fewer triangles"},
         // Building it takes twice as much, before there is anything else.
         {"field", std::max(built / 2, built - spheres - voids - picture),
          fmt::format("a field of about {:.2g} voxels of {:.4g} mm", e.field.voxels(),

@@ -16,6 +16,7 @@ struct Extent {
     double count = 0;         ///< spheres, with those of an input pack
     bool searching = false;   ///< for a target count: two packs are held at a time
     bool densifying = false;  ///< spheres are moved, and further ones added
+    bool solid = false;       ///< the spheres fill what the voids leave, inside its contour
     double volume = 0;        ///< of the domain, mm^dim
     double area = 0;          ///< of its wall, mm^(dim-1)
     FieldPlan field;          ///< without triangles: the domain is a shape

@@ -9,6 +9,7 @@ namespace vdbpack {
 /// For which radii the field of a pack is made, mm, and about what its sizes are scaled by.
 struct FieldRadii {
     double scale = 1, detail = 0, reach = 0;
+    double share = 1;  ///< of the domain (`Fill::solid`) or of the spheres that voids leave, about
 };
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
                       const DomainSource& source);

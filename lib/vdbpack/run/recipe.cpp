@@ -97,6 +97,29 @@ std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
             recipe.aspect};
 }
 
+namespace {
+
+/// Refuses what has no meaning where the solid is filled.
+void checkSolidFill(const PackRecipe& recipe) {
+    const VoidMethod method = methodOf(recipe.voids);
+    if (method == VoidMethod::none)
+        throw ParameterError(
+            "`fill` solid: there are no voids to leave a solid; set `voids`, such as boolean");
+    if (isThinning(method) || needsFront(method))
+        throw ParameterError(fmt::format(
+            "`fill` solid: `voids` {} are chosen among the spheres of a pack; use voids that are "
+            "made before it, such as boolean",
+            recipe.voids.method));
+    if (recipe.voids.cull == Cull::touch)
+        throw ParameterError(
+            "`fill` solid: no sphere meets a void, so that none is removed; leave `cull` out");
+    if (!recipe.domain.slice.empty())
+        throw ParameterError(
+            "`fill` solid: voids have level sets in space alone; leave `slice` out");
+}
+
+}  // namespace
+
 void checkRecipe(const PackRecipe& recipe) {
     if (recipe.densify > 0 && recipe.maxCount > 0)
         throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
@@ -104,6 +127,10 @@ void checkRecipe(const PackRecipe& recipe) {
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
                              recipe.voids.method +
                              "; use voids that are cut afterwards, such as boolean");
+    if (recipe.voids.fill == Fill::solid) checkSolidFill(recipe);
+    if (recipe.targetCount > 0 && recipe.targetCount != std::floor(recipe.targetCount))
+        throw ParameterError(
+            fmt::format("`targetCount` {}: must be a whole number of spheres", recipe.targetCount));
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);

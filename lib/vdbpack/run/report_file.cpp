@@ -116,6 +116,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add("DOMAIN", recipe.domain, report);
     s.add("--radius", recipe.radius.empty() ? "by default" : recipe.radius);
     if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
+    if (recipe.voids.fill == Fill::solid) s.add("--fill", "solid");
     s.add("--target-count", recipe.targetCount);
     s.add("radii used", report.requested);
     s.add("--max-count", static_cast<double>(recipe.maxCount));

@@ -4,6 +4,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_each.h"
 #include "vdbpack/run/pack_plan.h"
@@ -24,6 +25,7 @@ namespace {
 template <int Dim>
 struct Prepared {
     RequestedSizes requested;
+    FieldRadii radii;
     DomainSource::Built built;
     Pack<Dim> existing;
     std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
@@ -61,8 +63,12 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(recipe.voids.shell, source);
     requireResources(extentOf(recipe, source), recipe);
-    Prepared<Dim> prepared{requestedSizes(recipe, Dim), {}, {}};
-    const FieldRadii radii = fieldRadii(recipe, prepared.requested, source);
+    if (Dim == 2 && recipe.voids.fill == Fill::solid)
+        throw ParameterError(recipe.domain.source +
+                             ": `fill` solid needs a domain of space; leave it out");
+    RequestedSizes requested = requestedSizes(recipe, Dim);
+    const FieldRadii radii = fieldRadii(recipe, requested, source);
+    Prepared<Dim> prepared{std::move(requested), radii, {}, {}};
     prepared.built =
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
@@ -80,6 +86,9 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
 template <int Dim>
 constexpr double kMostGain = Dim == 3 ? 0.045 : 0.02;
 
+/// About the solid fraction of walls a few spheres thick.
+constexpr double kThinWalls = 0.45;
+
 template <int Dim>
 std::vector<Sphere<Dim>> joinedSpheres(std::vector<Sphere<Dim>> spheres,
                                        const std::vector<Sphere<Dim>>& more) {
@@ -87,27 +96,60 @@ std::vector<Sphere<Dim>> joinedSpheres(std::vector<Sphere<Dim>> spheres,
     return spheres;
 }
 
-/// Packs about `target` spheres, counting those that densifying will add.
+/// Packs so many spheres that about `target` remain, counting those that densifying will add and
+/// without those that voids will remove.
 template <int Dim>
 PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double target,
-                           const std::vector<Sphere<Dim>>& existing, PackOptions& options) {
-    const Domain<Dim>& domain = run.domain();
-    auto result = packToCount(domain, options, target, run.callbacks, existing);
+                           const Prepared<Dim>& prepared, PackOptions& options) {
+    const Domain<Dim>& domain = run.filled();
+    const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
+    KeptCount<Dim> kept(run, existing);
+    CountedSpheres<Dim> counted;
+    if (needsFront(methodOf(recipe.voids)))
+        target /= prepared.radii.share;  // about; `packHoles` comes nearer
+    else
+        counted.count = std::ref(kept);
+    if (run.solid)  // spheres of smaller packs would not fit into its walls
+        counted.fraction = kThinWalls;
+    else if (counted.count)
+        counted.share = prepared.radii.share;
+    auto result = packToCount(domain, options, target, run.callbacks, existing, counted);
     if (recipe.densify > 0 && !result.interrupted) {
         const double front = solidFraction(joinedSpheres(existing, result.pack.spheres), domain);
         const double after =
             std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
         if (after > front)  // fewer, larger spheres
-            result = packToCount(domain, options, target * front / after, run.callbacks, existing);
+            result = packToCount(domain, options, target * front / after, run.callbacks, existing,
+                                 counted);
     }
-    run.report.chosen.push_back(fmt::format("radii {} mm, so that about {:.0f} {} fill the domain",
-                                            options.sizes.spec(), target, Measure<Dim>::kSpheres));
+    if (kept.voids()) run.voids = std::move(*kept.voids());
     return result;
+}
+
+/// Packs with holes among the spheres, so that about `target` spheres remain (0: as many as do).
+template <int Dim>
+PackResult<Dim> packHoles(Run<Dim>& run, const PackRecipe& recipe, double target,
+                          const std::vector<Sphere<Dim>>& existing, PackOptions& options) {
+    constexpr int kMostRounds = 4;
+    constexpr double kNear = 0.018;
+    const SizeDistribution sizes = options.sizes;
+    double scale = 1;
+    for (int round = 1;; ++round) {
+        run.largestRadius = options.sizes.max();
+        run.voids = {};
+        auto result = packWithHoles(run.voidSetting(), options, existing, run.voids);
+        const auto count = static_cast<double>(result.pack.spheres.size());
+        if (!(target > 0) || result.interrupted || recipe.maxCount > 0 || !(count > 0) ||
+            std::fabs(count - target) <= kNear * target || round == kMostRounds)
+            return result;
+        scale *= std::pow(count / target, 1.0 / Dim);
+        options.sizes = scaledSizes(sizes, scale, Dim);
+    }
 }
 
 /// The front, with the existing spheres before those that it places.
 /// @param options  its sizes are left as packed.
-/// @return whether the voids were made with it.
+/// @return whether the voids were made with it or before.
 template <int Dim>
 bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared,
                PackOptions& options) {
@@ -116,12 +158,16 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     const bool holes = needsFront(methodOf(recipe.voids));
     PackResult<Dim> result;
     if (target > 0)
-        result = packTarget(run, recipe, target, existing, options);
+        result = packTarget(run, recipe, target, prepared, options);
     else if (!holes)
-        result = packSpheres(run.domain(), options, run.callbacks, existing);
+        result = packSpheres(run.filled(), options, run.callbacks, existing);
+    if (holes && !result.interrupted) result = packHoles(run, recipe, target, existing, options);
     run.largestRadius = options.sizes.max();
-    if (holes && !result.interrupted)
-        result = packWithHoles(run.voidSetting(), options, existing, run.voids);
+    if (target > 0)
+        run.report.chosen.push_back(
+            fmt::format("radii {} mm, so that about {:.0f} {} {}", options.sizes.spec(), target,
+                        Measure<Dim>::kSpheres,
+                        recipe.voids.empty() ? "fill the domain" : "remain beside the voids"));
     result.pack.sliceHeight = run.built.sliceHeight;
     run.report.interrupted = result.interrupted;
     run.positionStep = result.quantum;
@@ -136,7 +182,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     }
     run.pack = std::move(result.pack);
     run.report.seconds.pack = run.clock.lap();
-    return holes;
+    return holes || run.solid || run.voids.stamped;
 }
 
 /// All stages after those that the seeds share.
@@ -154,6 +200,11 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     clock.lap();
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
     run.sizes = &options.sizes;
+    if constexpr (Dim == 3)
+        if (recipe.voids.fill == Fill::solid) {
+            run.largestRadius = options.sizes.max() * prepared.radii.scale;
+            solidStage(run, prepared.radii.detail, prepared.radii.reach);
+        }
     const bool voidsMade = packStage(run, recipe, prepared, options);
     if (recipe.densify > 0) densifyStage(run, recipe.densify, recipe.gap);
     cutStage(run, voidsMade);
@@ -161,8 +212,8 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
-            details =
-                pageDetails(run.pack, source, run.domain(), options.sizes, run.report, callbacks);
+            details = pageDetails(run.pack, run.filledSource(), run.filled(), options.sizes,
+                                  run.report, callbacks);
         });
     RunResult result = finishStage(run);
     writeReport(result, details, recipe);

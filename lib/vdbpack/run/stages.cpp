@@ -1,9 +1,11 @@
 #include "vdbpack/run/stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/densify_stage.h"
 #include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
@@ -17,6 +19,13 @@
 #include <utility>
 
 namespace vdbpack {
+
+namespace {
+
+/// BV/TV of a solid that is taken for none.
+constexpr double kLeastBvtv = 1e-6;
+
+}  // namespace
 
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
@@ -78,9 +87,25 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 template <int Dim>
 void densifyStage(Run<Dim>& run, double fraction, double gap) {
     if (!run.goesOn() || run.pack.spheres.empty()) return;
-    densifyPack(run.domain(), {fraction, run.sizes, gap, run.settings.seed, run.fixed}, run.pack,
+    densifyPack(run.filled(), {fraction, run.sizes, gap, run.settings.seed, run.fixed}, run.pack,
                 run.report, run.callbacks);
     run.report.seconds.densify = run.clock.lap();
+}
+
+void solidStage(Run<3>& run, double detail, double reach) {
+    run.voids = makeVoids(run.voidSetting());
+    measureVoids(run.voidSetting(), run.settings.contactTolerance, static_cast<Pack<3>*>(nullptr),
+                 run.voids);
+    run.report.seconds.voids += run.clock.lap();
+    // A field of its exact distances: those of a level set made by CSG are not.
+    const VdbGrid& solid = *run.voids.solid.grid;
+    DomainSource source(levelSetMesh(solid, "solid"), "solid", voxelSizeOf(solid));
+    run.callbacks.stopIfCancelled();
+    const auto built = source.build(detail, reach, run.callbacks);
+    auto space = intersectionDomain<3>(built.space, run.built.space);
+    run.solid.emplace(SolidFill<3>{std::move(source), std::move(space)});
+    run.report.seconds.domain += run.clock.lap();
+    run.callbacks.stopIfCancelled();
 }
 
 template <int Dim>
@@ -92,9 +117,17 @@ void cutStage(Run<Dim>& run, bool made) {
         const auto& chosen = run.voids.report.chosen;
         run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
     }
-    if (run.hasPack)
+    if (run.cuts()) warnOfSmallVoids(run);
+    if (run.hasPack) {
+        const std::size_t before = run.pack.spheres.size();
         cullPack(run.voidSetting(), run.settings.contactTolerance, run.fixed, run.voids, run.pack);
-    run.report.seconds.voids = run.clock.lap();
+        if (run.cuts()) requireSpheresLeft(run, before);
+    } else if (run.voids.report.bvtv && !(*run.voids.report.bvtv > kLeastBvtv)) {
+        run.callbacks.warn(
+            fmt::format("the voids leave no solid: BV/TV is {:.2g}. Give fewer or smaller voids",
+                        *run.voids.report.bvtv));
+    }
+    run.report.seconds.voids += run.clock.lap();
 }
 
 namespace {
@@ -119,10 +152,19 @@ void measureStage(Run<Dim>& run) {
                          run.voids);
         });
         run.report.voids = run.voids.report;
+        run.report.seconds.voids += run.clock.lap();
     }
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
-    measurePack(run.pack, &run.source, &run.domain(), run.cuts() ? nullptr : run.sizes, tolerance,
-                run.report, run.callbacks);
+    measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
+                tolerance, run.report, run.callbacks);
+    if (run.solid) {
+        // The contour of a level set may leave the domain by its error; no sphere does.
+        const ProtrusionCheck wall = run.source.protrusion(run.pack.spheres);
+        ProtrusionCheck& worst = *run.report.protrusion;
+        if (wall.max > worst.max) worst = wall;
+        run.report.domain.kind = "solid";
+    }
+    warnOfLooseSpheres(run);
     if (run.report.interrupted && !run.keepsPack) throw Interrupted();
 }
 
@@ -151,7 +193,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     if (run.positionStep > 0)
         write.pointVoxel = std::min(
-            pointVoxelSize(static_cast<double>(run.report.count), run.domain().volume(), Dim),
+            pointVoxelSize(static_cast<double>(run.report.count), run.filled().volume(), Dim),
             run.positionStep * 0x1p25);
     return have;
 }

@@ -27,6 +27,13 @@
 
 namespace vdbpack {
 
+/// What voids left of a domain, to be filled with spheres.
+template <int Dim>
+struct SolidFill {
+    DomainSource source;                       ///< the contour of the level set `solid`
+    std::shared_ptr<const Domain<Dim>> space;  ///< inside the contour and the domain
+};
+
 /// A run under way: what its stages pass on to one another.
 template <int Dim>
 struct Run {
@@ -62,10 +69,14 @@ struct Run {
     const VoidRecipe* voidRecipe = nullptr;  ///< null: none are cut
     double largestRadius = 0;                ///< of the spheres there are or will be, mm
     MadeVoids<Dim> voids;
+    std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
 
     PreviewPicture picture;
 
     const Domain<Dim>& domain() const { return *ofDim<Dim>(built); }
+    /// What the spheres fill, and where it comes from.
+    const Domain<Dim>& filled() const { return solid ? *solid->space : domain(); }
+    const DomainSource& filledSource() const { return solid ? solid->source : source; }
     bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->shell > 0); }
     VoidSetting<Dim> voidSetting() const {
         return {*voidRecipe, domain(), built.sliceHeight, settings.seed, largestRadius, callbacks};
@@ -120,7 +131,12 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 template <int Dim>
 void densifyStage(Run<Dim>& run, double fraction, double gap);
 
-/// @param made  whether packing made the voids (`run.voids`) already.
+/// Makes the voids before there are spheres, and what they leave the domain of the spheres.
+/// @param detail, reach  radii that its field is made for, mm.
+/// @throws InputError if they leave nothing
+void solidStage(Run<3>& run, double detail, double reach);
+
+/// @param made  whether the voids (`run.voids`) were made already.
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made = false);
 

@@ -60,12 +60,12 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         made.report.totalVolume = regionOf(s).volume();
         if (r.targetBvtv)
             made.report.amount =
-                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, kBvtvTolerance, "", bvtvAt);
+                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, bvtvTolerance(r), "", bvtvAt);
         else
             made.report.amount = r.deleteFraction;
         made.report.bvtv = bvtvAt(*made.report.amount);
         warnIfOff(s, made.report);
-    } else if (made.stamped) {
+    } else if (made.stamped && r.fill == Fill::domain) {
         keep = r.cull == Cull::touch
                    ? spheresOutside(pack.spheres, *made.stamped, r.cull)
                    : centersOutside(pack.spheres, made.list, *made.stamped, pack.region);

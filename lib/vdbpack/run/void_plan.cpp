@@ -47,7 +47,8 @@ VoidExtent listed(const VoidRecipe& recipe, const Extent& e) {
         plan.wall += surfaceArea(Dim, v.a, v.b);
         volume += v.volume();
     }
-    plan.wall *= shareOutside(volume, e);
+    plan.left = shareOutside(volume, e);
+    plan.wall *= plan.left;
     plan.voxelSize = voidVoxelFor(recipe, leastHalfAxis(list));
     return plan;
 }
@@ -85,8 +86,9 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
         case VoidMethod::list:
             return {};
     }
-    plan.wall =
-        plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : shareOutside(plan.count * each, e));
+    const double share = plan.count * each / e.volume;
+    plan.left = apart ? std::max(0.0, 1 - share) : shareOutside(plan.count * each, e);
+    plan.wall = plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : plan.left);
     plan.voxelSize = plannedVoxel(r, e.dim);
     if (!(plan.voxelSize > 0)) plan.voxelSize = voidVoxelFor(r, 0.75 * std::min(a, b));
     return plan;

@@ -13,6 +13,7 @@ struct VoidExtent {
     double wall = 0;       ///< area (2D: length) of their walls outside of other voids, mm^(dim-1)
     double voxelSize = 0;  ///< mm
     double reach = 0;      ///< as that of StampOptions, mm
+    double left = 1;       ///< share of the domain that lies outside of all voids
 };
 
 /// The voids that the recipe specifies, or that its target needs.

@@ -23,14 +23,17 @@ namespace {
 constexpr double kDefaultBvtv = 0.3;
 /// The paper's.
 constexpr double kDefaultProbability = 0.02;
-/// Voxels of the shorter half-axis at the least, and of a wanted thickness.
-constexpr double kVoxelsPerHalfAxis = 4, kVoxelsPerThickness = 4;
+/// Voxels of the shorter half-axis at the least, where voids are cut into a pack and where spheres
+/// fill what they leave, which walls thinner than a sphere do not matter to; of a wanted thickness.
+constexpr double kVoxelsPerHalfAxis = 4, kVoxelsToFill = 2.5, kVoxelsPerThickness = 4;
 
 /// How near to a target BV/TV voids are made that are packed; beyond the second it is warned of.
 constexpr double kPackedTolerance = 0.002;
-constexpr double kBvtvWarning = 0.005;
-constexpr double kThicknessTolerance = 0.01;
-constexpr int kThicknessRounds = 4;
+constexpr double kBvtvTolerance = 0.0005, kBvtvWarning = 0.005;
+/// The same as shares of the solid, or of the voids where they are less.
+constexpr double kBvtvShare = 0.01, kBvtvWarningShare = 0.02;
+constexpr double kThicknessTolerance = 0.01, kThicknessWarning = 0.02;
+constexpr int kThicknessRounds = 6;
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
 /// Holes with less beside them would be no pack.
@@ -76,6 +79,11 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
         std::max(0.0, 1 - (made.stamped->volume() + made.solid.dropped) / made.report.totalVolume);
 }
 void cut(const VoidSetting<2>&, MadeVoids<2>&) {}
+
+/// The target share of the solid, or that of the voids if it is less.
+double lessOf(const VoidRecipe& recipe) {
+    return std::min(*recipe.targetBvtv, 1 - *recipe.targetBvtv);
+}
 
 /// BV/TV of what `made` holds, with what is dropped.
 template <int Dim>
@@ -128,7 +136,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
             break;
         recipe.radius = timesSpec(recipe.radius, target / *thickness, 3);
     }
-    if (std::fabs(*made.report.thickness - target) > 0.05 * target)
+    if (std::fabs(*made.report.thickness - target) > kThicknessWarning * target)
         s.callbacks.warn(
             fmt::format("`targetTbth` {}: the nearest value found is {:.4g} mm; give a larger "
                         "domain or a smaller "
@@ -142,9 +150,14 @@ void solveThickness(const VoidSetting<2>&, MadeVoids<2>&,
 
 }  // namespace
 
+double bvtvTolerance(const VoidRecipe& recipe) {
+    return std::min(kBvtvTolerance, kBvtvShare * lessOf(recipe));
+}
+
 template <int Dim>
 void warnIfOff(const VoidSetting<Dim>& s, const VoidReport& report) {
-    if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <= kBvtvWarning)
+    if (!s.recipe.targetBvtv || std::fabs(*report.bvtv - *s.recipe.targetBvtv) <=
+                                    std::min(kBvtvWarning, kBvtvWarningShare * lessOf(s.recipe)))
         return;
     s.callbacks.warn(fmt::format(
         "`targetBvtv` {}: the nearest value found is {:.4f}; give smaller voids or a larger domain",
@@ -159,7 +172,7 @@ std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
 
 double voidVoxelFor(const VoidRecipe& recipe, double least) {
     if (recipe.voxelSize > 0) return recipe.voxelSize;
-    const double voxel = least / kVoxelsPerHalfAxis;
+    const double voxel = least / (recipe.fill == Fill::solid ? kVoxelsToFill : kVoxelsPerHalfAxis);
     return recipe.targetTbth ? std::min(voxel, *recipe.targetTbth / kVoxelsPerThickness) : voxel;
 }
 
@@ -263,7 +276,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
             };
             if (asked.targetBvtv)
                 result.report.amount = solveForBvtv(asked, 0, family.guess, family.most,
-                                                    kBvtvTolerance, family.remedy, bvtvAt);
+                                                    bvtvTolerance(asked), family.remedy, bvtvAt);
             else
                 bvtvAt(method == VoidMethod::boolean   ? *asked.count / regionOf(setting).volume()
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)

@@ -31,8 +31,8 @@ struct MadeVoids {
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };
 
-/// Tolerance of a target BV/TV.
-inline constexpr double kBvtvTolerance = 0.0005;
+/// Tolerance of the target BV/TV: of what is smaller, the solid or the voids, a share.
+double bvtvTolerance(const VoidRecipe& recipe);
 
 /// The voxel size of the level sets of voids with half-axes of at least `least` mm: as requested,
 /// otherwise as fine as the voids need, mm.

@@ -34,11 +34,15 @@ VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
     return {s.domain, s.recipe.shell};
 }
 
+std::string defaultVoidRadius(double largestSphere) {
+    return fmt::format("uniform:{:.6g},{:.6g}", kDefaultHole[0] * largestSphere,
+                       kDefaultHole[1] * largestSphere);
+}
+
 template <int Dim>
 std::string voidRadiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
     if (!s.recipe.radius.empty()) return s.recipe.radius;
-    const std::string spec = fmt::format("uniform:{:.6g},{:.6g}", kDefaultHole[0] * s.largestRadius,
-                                         kDefaultHole[1] * s.largestRadius);
+    const std::string spec = defaultVoidRadius(s.largestRadius);
     if (chosen)
         chosen->push_back(
             fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", spec));

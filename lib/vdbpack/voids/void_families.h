@@ -28,6 +28,9 @@ struct VoidSetting {
 template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& setting);
 
+/// SPEC of holes of 1.5 to 2.5 largest spheres (radius in mm).
+std::string defaultVoidRadius(double largestSphere);
+
 /// SPEC of the shorter half-axis b: that of the recipe, or holes of 1.5 to 2.5 largest spheres.
 /// @param chosen  receives a sentence on each default; may be null.
 template <int Dim>

@@ -24,10 +24,17 @@ enum class VoidMethod {
 /// Which spheres a void removes: those with their centers inside it, or all that meet it.
 enum class Cull { center, touch };
 
+/// What the spheres of a pack fill.
+enum class Fill {
+    domain,  ///< the domain; voids are cut into the pack
+    solid    ///< what the voids leave of the domain
+};
+
 /// All parameters of voids. Lengths in mm.
 struct VoidRecipe {
     std::string method;  ///< name as in VoidMethod, or list:FILE; empty: none
     double shell = 0;    ///< thickness of the layer along the wall that is kept free of voids
+    Fill fill = Fill::domain;
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
     std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1

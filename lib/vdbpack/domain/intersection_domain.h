@@ -1,0 +1,19 @@
+// The part that two domains have in common.
+#pragma once
+
+#include "vdbpack/domain/domain.h"
+
+#include <memory>
+
+namespace vdbpack {
+
+/// The points inside both domains. Distances to the wall inside are exact where those of both are:
+/// whatever leaves the intersection leaves one of the two.
+///
+/// Volumes, areas and facts are those of `inner`, which must lie within `outer` but for the error
+/// of its contour.
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
+                                                      std::shared_ptr<const Domain<Dim>> outer);
+
+}  // namespace vdbpack

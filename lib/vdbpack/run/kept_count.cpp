@@ -1,0 +1,64 @@
+#include "vdbpack/run/kept_count.h"
+
+#include "vdbpack/core/sphere.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr double kLeastShare = 0.01;
+/// A void that removes all spheres that meet it removes those about its wall, too.
+constexpr double kTouchShare = 0.8;
+
+/// Whether the voids of one trial serve for the next. Their default sizes follow from the spheres of
+/// the first, which hardly differ.
+bool serveAll(const VoidRecipe& recipe) {
+    const VoidMethod method = methodOf(recipe);
+    return recipe.cull == Cull::center && !isThinning(method) && !needsFront(method);
+}
+
+}  // namespace
+
+double keptShare(const VoidRecipe& voids, const Extent& extent) {
+    if (voids.empty() || !(extent.volume > 0)) return 1;
+    const double shell =
+        std::clamp(voids.shell * extent.area / extent.volume, 0.0, 1 - kLeastShare);
+    const double bvtv = voids.targetBvtv.value_or(voids.deleteFraction ? 1 - *voids.deleteFraction
+                                                                       : extent.voids.left);
+    const double share = std::max(shell + (1 - shell) * bvtv, kLeastShare);
+    const bool touched = voids.fill == Fill::domain && voids.cull == Cull::touch;
+    return touched ? kTouchShare * share : share;
+}
+
+template <int Dim>
+double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double largest) {
+    const auto placed = static_cast<double>(trial.size());
+    const VoidRecipe& recipe = *run_.voidRecipe;
+    // Where the solid is filled, no void removes a sphere.
+    if (recipe.empty() || (run_.solid && !recipe.keepConnected)) return placed;
+    Callbacks quiet;
+    quiet.cancelled = run_.callbacks.cancelled;
+    const VoidSetting<Dim> setting{
+        recipe, run_.domain(), run_.built.sliceHeight, run_.settings.seed, largest, quiet};
+    MadeVoids<Dim> made;
+    if (voids_)
+        made = std::move(*voids_);
+    else if (!run_.solid)
+        made = makeVoids(setting);
+    Pack<Dim> pack;
+    pack.spheres = existing_;
+    pack.spheres.insert(pack.spheres.end(), trial.begin(), trial.end());
+    const VoidReport report = made.report;
+    cullPack(setting, run_.settings.contactTolerance, existing_.size(), made, pack);
+    made.report = report;
+    if (!run_.solid && serveAll(recipe)) voids_ = std::move(made);
+    return static_cast<double>(pack.spheres.size() - existing_.size());
+}
+
+template class KeptCount<2>;
+template class KeptCount<3>;
+
+}  // namespace vdbpack
