@@ -21,7 +21,7 @@ constexpr std::int64_t kFewVoxels = 16;
 constexpr double kWallMargin = 3;
 /// Dilation of spheres in mean radii, so that contacts become necks of 0.3 radii; voxels in mean
 /// radii, so that 2.5 lie across a neck; and the most voxels that are taken by default.
-constexpr double kDilation = 0.05, kSphereVoxel = 0.25, kManyVoxels = 1e8;
+constexpr double kDilation = 0.05, kSphereVoxel = 0.25, kManyVoxels = 5e7;
 
 }  // namespace
 
@@ -74,10 +74,11 @@ SphereMorphometry sphereMorphometry(const std::vector<Sphere<3>>& spheres, const
         voxel = std::max(kSphereVoxel * meanRadius, std::cbrt(volume / kManyVoxels));
         if (voxel > 1.2 * kSphereVoxel * meanRadius)
             callbacks.warn(fmt::format(
-                "{}: the spheres are measured as a solid in voxels of {:.3g} mm, wider than a "
-                "quarter of the mean radius, {:.3g} mm, and necks between spheres can close or "
-                "open. Set a smaller `voxelSize`, or measure a part of the domain with `clips`",
-                recipe.pack, voxel, kSphereVoxel * meanRadius));
+                "{}: the spheres are measured as a solid in voxels of {:.3g} mm, {:.2g} of the "
+                "mean "
+                "radius, so that narrow pores and necks are lost. Set `voxelSize` to {:.3g}, or "
+                "measure a part of the domain with `clips`",
+                recipe.pack, voxel, voxel / meanRadius, kSphereVoxel * meanRadius));
     }
     Extent extent;
     extent.count = static_cast<double>(spheres.size());

@@ -12,7 +12,7 @@
 namespace vdbpack {
 
 /// Voxels of an image with depths take as much memory as so many others.
-inline constexpr double kWalledVoxel = 1.5;
+inline constexpr double kWalledVoxel = 1.8;
 
 /// Voxels of a solid in a box, with so much of a margin (mm) around it.
 using SolidSampler = std::function<VoxelImage(const Box<3>& bounds, double margin)>;
