@@ -112,7 +112,7 @@ struct MeasureRecipe : InputPack {
     double shell =
         0;  ///< thickness of the layer along the wall that is measured apart, mm; 0: none
     /// Of a pack: morphometry of the union of its spheres, too, in voxels of `domain.voxelSize` (0:
-    /// a quarter of the mean radius).
+    /// a sixth of the mean radius).
     bool sphereMorphometry = false;
     /// Added to the radii there, mm, so that contacts become necks; nothing: 5 % of the mean
     /// radius.

@@ -20,8 +20,9 @@ constexpr std::int64_t kFewVoxels = 16;
 /// Voxels beyond a wall: the distances next to it are known on both sides.
 constexpr double kWallMargin = 3;
 /// Dilation of spheres in mean radii, so that contacts become necks of 0.3 radii; voxels in mean
-/// radii, so that 2.5 lie across a neck; and the most voxels that are taken by default.
-constexpr double kDilation = 0.05, kSphereVoxel = 0.25, kManyVoxels = 5e7;
+/// radii, narrow enough for the holes between three spheres; those at which connectivity was found
+/// a third too low; and the most voxels that are taken by default.
+constexpr double kDilation = 0.05, kSphereVoxel = 1.0 / 6, kCoarseVoxel = 0.25, kManyVoxels = 5e7;
 
 }  // namespace
 
@@ -72,7 +73,7 @@ SphereMorphometry sphereMorphometry(const std::vector<Sphere<3>>& spheres, const
     double voxel = recipe.domain.voxelSize;
     if (!(voxel > 0)) {
         voxel = std::max(kSphereVoxel * meanRadius, std::cbrt(volume / kManyVoxels));
-        if (voxel > 1.2 * kSphereVoxel * meanRadius)
+        if (voxel > kCoarseVoxel * meanRadius)
             callbacks.warn(fmt::format(
                 "{}: the spheres are measured as a solid in voxels of {:.3g} mm, {:.2g} of the "
                 "mean "
