@@ -13,6 +13,8 @@
 #include <nlohmann/json.hpp>
 
 #include <cmath>
+#include <fstream>
+#include <sstream>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -96,6 +98,13 @@ TEST_CASE("parts of a sample have its connectivity density whatever their shape"
     CHECK(alone.deltaEuler == alone.eulerNumber);
     CHECK_THAT(warned,
                Catch::Contains("s.vdb") && Catch::Contains("`domain`") && Catch::Contains("box:"));
+    // It has no spheres to join.
+    MeasureRecipe solid;
+    solid.pack = folder.file("s.vdb");
+    solid.domain.gridName = "solid";
+    solid.sphereMorphometry = true;
+    CHECK_THROWS_WITH(runMeasure(solid),
+                      Catch::Contains("s.vdb") && Catch::Contains("`sphereMorphometry`"));
     // A domain that the solid does not fill is said, too.
     warned.clear();
     measured(folder.file("s.vdb"), "ball:30", 0, warned);
@@ -115,8 +124,13 @@ TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
     recipe.domain.source = "box:12,12,12";
     recipe.domain.voxelSize = 0.125;
     recipe.sphereMorphometry = true;
+    recipe.reportFile = folder.file("r.html");
     const auto result = runMeasure(recipe);
     REQUIRE(result.spheres);
+    std::ostringstream page;
+    page << std::ifstream(folder.file("r.html")).rdbuf();
+    CHECK_THAT(page.str(), Catch::Contains("Morphometry") && Catch::Contains("Tb.Sp"));
+    recipe.reportFile.clear();
     CHECK(result.spheres->dilation == Approx(0.05));
     CHECK(result.spheres->dilationOfMeanRadius == Approx(0.05));
     const Morphometry& m = result.spheres->morphometry;

@@ -69,11 +69,31 @@ void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
         file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
 }
 
+/// The level set of a mesh. @param voxel  mm; if 0, set to 1/256 of the longest side.
+std::shared_ptr<const VdbGrid> gridOfMesh(const MeasureRecipe& recipe, double& voxel,
+                                          const Callbacks& callbacks) {
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.unit = recipe.packUnit;
+    const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
+    if (!(voxel > 0)) voxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
+    solid.voxelSize = voxel;
+    Extent extent = extentOf(DomainSource(solid), voxel, voxel);
+    extent.imageVoxels = (recipe.domain.source.empty() ? 1 : kWalledVoxel) * size[0] * size[1] *
+                         size[2] / (voxel * voxel * voxel);
+    requireResources(extent, recipe);
+    return DomainSource(solid).build(voxel, voxel, callbacks).mesh->grid();
+}
+
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
     if (!recipe.outputs.empty())
         throw ParameterError(recipe.outputs.front() +
                              ": a solid has no contacts to list; measure "
                              "a pack, or leave the output out");
+    if (recipe.sphereMorphometry)
+        throw ParameterError(recipe.pack +
+                             ": is a solid, which is measured as it is; leave out "
+                             "`sphereMorphometry`, or measure a pack");
     Clock clock;
     requireDomain(recipe);
     const double voxel = recipe.domain.voxelSize;
@@ -81,21 +101,10 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
     const bool mesh = extensionOf(recipe.pack) != ".vdb";
-    if (mesh) {
-        DomainRecipe solid;
-        solid.source = recipe.pack;
-        solid.unit = recipe.packUnit;
-        const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
-        if (!(voxel > 0)) imageVoxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
-        solid.voxelSize = imageVoxel;
-        Extent extent = extentOf(DomainSource(solid), imageVoxel, imageVoxel);
-        extent.imageVoxels = (recipe.domain.source.empty() ? 1 : kWalledVoxel) * size[0] * size[1] *
-                             size[2] / (imageVoxel * imageVoxel * imageVoxel);
-        requireResources(extent, recipe);
-        grid = DomainSource(solid).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
-    } else {
+    if (mesh)
+        grid = gridOfMesh(recipe, imageVoxel, callbacks);
+    else
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
-    }
     report.seconds.mesh = clock.lap();
     std::optional<DomainSource> source;
     DomainSource::Built built;
@@ -107,8 +116,7 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         source.emplace(total, callbacks);
         if (source->dim() != 3)
             throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
-        // Its wall need not be known as well as that of the solid.
-        const double fine = 2 * (imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid));
+        const double fine = imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid);
         built = source->build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks);
         bounds = built.space->bounds();
         report.domain = built.space->facts();
