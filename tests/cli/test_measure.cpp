@@ -65,11 +65,17 @@ TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
         const Structure& structure = result.structure;
         REQUIRE(structure.profile);
         REQUIRE(structure.regions.size() == 2);
-        double solid = 0, volume = 0;
+        double solid = 0, volume = 0, radii = 0;
+        std::uint64_t count = 0;
         for (const auto& region : structure.regions) {
+            count += region.count;
+            radii += static_cast<double>(region.count) * region.meanRadius;
             volume += region.volume;
             solid += region.volume * region.solidFraction;
         }
+        CHECK(count == report.count);
+        CHECK(structure.regions[1].count > 0);
+        CHECK(radii == Approx(static_cast<double>(count) * report.radius.mean));
         CHECK(volume == Approx(report.volume));
         CHECK(solid == Approx(*report.solidFractionTotal * report.volume).epsilon(1e-6));
         CHECK(structure.regions[0].solidFraction < structure.regions[1].solidFraction);
@@ -88,6 +94,7 @@ TEST_CASE("measure tells of a file what the packer told of the pack", "[run]") {
         const auto json = nlohmann::json::parse(file);
         CHECK(json["profile"]["fraction"].size() == structure.profile->fraction.size());
         CHECK(json["regions"]["parts"].size() == 2);
+        CHECK(json["regions"]["parts"][0]["count"] == structure.regions[0].count);
         CHECK(json["contacts"]["fabric"]["eigenvalues"].size() == (domain[0] == 'r' ? 2 : 3));
     }
 }

@@ -231,6 +231,16 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
+    command
+        ->add_flag("--morphometry", job.sphereMorphometry,
+                   "of a pack: measure the union of its spheres as a solid, too")
+        ->group("Spheres");
+    command
+        ->add_option("--dilation", job.dilation,
+                     "added to the radii for --morphometry, mm, so that contacts become necks")
+        ->option_text("D [5 % of the mean radius]")
+        ->check(notNegative())
+        ->group("Spheres");
     addReport(*command, job.reportFile,
               "write all values: .json for programs, .html as a page with charts for the browser");
     command->add_flag("--json", print.json, "print all values as JSON")->group("Run");

@@ -3,10 +3,14 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+
 namespace vdbpack {
 
-void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell) {
+void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool walled) {
     if (image.label.empty()) image.label.assign(image.voxels(), 1);
+    if (walled) image.depth.assign(image.voxels(), 0.0f);
+    const double deepest = 3 * image.voxelSize;
     const auto rows = static_cast<std::size_t>(image.size[1] * image.size[2]);
     const auto row = static_cast<std::size_t>(image.size[0]);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
@@ -14,13 +18,17 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell) {
         for (std::size_t r = block.begin(); r < block.end(); ++r)
             for (std::size_t i = 0; i < row; ++i) {
                 std::uint8_t& label = image.label[r * row + i];
-                if (label == 0) continue;
+                if (label == 0 && !walled) continue;
                 const std::array<std::size_t, 3> at{i, r % static_cast<std::size_t>(image.size[1]),
                                                     r / static_cast<std::size_t>(image.size[1])};
                 Vec<3> x = image.origin;
                 for (std::size_t d = 0; d < 3; ++d)
                     x.c[d] += static_cast<double>(at[d]) * image.voxelSize;
                 const double depth = -sampler->signedDistance(x);
+                if (walled)
+                    image.depth[r * row + i] =
+                        static_cast<float>(std::clamp(depth, -deepest, deepest));
+                if (label == 0) continue;
                 label = depth <= 0 ? 0 : depth >= shell && shell > 0 ? 2 : 1;
             }
     });

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <new>
 
 namespace vdbpack {
 
@@ -116,53 +115,28 @@ VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& b
         }
     }
 
-    VoxelImage image;
-    image.voxelSize = h;
     const double rim = std::ceil(std::max(margin / h - 1e-9, bounds ? 0.0 : 1.0));
     const openvdb::Vec3d zero = transform.indexToWorld(openvdb::Vec3d(0, 0, 0));
-    double count = 1;
     std::array<double, 3> n{};
+    Vec<3> first;
     for (int j = 0; j < 3; ++j) {
         const auto axis = static_cast<std::size_t>(j);
-        double first = box.lo[j] + 0.5 * h;
+        first[j] = box.lo[j] + 0.5 * h;
         n[axis] = std::max(1.0, std::ceil((box.hi[j] - box.lo[j]) / h - 1e-6));
         if (ownVoxels) {
             // Voxels whose centers are in the box, one on its boundary counting at the low end.
             const double low = std::ceil((box.lo[j] - zero[j]) / h - 1e-6);
             n[axis] = std::ceil((box.hi[j] - zero[j]) / h - 1e-6) - low;
-            first = zero[j] + low * h;
+            first[j] = zero[j] + low * h;
         }
-        image.origin[j] = first - rim * h;
-        count *= n[axis] + 2 * rim;
         if (!(n[axis] >= 1))
             throw ParameterError(fmt::format(
                 "image of a level set: no center of its voxels of {:.4g} mm lies between {:.6g} "
                 "and {:.6g} along {}; give larger bounds or a voxel size",
                 h, box.lo[j], box.hi[j], "xyz"[j]));
     }
-    if (!(count <= static_cast<double>(kLargestImage)))
-        throw ResourceError(fmt::format(
-            "image of a level set: {:.3g} voxels of {:.4g} mm, more than {:.3g}; give larger "
-            "voxels or smaller bounds",
-            count, h, static_cast<double>(kLargestImage)));
-    for (std::size_t j = 0; j < 3; ++j) image.size[j] = static_cast<std::int64_t>(n[j] + 2 * rim);
-    try {
-        image.distance.resize(image.voxels());
-        if (rim > 0) image.label.assign(image.voxels(), 0);
-    } catch (const std::bad_alloc&) {
-        throw ResourceError(fmt::format(
-            "image of a level set: not enough memory for {:.3g} voxels of {:.4g} mm; give larger "
-            "voxels or smaller bounds",
-            count, h));
-    }
+    VoxelImage image = emptyImage(first, n, h, rim);
     fill(grid, ownVoxels, image);
-    if (rim > 0) {
-        const auto r = static_cast<std::int64_t>(rim);
-        for (std::int64_t z = r; z < image.size[2] - r; ++z)
-            for (std::int64_t y = r; y < image.size[1] - r; ++y)
-                std::fill_n(image.label.begin() + (z * image.size[1] + y) * image.size[0] + r,
-                            image.size[0] - 2 * r, std::uint8_t{1});
-    }
     return image;
 }
 

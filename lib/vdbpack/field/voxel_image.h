@@ -25,7 +25,12 @@ struct VoxelImage {
     /// One a voxel, in the same order, or empty. 0: no part of the total volume; else the region
     /// of the total volume that the voxel belongs to. Empty: the box is the total volume.
     std::vector<std::uint8_t> label;
+    /// mm, in the same order: how deep each voxel lies below the wall of the total volume, negative
+    /// beyond it; may be clamped as `distance` is. Or empty: the total volume was cut from a larger
+    /// sample. With it, the solid and the pore space end at the wall.
+    std::vector<float> depth;
 
+    bool inTotal(std::size_t voxel) const { return label.empty() || label[voxel] != 0; }
     std::size_t voxels() const {
         return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) *
                static_cast<std::size_t>(size[2]);
@@ -35,6 +40,14 @@ struct VoxelImage {
 /// The most voxels an image may have; 1290 along each side take 9 GB, with
 /// morphometry 54.
 inline constexpr std::uint64_t kLargestImage = std::uint64_t{1} << 31;
+
+/// An image whose distances are still to be set.
+/// @param first      center of the first voxel of the total volume, mm.
+/// @param count      voxels of the total volume along x, y, z.
+/// @param rim        further voxels on all sides; those get the label 0, the others 1.
+/// @throws ResourceError above `kLargestImage` voxels or if memory does not suffice.
+VoxelImage emptyImage(const Vec<3>& first, const std::array<double, 3>& count, double voxelSize,
+                      double rim);
 
 /// A level set as voxels.
 ///

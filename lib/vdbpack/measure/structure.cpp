@@ -35,8 +35,11 @@ void addTo(nlohmann::ordered_json& report, const Structure& s) {
                                     : Json();
     Json regions = Json::array();
     for (const auto& r : s.regions)
-        regions.push_back(
-            {{"name", r.name}, {"volume", r.volume}, {"solidFraction", r.solidFraction}});
+        regions.push_back({{"name", r.name},
+                           {"volume", r.volume},
+                           {"solidFraction", r.solidFraction},
+                           {"count", r.count},
+                           {"meanRadius", r.count > 0 ? Json(r.meanRadius) : Json()}});
     report["regions"] = s.regions.empty() ? Json() : Json({{"shell", s.shell}, {"parts", regions}});
 }
 
@@ -76,8 +79,10 @@ std::string summary(const Structure& s) {
     }
     for (const auto& r : s.regions)
         line(r.name.c_str(),
-             fmt::format("{:.4f} solid in {:.6g} {}", r.solidFraction, r.volume,
-                         s.dim == 2 ? Measure<2>::kVolumeUnit : Measure<3>::kVolumeUnit));
+             fmt::format("{:.4f} solid in {:.6g} {}; {} {}{}", r.solidFraction, r.volume,
+                         s.dim == 2 ? Measure<2>::kVolumeUnit : Measure<3>::kVolumeUnit, r.count,
+                         s.dim == 2 ? "circles" : "spheres",
+                         r.count > 0 ? fmt::format(", mean radius {:.4g} mm", r.meanRadius) : ""));
     return text;
 }
 

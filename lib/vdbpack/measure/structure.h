@@ -7,6 +7,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@ struct RegionFraction {
     std::string name;          ///< "cortical" (the shell), "trabecular" (what it encloses)
     double volume = 0;         ///< mm³ (2D: mm²)
     double solidFraction = 0;  ///< covered by spheres
+    std::uint64_t count = 0;   ///< spheres centered in it
+    double meanRadius = 0;     ///< theirs, mm; 0: there are none
 };
 
 struct Structure {

@@ -95,12 +95,14 @@ void addContacts(Summary& out, const Report& r, const Words& words) {
         "contacts",
         fmt::format("coordination number {:.3g}, {} (gap up to {:g} of the smaller radius); "
                     "{:.3g} % of the {} have fewer than {} contacts; largest connected "
-                    "component {:.4g} %",
+                    "component {:.4g} %{}",
                     c.mean,
                     r.domain.kind.empty() ? std::string("walls unknown")
                                           : fmt::format("{:.3g} without walls", c.meanOfSpheres),
                     r.contactTolerance, 100 * c.fewShare, words.spheres, c.few,
-                    100 * c.largestComponent));
+                    100 * c.largestComponent,
+                    c.components > 1 ? fmt::format(" of {} components", grouped(c.components))
+                                     : std::string()));
 }
 
 void addDensified(Summary& out, const Report& r, const Words& words) {

@@ -68,6 +68,31 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
     report.wallSizes = wall;
 }
 
+/// The layer of a thickness along the wall, and the part that it encloses, if any.
+template <int Dim>
+std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& domain,
+                                      double shell, double solidFraction) {
+    const double all = domain.volume(), core = domain.volumeDeeperThan(shell);
+    const auto inner = interiorFraction(pack.spheres, domain, shell);
+    const double coreSolid = inner ? *inner * core : 0;
+    RegionFraction outside, inside;
+    outside.name = "cortical";
+    outside.volume = all - core;
+    outside.solidFraction = (solidFraction * all - coreSolid) / (all - core);
+    inside.name = "trabecular";
+    inside.volume = core;
+    inside.solidFraction = inner.value_or(0);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        RegionFraction& region = static_cast<double>(pack.depth[i]) < shell ? outside : inside;
+        ++region.count;
+        region.meanRadius += pack.spheres[i].radius;
+    }
+    for (RegionFraction* region : {&outside, &inside})
+        if (region->count > 0) region->meanRadius /= static_cast<double>(region->count);
+    if (!inner) return {outside};
+    return {outside, inside};
+}
+
 }  // namespace
 
 template <int Dim>
@@ -162,12 +187,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
                 "`shell` {} mm: the field has depths up to {:.4g} mm; give a thinner shell", shell,
                 known));
         result.shell = shell;
-        const double all = domain->volume(), core = domain->volumeDeeperThan(shell);
-        const auto inner = interiorFraction(pack.spheres, *domain, shell);
-        const double coreSolid = inner ? *inner * core : 0;
-        result.regions.push_back({"cortical", all - core,
-                                  (*report.solidFractionTotal * all - coreSolid) / (all - core)});
-        if (inner) result.regions.push_back({"trabecular", core, *inner});
+        result.regions = regionsOf(pack, *domain, shell, *report.solidFractionTotal);
     }
     return result;
 }

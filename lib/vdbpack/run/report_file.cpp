@@ -137,6 +137,8 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const MeasureRecipe&
     Settings s;
     s.add("FILE", recipe, report);
     s.add("--shell", recipe.shell, " mm");
+    if (recipe.sphereMorphometry) s.add("--morphometry", "yes");
+    s.add("--dilation", recipe.dilation.value_or(0), " mm");
     s.add(recipe, report, false);
     return s.take();
 }

@@ -111,12 +111,26 @@ RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 struct MeasureRecipe : InputPack {
     double shell =
         0;  ///< thickness of the layer along the wall that is measured apart, mm; 0: none
+    /// Of a pack: morphometry of the union of its spheres, too, in voxels of `domain.voxelSize` (0:
+    /// a sixth of the mean radius).
+    bool sphereMorphometry = false;
+    /// Added to the radii there, mm, so that contacts become necks; nothing: 5 % of the mean
+    /// radius.
+    std::optional<double> dilation;
+};
+
+/// The spheres of a pack as one solid.
+struct SphereMorphometry {
+    double dilation = 0;              ///< mm added to the radii
+    double dilationOfMeanRadius = 0;  ///< the same in mean radii
+    Morphometry morphometry;
 };
 
 struct MeasureResult {
-    RunResult run;                           ///< of a level set: its report has no spheres
-    Structure structure;                     ///< of a pack
-    std::optional<Morphometry> morphometry;  ///< of a level set
+    RunResult run;                             ///< of a level set: its report has no spheres
+    Structure structure;                       ///< of a pack
+    std::optional<Morphometry> morphometry;    ///< of a level set
+    std::optional<SphereMorphometry> spheres;  ///< of a pack, if requested
 };
 
 nlohmann::ordered_json toJson(const MeasureResult& result);
@@ -129,7 +143,8 @@ std::string summary(const MeasureResult& result);
 ///
 /// A .vdb that holds points is a pack, unless `domain.gridName` names a level set in it. Of a
 /// solid, the total volume is the domain, else the bounding box of the solid; `shell` parts it
-/// into label 1 (the shell) and 2. A box as domain cuts the solid, which continues beyond it.
+/// into label 1 (the shell) and 2. The faces of a box without a shell cut the solid, and so does
+/// the wall of another domain beyond which most of the solid continues; else the solid ends there.
 /// `domain.voxelSize`: voxels to measure in, mm; 0: those of the level set, of a mesh 1/256 of its
 /// longest side.
 /// @throws ParameterError, InputError, IoError, ResourceError

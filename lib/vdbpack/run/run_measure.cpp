@@ -1,23 +1,28 @@
 // The run that measures any pack or solid: `vdb_pack measure`.
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/solid_stage.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
 
 namespace {
 
-/// An image narrower than this is warned about.
-constexpr std::int64_t kFewVoxels = 16;
+using Json = nlohmann::ordered_json;
+
+/// With more than this share of a bounding box solid, the solid seems to be cut at its faces.
+constexpr double kCutShare = 0.05;
 
 /// What is measured as a pack, or nothing if it is a solid. A grid's name says which of both.
 std::optional<Pack<3>> packToMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
@@ -42,11 +47,53 @@ double marginFor(const VdbGrid& grid, const std::optional<Box<3>>& bounds) {
     return margin;
 }
 
+/// Warns of a total volume that seems to be chosen wrong.
+void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
+                  const std::string& file, const Callbacks& callbacks) {
+    if (m.solidFraction == 0) return;
+    if (hasDomain && m.border.solid == 0)
+        callbacks.warn(
+            file +
+            ": the solid does not reach the wall of the domain, so that the space around "
+            "it counts as pores. Set `domain` to the bone itself or to a box inside it");
+    if (hasDomain || m.border.solid < kCutShare) return;
+    const Vec<3> size{{static_cast<double>(image.size[0] - 2),
+                       static_cast<double>(image.size[1] - 2),
+                       static_cast<double>(image.size[2] - 2)}};
+    const Vec<3> low = image.origin + Vec<3>{{1, 1, 1}} * (0.5 * image.voxelSize);
+    const Vec<3> high = low + size * image.voxelSize;
+    callbacks.warn(fmt::format(
+        "{}: {:.3g} % of the faces of its bounding box are solid, and Conn.D counts it as a whole "
+        "body. If it was cut there from a larger sample, set `domain` to "
+        "box:{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}",
+        file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
+}
+
+/// The level set of a mesh. @param voxel  mm; if 0, set to 1/256 of the longest side.
+std::shared_ptr<const VdbGrid> gridOfMesh(const MeasureRecipe& recipe, double& voxel,
+                                          const Callbacks& callbacks) {
+    DomainRecipe solid;
+    solid.source = recipe.pack;
+    solid.unit = recipe.packUnit;
+    const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
+    if (!(voxel > 0)) voxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
+    solid.voxelSize = voxel;
+    Extent extent = extentOf(DomainSource(solid), voxel, voxel);
+    extent.imageVoxels = (recipe.domain.source.empty() ? 1 : kWalledVoxel) * size[0] * size[1] *
+                         size[2] / (voxel * voxel * voxel);
+    requireResources(extent, recipe);
+    return DomainSource(solid).build(voxel, voxel, callbacks).mesh->grid();
+}
+
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
     if (!recipe.outputs.empty())
         throw ParameterError(recipe.outputs.front() +
                              ": a solid has no contacts to list; measure "
                              "a pack, or leave the output out");
+    if (recipe.sphereMorphometry)
+        throw ParameterError(recipe.pack +
+                             ": is a solid, which is measured as it is; leave out "
+                             "`sphereMorphometry`, or measure a pack");
     Clock clock;
     requireDomain(recipe);
     const double voxel = recipe.domain.voxelSize;
@@ -54,20 +101,10 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
     const bool mesh = extensionOf(recipe.pack) != ".vdb";
-    if (mesh) {
-        DomainRecipe solid;
-        solid.source = recipe.pack;
-        solid.unit = recipe.packUnit;
-        const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
-        if (!(voxel > 0)) imageVoxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
-        solid.voxelSize = imageVoxel;
-        Extent extent = extentOf(DomainSource(solid), imageVoxel, imageVoxel);
-        extent.imageVoxels = size[0] * size[1] * size[2] / (imageVoxel * imageVoxel * imageVoxel);
-        requireResources(extent, recipe);
-        grid = DomainSource(solid).build(imageVoxel, imageVoxel, callbacks).mesh->grid();
-    } else {
+    if (mesh)
+        grid = gridOfMesh(recipe, imageVoxel, callbacks);
+    else
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
-    }
     report.seconds.mesh = clock.lap();
     std::optional<DomainSource> source;
     DomainSource::Built built;
@@ -79,29 +116,25 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         source.emplace(total, callbacks);
         if (source->dim() != 3)
             throw ParameterError(total.source + ": is plane; a solid needs a domain of space");
-        // Its wall need not be known as well as that of the solid.
-        const double fine = 2 * (imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid));
+        const double fine = imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid);
         built = source->build(fine, std::max(recipe.shell * 1.05, fine) / 3, callbacks);
         bounds = built.space->bounds();
+        report.domain = built.space->facts();
     }
     report.seconds.domain = clock.lap();
     callbacks.stopIfCancelled();
-    VoxelImage image = sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
+    const double pitch = imageVoxel > 0 ? imageVoxel : voxelSizeOf(*grid);
+    const SolidSampler sample = [&](const Box<3>& box, double margin) {
+        return sampleLevelSet(*grid, box, imageVoxel, margin);
+    };
+    const bool inDomain = built.space && (!boxed || recipe.shell > 0);
+    VoxelImage image = inDomain
+                           ? imageInDomain(*built.space, recipe.shell, pitch, sample)
+                           : sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
     grid.reset();
-    if (built.space && (!boxed || recipe.shell > 0)) labelVoxels(image, *built.space, recipe.shell);
-    callbacks.stopIfCancelled();
-    const auto fewest = *std::min_element(image.size.begin(), image.size.end());
-    if (fewest < kFewVoxels)
-        callbacks.warn(
-            fmt::format("{}: the total volume is {} voxels of {:.3g} mm across; figures "
-                        "are coarse: choose a larger domain or a smaller `voxelSize`",
-                        recipe.pack, fewest, image.voxelSize));
     MeasureResult result;
-    result.morphometry = measureMorphometry(image);
-    // One region is the whole.
-    if (result.morphometry->regions.size() == 1) result.morphometry->regions.clear();
-    if (result.morphometry->solidFraction == 0)
-        callbacks.warn(recipe.pack + ": no solid lies in the total volume");
+    result.morphometry = measuredImage(image, recipe.pack, callbacks);
+    warnOfBorder(*result.morphometry, image, built.space != nullptr, recipe.pack, callbacks);
     report.seconds.measure = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();
@@ -123,6 +156,10 @@ std::vector<std::string> writeMeasured(const Pack<Dim>& pack, const MeasureRecip
 }  // namespace
 
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.dilation && !recipe.sphereMorphometry)
+        throw ParameterError("`dilation` applies to the union of spheres; set `sphereMorphometry`");
+    if (recipe.dilation && !(*recipe.dilation >= 0 && std::isfinite(*recipe.dilation)))
+        throw ParameterError(fmt::format("`dilation` {} mm; give 0 or more", *recipe.dilation));
     if (recipe.shell > 0 && recipe.domain.source.empty())
         throw ParameterError("`shell` lies along the wall of a domain; set `domain`");
     checkSettings(recipe, RunKind::measure, {}, inputFiles(recipe));
@@ -146,6 +183,15 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
                     heard.warn(fmt::format(
                         "`shell` {:g} mm: no part of the domain lies deeper than the shell",
                         recipe.shell));
+                if constexpr (std::is_same_v<std::decay_t<decltype(spheres)>, Pack<3>>) {
+                    if (recipe.sphereMorphometry)
+                        found.spheres = sphereMorphometry(spheres.spheres, domain,
+                                                          measured.radius.mean, recipe, heard);
+                } else if (recipe.sphereMorphometry) {
+                    throw ParameterError(
+                        recipe.pack +
+                        ": holds circles of a plane; `sphereMorphometry` needs spheres of space");
+                }
             });
         clock.lap();
         found.run.report.files = std::visit(
@@ -164,12 +210,20 @@ nlohmann::ordered_json toJson(const MeasureResult& result) {
     if (!result.morphometry) {
         auto json = toJson(result.run);
         addTo(json, result.structure);
+        if (result.spheres) {
+            auto solid = toJson(result.spheres->morphometry);
+            solid["of"] = "spheres";
+            solid["dilation"] = result.spheres->dilation;
+            solid["dilationOfMeanRadius"] = result.spheres->dilationOfMeanRadius;
+            json["morphometry"] = std::move(solid);
+        }
         return json;
     }
     const Report& report = result.run.report;
     return {{"version", report.version},
             {"command", report.command},
             {"threads", report.threads},
+            {"domain", {{"kind", report.domain.kind.empty() ? Json() : Json(report.domain.kind)}}},
             {"morphometry", toJson(*result.morphometry)},
             {"seconds",
              {{"mesh", report.seconds.mesh},
@@ -181,8 +235,20 @@ nlohmann::ordered_json toJson(const MeasureResult& result) {
 
 std::string summary(const MeasureResult& result) {
     const Report& report = result.run.report;
-    if (!result.morphometry) return summary(report) + summary(result.structure);
-    return summary(*result.morphometry) +
+    if (!result.morphometry) {
+        std::string text = summary(report) + summary(result.structure);
+        if (!result.spheres) return text;
+        return text +
+               fmt::format(
+                   "union of the spheres as a solid, radii increased by {:.4g} mm ({:.3g} of "
+                   "the mean):\n",
+                   result.spheres->dilation, result.spheres->dilationOfMeanRadius) +
+               summary(result.spheres->morphometry);
+    }
+    return (report.domain.kind.empty()
+                ? fmt::format("{:<11}none: TV is the bounding box of the solid\n", "domain")
+                : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
+           summary(*result.morphometry) +
            fmt::format(
                "{:<11}read {:.2f}, domain {:.2f}, measure {:.2f}, total {:.2f} on {} "
                "threads\n{:<11}{:.0f} MiB at most\n",

@@ -482,6 +482,11 @@ TEST_CASE("unusable images are refused with the reason", "[morphometry]") {
         image.label.assign(63, 1);
         REQUIRE_THROWS_WITH(measureMorphometry(image), Contains("63 labels for 64 voxels"));
     }
+    SECTION("depths that do not fit") {
+        image.label.assign(64, 1);
+        image.depth.assign(63, 1);
+        REQUIRE_THROWS_WITH(measureMorphometry(image), Contains("63 depths"));
+    }
     SECTION("no total volume") {
         image.label.assign(64, 0);
         REQUIRE_THROWS_AS(measureMorphometry(image), InputError);
@@ -505,7 +510,8 @@ TEST_CASE("the summary fits a terminal and the report has the symbols", "[morpho
         CAPTURE(line);
         REQUIRE(columns(line) <= 80);
     }
-    REQUIRE(count == 16);
+    // The whole, its border, and two regions, one of them without a surface.
+    REQUIRE(count == 10 + 2 + 10 + 7);
     const auto json = toJson(m);
     for (const char* key : {"TV", "BV", "BV/TV", "BS", "Tb.N", "Conn.D", "connectivity"})
         REQUIRE(json[key].is_number());
@@ -514,6 +520,10 @@ TEST_CASE("the summary fits a terminal and the report has the symbols", "[morpho
     REQUIRE(json["DA"]["MIL"][0] == m.anisotropy.value().meanInterceptLengths[0].value());
     REQUIRE(json["regions"].size() == 2);
     REQUIRE(json["regions"][1]["label"] == 255);
+    REQUIRE(json["regions"][0]["DA"]["degree"] == m.regions[0].anisotropy.value().degree);
+    REQUIRE(json["regions"][0]["Conn.D"].is_number());
+    REQUIRE(json["border"]["kind"] == "cut");
+    REQUIRE(json["border"]["solid"] == m.border.solid);
 }
 
 TEST_CASE("a sample of trabecular bone is measured in seconds", "[morphometry][.slow]") {

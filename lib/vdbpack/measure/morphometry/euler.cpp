@@ -28,23 +28,26 @@ struct Sums {
     }
 };
 
-/// A row of voxels with an empty one at both ends: 17 for solid in the total volume, 16 for other
-/// solid, 0 for none.
-void loadRow(const VoxelImage& image, std::int64_t y, std::int64_t z,
+/// A row of voxels with an empty one at both ends: 17 for solid in the part, 16 for other solid, 0
+/// for none.
+void loadRow(const VoxelImage& image, int label, std::int64_t y, std::int64_t z,
              std::vector<std::uint8_t>& row) {
     const auto n = static_cast<std::size_t>(image.size[0]);
     row.assign(n + 2, 0);
     if (y < 0 || z < 0 || y >= image.size[1] || z >= image.size[2]) return;
     const std::size_t first = static_cast<std::size_t>(z * image.size[1] + y) * n;
+    const bool walled = !image.depth.empty();
     for (std::size_t x = 0; x < n; ++x) {
-        const bool in = image.label.empty() || image.label[first + x] != 0;
-        row[x + 1] = image.distance[first + x] < 0 ? (in ? 17 : 16) : 0;
+        if (!(image.distance[first + x] < 0)) continue;
+        const bool total = image.inTotal(first + x);
+        if (!total && walled) continue;
+        row[x + 1] = total && isLabeled(image, first + x, label) ? 17 : 16;
     }
 }
 
 }  // namespace
 
-EulerNumbers eulerNumbers(const VoxelImage& image) {
+EulerNumbers eulerNumbers(const VoxelImage& image, int label) {
     const auto nx = static_cast<std::size_t>(image.size[0]);
     const std::int64_t ny = image.size[1], nz = image.size[2];
     std::vector<Sums> sums(static_cast<std::size_t>(nz) + 1);
@@ -52,14 +55,14 @@ EulerNumbers eulerNumbers(const VoxelImage& image) {
         Sums sum;
         // The four rows around the corners (x, y, z): a and b below, a and c before.
         std::vector<std::uint8_t> a, b, c, d;
-        loadRow(image, -1, z - 1, b);
-        loadRow(image, -1, z, d);
+        loadRow(image, label, -1, z - 1, b);
+        loadRow(image, label, -1, z, d);
         const int onZ = z == 0 || z == nz;
         for (std::int64_t y = 0; y <= ny; ++y) {
             a.swap(b);
             c.swap(d);
-            loadRow(image, y, z - 1, b);
-            loadRow(image, y, z, d);
+            loadRow(image, label, y, z - 1, b);
+            loadRow(image, label, y, z, d);
             const int onY = y == 0 || y == ny;
             for (std::size_t x = 0; x <= nx; ++x) {
                 const int onX = x == 0 || x == nx;

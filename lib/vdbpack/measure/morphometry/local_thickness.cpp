@@ -54,29 +54,26 @@ void fillLeft(const VoxelImage& image, const Ridge& ridge, std::vector<Leftover>
 
 }  // namespace
 
-std::vector<float> localThickness(const VoxelImage& image, const SurfaceDistance& surface) {
+void paintThickness(const VoxelImage& image, const SurfaceDistance& surface, Phase phase,
+                    std::vector<float>& thickness) {
     const Ridge ridge(image, surface);
+    const bool solid = phase == Phase::solid;
     const auto slices = static_cast<std::size_t>(image.size[2]);
-    std::vector<float> thickness(image.voxels(), 0.0f);
     std::vector<std::vector<RidgeBall>> found(slices);
     tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
-        ridge.collect(static_cast<std::int64_t>(z), found[z]);
+        ridge.collect(static_cast<std::int64_t>(z), solid, found[z]);
     });
-    for (const bool solid : {false, true}) {
-        std::vector<RidgeBall> balls;
-        for (const auto& slice : found)
-            for (const RidgeBall& ball : slice)
-                if ((ball.solid != 0) == solid) balls.push_back(ball);
-        const BallPainting painting(image, std::move(balls));
-        std::vector<std::vector<Leftover>> missed(painting.tiles());
-        tbb::parallel_for(std::size_t{0}, painting.tiles(), [&](std::size_t t) {
-            missed[t] = painting.paint(t, image, ridge, solid, thickness);
-        });
-        std::vector<Leftover> left;
-        for (const auto& m : missed) left.insert(left.end(), m.begin(), m.end());
-        fillLeft(image, ridge, std::move(left), thickness);
-    }
-    return thickness;
+    std::vector<RidgeBall> balls;
+    for (const auto& slice : found) balls.insert(balls.end(), slice.begin(), slice.end());
+    found.clear();
+    const BallPainting painting(image, std::move(balls));
+    std::vector<std::vector<Leftover>> missed(painting.tiles());
+    tbb::parallel_for(std::size_t{0}, painting.tiles(), [&](std::size_t t) {
+        missed[t] = painting.paint(t, image, ridge, solid, thickness);
+    });
+    std::vector<Leftover> left;
+    for (const auto& m : missed) left.insert(left.end(), m.begin(), m.end());
+    fillLeft(image, ridge, std::move(left), thickness);
 }
 
 }  // namespace vdbpack

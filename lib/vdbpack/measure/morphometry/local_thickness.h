@@ -8,10 +8,11 @@
 
 namespace vdbpack {
 
-/// Local thickness of both phases at the voxels of the total volume, one value a voxel: the
-/// diameter in voxels of the largest ball that holds the voxel's center, is centered in the image
-/// and does not reach through the surface; 0 outside the total volume. Neither the rim of the
-/// image nor that of the total volume stops a ball.
+enum class Phase { solid, pores };
+
+/// Local thickness at the voxels of one phase in the total volume: the diameter in voxels of the
+/// largest ball that holds the voxel's center, is centered in the image and does not reach through
+/// the surface. Neither the rim of the image nor that of the total volume stops a ball.
 ///
 /// Source: Hildebrand, Rueegsegger (1997), doi:10.1046/j.1365-2818.1997.1340694.x. Where they and
 /// Dougherty and Kunzelmann (2007), doi:10.1017/S1431927607074430, center balls on voxels, each
@@ -21,8 +22,10 @@ namespace vdbpack {
 /// voxel wherever they lie. Voxels that no ball covers (rims between balls) take the mean of
 /// their neighbors.
 ///
-/// @param surface  of `image`, not empty.
-/// The same for any number of threads. Cost: about 0.4 microseconds a voxel on two threads.
-std::vector<float> localThickness(const VoxelImage& image, const SurfaceDistance& surface);
+/// @param surface    of `image`, not empty.
+/// @param thickness  one value a voxel; those of the phase are set.
+/// The same for any number of threads. Cost: about 0.2 microseconds a voxel on two threads.
+void paintThickness(const VoxelImage& image, const SurfaceDistance& surface, Phase phase,
+                    std::vector<float>& thickness);
 
 }  // namespace vdbpack

@@ -53,7 +53,12 @@ std::vector<Vec<3>> halfSphereDirections(int count) {
 }
 
 std::vector<double> crossingRates(const SurfaceDistance& surface,
-                                  const std::vector<Vec<3>>& directions) {
+                                  const std::vector<Vec<3>>& directions, int label) {
+    std::array<double, 3> edges{};
+    for (std::size_t l = 1; l < surface.edges.size(); ++l)
+        for (std::size_t j = 0; j < 3; ++j)
+            if (label == kAllLabels || label == static_cast<int>(l))
+                edges[j] += surface.edges[l][j];
     const std::vector<SurfacePoint>& points = surface.points;
     // Sums over fixed ranges of points, added in order: the same for any number of threads.
     constexpr std::size_t kRun = 16384;
@@ -71,8 +76,8 @@ std::vector<double> crossingRates(const SurfaceDistance& surface,
         sum.assign(n, 0.0);
         for (std::size_t p = run * kRun; p < std::min(points.size(), (run + 1) * kRun); ++p) {
             const SurfacePoint& s = points[p];
-            if (!(s.area > 0)) continue;
-            const auto area = static_cast<float>(double{s.area} / surface.edges[s.axis]);
+            if (!(s.area > 0) || (label != kAllLabels && label != s.label)) continue;
+            const auto area = static_cast<float>(double{s.area} / edges[s.axis]);
             const float x = area * s.normal[0], y = area * s.normal[1], z = area * s.normal[2];
             for (std::size_t i = 0; i < n; ++i)
                 sum[i] += static_cast<double>(std::abs(x * ux[i] + y * uy[i] + z * uz[i]));
@@ -85,7 +90,7 @@ std::vector<double> crossingRates(const SurfaceDistance& surface,
 }
 
 std::vector<double> voxelCrossingRates(const VoxelImage& image,
-                                       const std::vector<Vec<3>>& directions) {
+                                       const std::vector<Vec<3>>& directions, int label) {
     // Distance of lines: close enough that many lines cross each void.
     constexpr double kApart = 2 * kVoxelStep;
     Vec<3> middle;
@@ -126,7 +131,7 @@ std::vector<double> voxelCrossingRates(const VoxelImage& image,
                         at[d] =
                             static_cast<std::size_t>(std::clamp(p[d], 0.0, 2 * middle[d]) + 0.5);
                     const std::size_t voxel = (at[2] * ny + at[1]) * nx + at[0];
-                    if (!image.label.empty() && image.label[voxel] == 0) {
+                    if (!isLabeled(image, voxel, label)) {
                         started = false;
                         continue;
                     }

@@ -1,14 +1,14 @@
 #include "vdbpack/measure/morphometry/morphometry.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/morphometry/border.h"
 #include "vdbpack/measure/morphometry/euler.h"
 #include "vdbpack/measure/morphometry/local_thickness.h"
 #include "vdbpack/measure/morphometry/mean_intercept.h"
+#include "vdbpack/measure/morphometry/phase_tally.h"
 #include "vdbpack/measure/morphometry/surface_distance.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,6 @@
 namespace vdbpack {
 
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 constexpr int kDirections = 500;
 /// Along which lines from voxel to voxel are laid.
@@ -42,6 +40,10 @@ void check(const VoxelImage& image) {
     if (!image.label.empty() && image.label.size() != count)
         throw ParameterError(fmt::format("image: {} labels for {} voxels; give {} or none",
                                          image.label.size(), count, count));
+    if (!image.depth.empty() && (image.depth.size() != count || image.label.empty()))
+        throw ParameterError(fmt::format(
+            "image: {} depths and {} labels for {} voxels; give {} of each, or no depths",
+            image.depth.size(), image.label.size(), count, count));
     const auto bad = std::find_if(image.distance.begin(), image.distance.end(),
                                   [](float d) { return !std::isfinite(d); });
     if (bad != image.distance.end()) {
@@ -54,79 +56,110 @@ void check(const VoxelImage& image) {
     }
 }
 
-/// Over the voxels of one phase of one label.
-struct Tally {
-    std::uint64_t voxels = 0;
-    double sum = 0, squares = 0, max = 0;  // of the thickness, voxels
+/// The pore space below the wall: all else is made solid.
+VoxelImage poresBelowWall(const VoxelImage& image) {
+    VoxelImage pores;
+    pores.size = image.size;
+    pores.voxelSize = image.voxelSize;
+    pores.origin = image.origin;
+    pores.label = image.label;
+    pores.distance.reserve(image.voxels());
+    for (std::size_t i = 0; i < image.voxels(); ++i)
+        pores.distance.push_back(std::min(image.distance[i], image.depth[i]));
+    return pores;
+}
 
-    void add(const Tally& other) {
-        voxels += other.voxels;
-        sum += other.sum;
-        squares += other.squares;
-        max = std::max(max, other.max);
+/// Of the pore space, the part that is nearer to the wall than to the solid.
+double shareNearWall(const VoxelImage& pores, const SurfaceDistance& surface) {
+    std::uint64_t all = 0, near = 0;
+    for (std::size_t voxel = 0; voxel < pores.voxels(); ++voxel) {
+        if (pores.distance[voxel] < 0 || !pores.inTotal(voxel)) continue;
+        ++all;
+        // Beyond a point of the wall there is no total volume.
+        near += surface.points[surface.nearest[voxel]].label == 0;
     }
-    std::optional<LengthStatistics> statistics(double voxelSize) const {
-        if (voxels == 0 || !(max > 0)) return std::nullopt;
-        const double n = static_cast<double>(voxels);
-        const double mean = sum / n;
-        return LengthStatistics{mean * voxelSize,
-                                std::sqrt(std::max(squares / n - mean * mean, 0.0)) * voxelSize,
-                                max * voxelSize};
+    return all > 0 ? static_cast<double>(near) / static_cast<double>(all) : 0;
+}
+
+/// Of the pores of a sample that was cut, no diameter counts as more than the sample is wide.
+void limitPores(const VoxelImage& image, std::vector<float>& thickness) {
+    std::array<std::int64_t, 3> low = image.size, high{-1, -1, -1};
+    for (std::int64_t z = 0, voxel = 0; z < image.size[2]; ++z)
+        for (std::int64_t y = 0; y < image.size[1]; ++y)
+            for (std::int64_t x = 0; x < image.size[0]; ++x, ++voxel) {
+                if (!image.inTotal(static_cast<std::size_t>(voxel))) continue;
+                const std::array<std::int64_t, 3> at{x, y, z};
+                for (std::size_t j = 0; j < 3; ++j) {
+                    low[j] = std::min(low[j], at[j]);
+                    high[j] = std::max(high[j], at[j]);
+                }
+            }
+    std::int64_t side = high[0] - low[0] + 1;
+    for (std::size_t j = 1; j < 3; ++j) side = std::min(side, high[j] - low[j] + 1);
+    const auto limit = static_cast<float>(std::max<std::int64_t>(side, 0));
+    for (std::size_t voxel = 0; voxel < thickness.size(); ++voxel)
+        if (!(image.distance[voxel] < 0)) thickness[voxel] = std::min(thickness[voxel], limit);
+}
+
+/// Local thickness of both phases, or nothing where there is no surface. Leaves the points of
+/// `surface` alone.
+std::vector<float> bothThicknesses(const VoxelImage& image, SurfaceDistance& surface,
+                                   Morphometry& m) {
+    std::vector<float> thickness;
+    if (!surface.points.empty()) {
+        thickness.assign(image.voxels(), 0.0f);
+        paintThickness(image, surface, Phase::solid, thickness);
     }
-};
-
-struct Phases {
-    Tally solid, rest;
-    std::uint64_t voxels() const { return solid.voxels + rest.voxels; }
-};
-
-/// By label; sums of slices, added in order.
-std::vector<Phases> tally(const VoxelImage& image, const std::vector<float>& thickness) {
-    const auto slices = static_cast<std::size_t>(image.size[2]);
-    const std::size_t slice = image.voxels() / slices;
-    std::size_t labels = 2;
-    for (const std::uint8_t label : image.label) labels = std::max<std::size_t>(labels, label + 1u);
-    std::vector<std::vector<Phases>> bySlice(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
-        auto& sums = bySlice[z];
-        sums.resize(labels);
-        for (std::size_t voxel = z * slice; voxel < (z + 1) * slice; ++voxel) {
-            Phases& phases = sums[image.label.empty() ? 1 : image.label[voxel]];
-            Tally& t = image.distance[voxel] < 0 ? phases.solid : phases.rest;
-            ++t.voxels;
-            if (thickness.empty()) continue;
-            const double value = static_cast<double>(thickness[voxel]);
-            t.sum += value;
-            t.squares += value * value;
-            t.max = std::max(t.max, value);
+    if (!m.walled) {
+        if (!thickness.empty()) {
+            paintThickness(image, surface, Phase::pores, thickness);
+            limitPores(image, thickness);
         }
-    });
-    std::vector<Phases> total(labels);
-    for (const auto& sums : bySlice)
-        for (std::size_t label = 1; label < labels; ++label) {
-            total[label].solid.add(sums[label].solid);
-            total[label].rest.add(sums[label].rest);
-        }
-    return total;
+        return thickness;
+    }
+    surface.nearest = {};
+    const VoxelImage pores = poresBelowWall(image);
+    const SurfaceDistance walls = surfaceDistance(pores);
+    if (walls.points.empty()) return thickness;
+    thickness.resize(image.voxels(), 0.0f);
+    paintThickness(pores, walls, Phase::pores, thickness);
+    m.border.poresNearWall = shareNearWall(pores, walls);
+    return thickness;
 }
 
-template <typename T>
-Json orNull(const std::optional<T>& value) {
-    return value ? Json(*value) : Json(nullptr);
+/// Sets what follows from voxels and thicknesses.
+void setPhases(SolidMeasures& part, const PhaseTallies& tallies, double voxelSize) {
+    const double cube = voxelSize * voxelSize * voxelSize;
+    part.totalVolume = static_cast<double>(tallies.voxels()) * cube;
+    part.solidVolume = static_cast<double>(tallies.solid.voxels) * cube;
+    part.solidFraction =
+        static_cast<double>(tallies.solid.voxels) / static_cast<double>(tallies.voxels());
+    part.thickness = tallies.solid.statistics(voxelSize);
+    part.separation = tallies.pores.statistics(voxelSize);
+    if (part.thickness) part.number = part.solidFraction / part.thickness->mean;
 }
 
-Json json(const std::optional<LengthStatistics>& s) {
-    if (!s) return nullptr;
-    return {{"mean", s->mean}, {"sd", s->sd}, {"max", s->max}};
+void setEuler(SolidMeasures& part, const EulerNumbers& euler) {
+    part.eulerNumber = euler.whole;
+    part.deltaEuler = euler.share;
+    part.connectivity = 1 - euler.share;
+    part.connectivityDensity = part.connectivity / part.totalVolume;
 }
 
-std::string text(const std::optional<LengthStatistics>& s) {
-    if (!s) return "none";
-    return fmt::format("mean {:.4g} mm, deviation {:.3g}, largest {:.4g}", s->mean, s->sd, s->max);
-}
-
-std::string text(const Vec<3>& v) {
-    return fmt::format("({:.3f}, {:.3f}, {:.3f})", v[0], v[1], v[2]);
+/// Sets surface and anisotropy of the voxels of a label.
+void setSurface(SolidMeasures& part, const VoxelImage& image, const SurfaceDistance& surface,
+                int label) {
+    double area = 0;
+    for (const SurfacePoint& p : surface.points)
+        if (label == kAllLabels || label == p.label) area += static_cast<double>(p.area);
+    part.solidSurface = area * image.voxelSize * image.voxelSize;
+    const auto directions = halfSphereDirections(kDirections);
+    part.anisotropy =
+        fitAnisotropy(directions, crossingRates(surface, directions, label), image.voxelSize);
+    if (!part.anisotropy) return;
+    const auto few = halfSphereDirections(kVoxelDirections);
+    part.voxelAnisotropy =
+        fitAnisotropy(few, voxelCrossingRates(image, few, label), image.voxelSize);
 }
 
 }  // namespace
@@ -134,140 +167,43 @@ std::string text(const Vec<3>& v) {
 Morphometry measureMorphometry(const VoxelImage& image) {
     check(image);
     Morphometry m;
-    const double h = image.voxelSize;
-    m.voxelSize = h;
-    const EulerNumbers euler = eulerNumbers(image);
-    std::vector<Phases> phases;
-    double area = 0;
+    m.voxelSize = image.voxelSize;
+    m.walled = !image.depth.empty();
+    m.border = borderShares(image);
+    SurfaceDistance surface = surfaceDistance(image);
+    std::vector<PhaseTallies> phases;
     {
-        const SurfaceDistance surface = surfaceDistance(image);
-        std::vector<float> thickness;
-        if (!surface.points.empty()) thickness = localThickness(image, surface);
-        phases = tally(image, thickness);
-        std::uint64_t voxels = 0;
-        for (const Phases& p : phases) voxels += p.voxels();
-        if (voxels == 0)
-            throw InputError(fmt::format(
-                "image: all {} voxels have label 0, so that there is no total volume; label those "
-                "that belong to it 1 or more, or give no labels",
-                image.voxels()));
-        for (const SurfacePoint& p : surface.points) area += static_cast<double>(p.area);
-        const auto directions = halfSphereDirections(kDirections);
-        m.anisotropy = fitAnisotropy(directions, crossingRates(surface, directions), h);
+        const std::vector<float> thickness = bothThicknesses(image, surface, m);
+        phases = tallyPhases(image, thickness);
     }
-    if (m.anisotropy) {
-        const auto directions = halfSphereDirections(kVoxelDirections);
-        m.voxelAnisotropy = fitAnisotropy(directions, voxelCrossingRates(image, directions), h);
-    }
-    Phases all;
-    for (std::size_t label = 1; label < phases.size(); ++label) {
-        const Phases& p = phases[label];
-        all.solid.add(p.solid);
-        all.rest.add(p.rest);
-        if (image.label.empty() || p.voxels() == 0) continue;
-        RegionMorphometry region;
-        region.label = static_cast<int>(label);
-        region.totalVolume = static_cast<double>(p.voxels()) * h * h * h;
-        region.solidVolume = static_cast<double>(p.solid.voxels) * h * h * h;
-        region.solidFraction =
-            static_cast<double>(p.solid.voxels) / static_cast<double>(p.voxels());
-        region.thickness = p.solid.statistics(h);
-        region.separation = p.rest.statistics(h);
-        m.regions.push_back(region);
+    PhaseTallies all;
+    std::size_t present = 0;
+    for (const PhaseTallies& p : phases) {
+        all.add(p);
+        present += p.voxels() > 0;
     }
     m.voxels = all.voxels();
-    m.totalVolume = static_cast<double>(all.voxels()) * h * h * h;
-    m.solidVolume = static_cast<double>(all.solid.voxels) * h * h * h;
-    m.solidFraction = static_cast<double>(all.solid.voxels) / static_cast<double>(all.voxels());
-    m.solidSurface = area * h * h;
-    m.thickness = all.solid.statistics(h);
-    m.separation = all.rest.statistics(h);
-    if (m.thickness) m.number = m.solidFraction / m.thickness->mean;
-    m.eulerNumber = euler.whole;
-    m.deltaEuler = euler.share;
-    m.connectivity = 1 - euler.share;
-    m.connectivityDensity = m.connectivity / m.totalVolume;
+    if (m.voxels == 0)
+        throw InputError(fmt::format(
+            "image: all {} voxels have label 0, so that there is no total volume; label those "
+            "that belong to it 1 or more, or give no labels",
+            image.voxels()));
+    setPhases(m, all, m.voxelSize);
+    setSurface(m, image, surface, kAllLabels);
+    setEuler(m, eulerNumbers(image));
+    for (std::size_t label = 1; label < phases.size(); ++label) {
+        if (image.label.empty() || phases[label].voxels() == 0) continue;
+        RegionMorphometry region;
+        static_cast<SolidMeasures&>(region) = m;  // the only region is the whole
+        region.label = static_cast<int>(label);
+        if (present > 1) {
+            setPhases(region, phases[label], m.voxelSize);
+            setSurface(region, image, surface, region.label);
+            setEuler(region, eulerNumbers(image, region.label));
+        }
+        m.regions.push_back(region);
+    }
     return m;
-}
-
-nlohmann::ordered_json toJson(const Morphometry& m) {
-    Json out;
-    out["voxelSize"] = m.voxelSize;
-    out["voxels"] = m.voxels;
-    out["TV"] = m.totalVolume;
-    out["BV"] = m.solidVolume;
-    out["BV/TV"] = m.solidFraction;
-    out["BS"] = m.solidSurface;
-    out["Tb.Th"] = json(m.thickness);
-    out["Tb.Sp"] = json(m.separation);
-    out["Tb.N"] = orNull(m.number);
-    out["euler"] = {{"whole", m.eulerNumber}, {"delta", m.deltaEuler}};
-    out["connectivity"] = m.connectivity;
-    out["Conn.D"] = m.connectivityDensity;
-    out["DA"] = nullptr;
-    if (m.anisotropy) {
-        const Anisotropy& a = *m.anisotropy;
-        Json lengths = Json::array(), axes = Json::array();
-        for (const auto& length : a.meanInterceptLengths) lengths.push_back(orNull(length));
-        for (const auto& axis : a.axes) axes.push_back(axis.c);
-        out["DA"] = {{"degree", a.degree},
-                     {"ratio", orNull(a.ratio)},
-                     {"eigenvalues", a.eigenvalues},
-                     {"MIL", lengths},
-                     {"axes", axes}};
-    }
-    out["DAvoxels"] = m.voxelAnisotropy ? Json({{"degree", m.voxelAnisotropy->degree},
-                                                {"ratio", orNull(m.voxelAnisotropy->ratio)},
-                                                {"axis", m.voxelAnisotropy->axes[0].c}})
-                                        : Json();
-    out["regions"] = Json::array();
-    for (const RegionMorphometry& r : m.regions)
-        out["regions"].push_back({{"label", r.label},
-                                  {"TV", r.totalVolume},
-                                  {"BV", r.solidVolume},
-                                  {"BV/TV", r.solidFraction},
-                                  {"Tb.Th", json(r.thickness)},
-                                  {"Tb.Sp", json(r.separation)}});
-    return out;
-}
-
-std::string summary(const Morphometry& m) {
-    std::string out;
-    const auto line = [&](const std::string& label, const std::string& value) {
-        out += fmt::format("{:<11}{}\n", label, value);
-    };
-    line("BV/TV", fmt::format("{:.4f}: {:.6g} of {:.6g} mm³, voxels of {:.4g} mm", m.solidFraction,
-                              m.solidVolume, m.totalVolume, m.voxelSize));
-    line("BS", fmt::format("{:.6g} mm²", m.solidSurface));
-    line("Tb.Th", text(m.thickness));
-    line("Tb.Sp", text(m.separation));
-    line("Tb.N", m.number ? fmt::format("{:.4g} /mm (BV/TV divided by Tb.Th)", *m.number) : "none");
-    line("Conn.D", fmt::format("{:.5g} /mm³ (Euler number {:.8g}, {:.8g} corrected for cut faces)",
-                               m.connectivityDensity, m.eulerNumber, m.deltaEuler));
-    if (m.anisotropy) {
-        const Anisotropy& a = *m.anisotropy;
-        line("DA", fmt::format("{:.4f} as 1 - (short / long)², {} as long / short", a.degree,
-                               a.ratio ? fmt::format("{:.4g}", *a.ratio) : "infinite"));
-        if (m.voxelAnisotropy)
-            line("", fmt::format("{:.4f} by lines from voxel to voxel, as in BoneJ",
-                                 m.voxelAnisotropy->degree));
-        std::string lengths;
-        for (const auto& length : a.meanInterceptLengths)
-            lengths += (lengths.empty() ? "" : ", ") +
-                       (length ? fmt::format("{:.4g}", *length) : "infinite");
-        line("MIL", lengths + " mm");
-        line("", "the longest along " + text(a.axes[0]));
-    } else {
-        line("DA", "none");
-    }
-    for (const RegionMorphometry& r : m.regions) {
-        line(fmt::format("region {}", r.label),
-             fmt::format("BV/TV {:.4f}: {:.6g} of {:.6g} mm³", r.solidFraction, r.solidVolume,
-                         r.totalVolume));
-        line("  Tb.Th", text(r.thickness));
-        line("  Tb.Sp", text(r.separation));
-    }
-    return out;
 }
 
 }  // namespace vdbpack

@@ -227,14 +227,14 @@ bool Ridge::grow(const Voxel& x, RidgeBall& ball) const {
     ball.center = {static_cast<float>(x[0]), static_cast<float>(x[1]), static_cast<float>(x[2])};
     moveToMiddle(first, wallsAround(x, first), way, side, ball);
     ball.radius = cappedRadius(ball, side);
-    ball.solid = solid(voxel) ? 1 : 0;
     return ball.radius > 0;
 }
 
-void Ridge::collect(std::int64_t z, std::vector<RidgeBall>& balls) const {
+void Ridge::collect(std::int64_t z, bool solidBalls, std::vector<RidgeBall>& balls) const {
     for (std::int64_t y = 0; y < size_[1]; ++y)
         for (std::int64_t x = 0; x < size_[0]; ++x) {
             RidgeBall ball;
+            if (solid(index(x, y, z)) != solidBalls) continue;
             if (grow({x, y, z}, ball)) balls.push_back(ball);
         }
 }

@@ -14,7 +14,6 @@ namespace vdbpack {
 struct RidgeBall {
     Place center{};
     float radius = 0;
-    std::uint32_t solid = 0;  ///< 1: in the solid; 0: in the space around it
 };
 
 /// Finds the balls of one image: voxels on the ridge of the distance, moved to the middle between
@@ -26,11 +25,10 @@ public:
         : image_(image), surface_(surface), size_{image.size} {}
 
     bool solid(std::size_t voxel) const { return image_.distance[voxel] < 0; }
-    bool inTotal(std::size_t voxel) const {
-        return image_.label.empty() || image_.label[voxel] != 0;
-    }
-    /// Adds the balls centered near the voxels of slice `z`, in their order.
-    void collect(std::int64_t z, std::vector<RidgeBall>& balls) const;
+    bool inTotal(std::size_t voxel) const { return image_.inTotal(voxel); }
+    /// Adds the balls in the solid, or in the space around it, that are centered near the voxels of
+    /// slice `z`, in their order.
+    void collect(std::int64_t z, bool solidBalls, std::vector<RidgeBall>& balls) const;
     /// Twice the distance of a voxel to the surface, voxels.
     float ownThickness(std::int64_t x, std::int64_t y, std::int64_t z, std::size_t voxel) const;
 

@@ -1,6 +1,7 @@
 #include "vdbpack/measure/morphometry/surface_distance.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/morphometry/labels.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -54,7 +55,7 @@ public:
         const std::array<std::size_t, 3> at{x, y, z};
         const float t = root(voxel, at[axis], axis);
         SurfacePoint p;
-        p.axis = static_cast<std::uint32_t>(axis);
+        p.axis = static_cast<std::uint8_t>(axis);
         p.at = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(z)};
         double square = 0;
         std::array<double, 3> g{};
@@ -71,25 +72,23 @@ public:
             p.normal[j] = static_cast<float>(g[j] * inverse);
             sum += std::abs(double{p.normal[j]});
         }
-        if (inTotal(a < 0 ? voxel : other)) p.area = static_cast<float>(1 / sum);
+        p.label = static_cast<std::uint8_t>(labelOf(image_, a < 0 ? voxel : other));
+        if (p.label != 0) p.area = static_cast<float>(1 / sum);
         return p;
     }
 
-    bool inTotal(std::size_t voxel) const {
-        return image_.label.empty() || image_.label[voxel] != 0;
-    }
-
-    /// Twice the number of edges along each axis in the total volume of a slice, where each of its
-    /// voxels counts half of an edge.
-    std::array<std::size_t, 3> extent(std::size_t z) const {
+    /// By label, twice the number of edges along each axis in a slice, where each voxel counts half
+    /// of an edge.
+    std::vector<std::array<std::size_t, 3>> extents(std::size_t z, std::size_t labels) const {
         const auto& n = lattice_.size;
-        std::array<std::size_t, 3> count{};
+        std::vector<std::array<std::size_t, 3>> count(labels);
         for (std::size_t y = 0; y < n[1]; ++y)
             for (std::size_t x = 0; x < n[0]; ++x) {
-                if (!inTotal(z * lattice_.stride[2] + y * lattice_.stride[1] + x)) continue;
+                const std::size_t voxel = z * lattice_.stride[2] + y * lattice_.stride[1] + x;
+                auto& own = count[static_cast<std::size_t>(labelOf(image_, voxel))];
                 const std::array<std::size_t, 3> at{x, y, z};
                 for (std::size_t j = 0; j < 3; ++j)
-                    count[j] += std::size_t{at[j] > 0} + std::size_t{at[j] + 1 < n[j]};
+                    own[j] += std::size_t{at[j] > 0} + std::size_t{at[j] + 1 < n[j]};
             }
         return count;
     }
@@ -244,10 +243,11 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     const std::size_t slices = lattice.size[2];
     SurfaceDistance result;
 
-    // Number of points of each slice, axis by axis, and edges in the total volume.
+    // Number of points of each slice, axis by axis, and edges by label.
+    const std::size_t labels = labelCount(image);
     std::array<std::vector<std::size_t>, 3> start;
     for (auto& s : start) s.assign(slices + 1, 0);
-    std::vector<std::array<std::size_t, 3>> extents(slices);
+    std::vector<std::vector<std::array<std::size_t, 3>>> extents(slices);
     tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             std::size_t count = 0;
@@ -255,13 +255,16 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
                 axis, z, [&](std::size_t, std::size_t, std::size_t, std::size_t) { ++count; });
             start[axis][z + 1] = count;
         }
-        extents[z] = crossings.extent(z);
+        extents[z] = crossings.extents(z, labels);
     });
     std::size_t total = 0;
     for (std::size_t axis = 0; axis < 3; ++axis)
         for (std::size_t z = 0; z <= slices; ++z) total = start[axis][z] += total;
-    for (const auto& e : extents)
-        for (std::size_t j = 0; j < 3; ++j) result.edges[j] += 0.5 * static_cast<double>(e[j]);
+    result.edges.resize(labels);
+    for (const auto& slice : extents)
+        for (std::size_t label = 0; label < labels; ++label)
+            for (std::size_t j = 0; j < 3; ++j)
+                result.edges[label][j] += 0.5 * static_cast<double>(slice[label][j]);
     if (total == 0) return result;
     if (total >= kNone)
         throw ResourceError(fmt::format(

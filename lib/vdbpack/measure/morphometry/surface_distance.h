@@ -25,16 +25,16 @@ struct SurfacePoint {
     /// Area that the point represents, in voxel faces; 0 if its solid voxel is not in the total
     /// volume.
     float area = 0;
-    std::uint32_t axis = 0;  ///< of the edge
+    std::uint8_t axis = 0;   ///< of the edge
+    std::uint8_t label = 0;  ///< of its solid voxel; 1 in images without labels
 };
 
 /// All surface points of an image, and the nearest one of each voxel.
 struct SurfaceDistance {
     std::vector<SurfacePoint> points;
     std::vector<std::uint32_t> nearest;  ///< one per voxel; empty if there is no surface
-    /// Number of edges along each axis in the total volume; each of its voxels counts half an edge
-    /// on either side.
-    std::array<double, 3> edges{};
+    /// By label, number of edges along each axis; each voxel counts half an edge on either side.
+    std::vector<std::array<double, 3>> edges;
 };
 
 /// The surface points between voxels of opposite sign, where a parabola through four distances

@@ -1,11 +1,12 @@
 #include "vdbpack/measure/morphometry/trabeculae.h"
 
-#include "vdbpack/core/error.h"
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/field/voxel_image.h"
-#include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/measure/morphometry/local_thickness.h"
+#include "vdbpack/measure/morphometry/phase_tally.h"
 
 #include <algorithm>
+#include <vector>
 
 namespace vdbpack {
 
@@ -18,12 +19,15 @@ std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& bo
     if (!bounds.contains(wide.lo) || !bounds.contains(wide.hi)) margin = 0;
     VoxelImage image = sampleLevelSet(solid, box, 0, margin);
     labelVoxels(image, domain, shell);
-    const Morphometry all = measureMorphometry(image);
-    const RegionMorphometry* core = nullptr;
-    for (const auto& region : all.regions)
-        if (region.label == (shell > 0 ? 2 : 1)) core = &region;
-    if (core == nullptr || !core->thickness) return std::nullopt;
-    return core->thickness->mean;
+    const SurfaceDistance surface = surfaceDistance(image);
+    if (surface.points.empty()) return std::nullopt;
+    std::vector<float> thickness(image.voxels(), 0.0f);
+    paintThickness(image, surface, Phase::solid, thickness);
+    const auto phases = tallyPhases(image, thickness);
+    const std::size_t core = shell > 0 ? 2 : 1;
+    if (core >= phases.size()) return std::nullopt;
+    const auto lengths = phases[core].solid.statistics(image.voxelSize);
+    return lengths ? std::optional<double>(lengths->mean) : std::nullopt;
 }
 
 }  // namespace vdbpack

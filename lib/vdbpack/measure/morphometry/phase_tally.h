@@ -1,0 +1,34 @@
+// Private to measure: volumes and local thicknesses by label and phase.
+#pragma once
+
+#include "vdbpack/field/voxel_image.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// Over the voxels of one phase of one label.
+struct Tally {
+    std::uint64_t voxels = 0;
+    double sum = 0, squares = 0, max = 0;  // of the thickness, voxels
+
+    void add(const Tally& other);
+    /// Nothing where there is no voxel or no surface.
+    std::optional<LengthStatistics> statistics(double voxelSize) const;
+};
+
+struct PhaseTallies {
+    Tally solid, pores;
+    std::uint64_t voxels() const { return solid.voxels + pores.voxels; }
+    void add(const PhaseTallies& other);
+};
+
+/// One entry a label; that of label 0 is empty.
+/// @param thickness  one value a voxel, voxels; empty: none.
+/// The same for any number of threads.
+std::vector<PhaseTallies> tallyPhases(const VoxelImage& image, const std::vector<float>& thickness);
+
+}  // namespace vdbpack

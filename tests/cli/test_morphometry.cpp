@@ -1,0 +1,215 @@
+// `measure` as a user calls it: the morphometry of solids and of spheres in a domain.
+#include "cli/recipes.h"
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/run.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using test::recipeFor;
+
+namespace {
+
+Callbacks hearing(std::string& warned) {
+    Callbacks callbacks;
+    callbacks.warning = [&](const std::string& text) { warned += text + "\n"; };
+    return callbacks;
+}
+
+/// The solid that a Boolean model of voids leaves of a domain, in a file.
+void writeSolid(const std::string& domain, const std::string& file) {
+    VoidsRecipe recipe;
+    recipe.domain.source = domain;
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "uniform:1.2,1.6";
+    recipe.voids.targetBvtv = 0.3;
+    recipe.voids.voxelSize = 0.5;
+    recipe.outputs = {file};
+    recipe.threads = 2;
+    runVoids(recipe);
+}
+
+Morphometry measured(const std::string& file, const std::string& domain, double shell,
+                     std::string& warned) {
+    MeasureRecipe recipe;
+    recipe.pack = file;
+    recipe.domain.gridName = "solid";
+    recipe.domain.source = domain;
+    recipe.shell = shell;
+    recipe.threads = 2;
+    return runMeasure(recipe, hearing(warned)).morphometry.value();
+}
+
+}  // namespace
+
+TEST_CASE("with the bone as domain, the air around it is no pore", "[run]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(14, 5), folder.file("bone.obj"));
+    writeSolid(folder.file("bone.obj"), folder.file("s.vdb"));
+    std::string warned;
+    const auto m = measured(folder.file("s.vdb"), folder.file("bone.obj"), 3, warned);
+    CHECK(m.walled);
+    CHECK(m.totalVolume == Approx(Measure<3>::ball(14)).epsilon(0.02));
+    CHECK(m.solidFraction == Approx(0.3).epsilon(0.05));
+    // Voids are 2.4 to 3.2 wide and twice as long, and overlap.
+    CHECK(m.separation.value().max < 6.4);
+    CHECK(m.border.continued < 0.1);
+    CHECK(m.border.poresNearWall.value() > 0.05);
+    REQUIRE(m.regions.size() == 2);
+    for (const auto& region : m.regions) {
+        CHECK(region.separation.value().max < 6.4);
+        CHECK(region.anisotropy);
+        CHECK(region.number);
+    }
+    CHECK(m.regions[1].totalVolume == Approx(Measure<3>::ball(11)).epsilon(0.02));
+    CHECK(m.regions[0].deltaEuler + m.regions[1].deltaEuler == Approx(m.deltaEuler).margin(1e-6));
+    CHECK(warned.empty());
+}
+
+TEST_CASE("parts of a sample have its connectivity density whatever their shape", "[run]") {
+    const TemporaryFolder folder;
+    writeSolid("box:24,24,24", folder.file("s.vdb"));
+    std::string warned;
+    const auto whole = measured(folder.file("s.vdb"), "box:24,24,24", 0, warned);
+    const auto box = measured(folder.file("s.vdb"), "box:20,20,20", 0, warned);
+    const auto ball = measured(folder.file("s.vdb"), "ball:11.5", 0, warned);
+    CHECK(warned.empty());
+    CHECK(box.connectivityDensity == Approx(whole.connectivityDensity).epsilon(0.2));
+    CHECK(ball.connectivityDensity == Approx(whole.connectivityDensity).epsilon(0.2));
+    CHECK_FALSE(ball.walled);
+    CHECK(ball.border.continued > 0.5);
+    CHECK(ball.separation.value().mean == Approx(box.separation.value().mean).epsilon(0.05));
+
+    // Without a domain it is a body that ends at its bounding box, and that is said.
+    const auto alone = measured(folder.file("s.vdb"), "", 0, warned);
+    CHECK(alone.connectivityDensity < 0.95 * whole.connectivityDensity);
+    CHECK(alone.deltaEuler == alone.eulerNumber);
+    CHECK_THAT(warned,
+               Catch::Contains("s.vdb") && Catch::Contains("`domain`") && Catch::Contains("box:"));
+    // It has no spheres to join.
+    MeasureRecipe solid;
+    solid.pack = folder.file("s.vdb");
+    solid.domain.gridName = "solid";
+    solid.sphereMorphometry = true;
+    CHECK_THROWS_WITH(runMeasure(solid),
+                      Catch::Contains("s.vdb") && Catch::Contains("`sphereMorphometry`"));
+    // A domain that the solid does not fill is said, too.
+    warned.clear();
+    measured(folder.file("s.vdb"), "ball:30", 0, warned);
+    CHECK_THAT(warned, Catch::Contains("s.vdb") && Catch::Contains("`domain`"));
+}
+
+TEST_CASE("the spheres of a pack are measured as one solid", "[run]") {
+    const TemporaryFolder folder;
+    // A simple cubic lattice of touching balls.
+    Pack<3> pack;
+    for (int i = 0; i < 216; ++i)
+        pack.spheres.push_back(
+            {{{2.0 * (i % 6) - 5, 2.0 * (i / 6 % 6) - 5, 2.0 * (i / 36) - 5}}, 1});
+    writePack(pack, folder.file("p.csv"));
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    recipe.domain.source = "box:12,12,12";
+    recipe.domain.voxelSize = 0.125;
+    recipe.sphereMorphometry = true;
+    recipe.reportFile = folder.file("r.html");
+    const auto result = runMeasure(recipe);
+    REQUIRE(result.spheres);
+    std::ostringstream page;
+    page << std::ifstream(folder.file("r.html")).rdbuf();
+    CHECK_THAT(page.str(), Catch::Contains("Morphometry") && Catch::Contains("Tb.Sp"));
+    recipe.reportFile.clear();
+    CHECK(result.spheres->dilation == Approx(0.05));
+    CHECK(result.spheres->dilationOfMeanRadius == Approx(0.05));
+    const Morphometry& m = result.spheres->morphometry;
+    // Balls of 1.05 less the caps of height 0.05 that neighbors or the wall cut off.
+    const double cap = kPi * 0.05 * 0.05 * (3 * 1.05 - 0.05) / 3;
+    CHECK(m.solidFraction == Approx((Measure<3>::ball(1.05) - 6 * cap) / 8).epsilon(0.015));
+    // Six neighbors a ball: 216 nodes, 540 necks.
+    CHECK(m.eulerNumber == 216 - 540);
+    CHECK(m.connectivity == 1 - (216 - 540));
+    CHECK(m.thickness.value().mean == Approx(2.1).epsilon(0.03));
+    // Between eight balls there is room for one of radius sqrt(3) - 1.05.
+    CHECK(m.separation.value().max == Approx(2 * (std::sqrt(3.0) - 1.05)).epsilon(0.05));
+    CHECK(m.walled);
+    const auto json = toJson(result);
+    CHECK(json["morphometry"]["of"] == "spheres");
+    CHECK(json["morphometry"]["dilation"].get<double>() == Approx(0.05));
+    CHECK(json["morphometry"]["BV/TV"].get<double>() == Approx(m.solidFraction));
+    // The figures of the pack stay beside them.
+    CHECK(json["contacts"]["components"] == 1);
+    CHECK_THAT(summary(result), Catch::Contains("0.05 mm") && Catch::Contains("Tb.Sp"));
+
+    // Half of the lattice: the necks across its faces are cut, half of each counts.
+    recipe.domain.source = "box:8,8,8";
+    const auto part = runMeasure(recipe).spheres->morphometry;
+    CHECK_FALSE(part.walled);
+    CHECK(part.deltaEuler == Approx(64 - 3 * 64).epsilon(0.02));
+
+    recipe.dilation = 0;
+    recipe.domain.source = "box:12,12,12";
+    CHECK(runMeasure(recipe).spheres->morphometry.solidFraction == Approx(kPi / 6).epsilon(0.015));
+    recipe.sphereMorphometry = false;
+    CHECK_THROWS_WITH(runMeasure(recipe), Catch::Contains("`dilation`"));
+}
+
+TEST_CASE("dilation makes necks of the contacts of a pack", "[run]") {
+    const TemporaryFolder folder;
+    runPack(recipeFor("ball:9", "uniform:1,1.5", folder.file("p.csv")));
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    recipe.domain.source = "ball:9";
+    recipe.sphereMorphometry = true;
+    recipe.shell = 3;
+    const auto dilated = runMeasure(recipe);
+    const Morphometry& m = dilated.spheres->morphometry;
+    CHECK(m.totalVolume == Approx(Measure<3>::ball(9)).epsilon(0.02));
+    CHECK(m.solidFraction > *dilated.run.report.solidFractionTotal);
+    CHECK(m.separation.value().max < 3);
+    REQUIRE(m.regions.size() == 2);
+    CHECK(m.regions[1].thickness.value().mean > 2);
+    // One body with about as many loops as contacts more than spheres.
+    const double spheres = static_cast<double>(dilated.run.report.count);
+    const double contacts = static_cast<double>(dilated.run.report.contacts->pairs);
+    CHECK(m.connectivity > 0.8 * (contacts - spheres));
+    recipe.dilation = 0;
+    CHECK(runMeasure(recipe).spheres->morphometry.solidFraction ==
+          Approx(*dilated.run.report.solidFractionTotal).epsilon(0.02));
+}
+
+TEST_CASE("the text names the components that contacts connect", "[run]") {
+    const TemporaryFolder folder;
+    Pack<3> pack;
+    for (const double x : {0.0, 2.0, 4.0, 9.0, 11.0, 20.0})
+        pack.spheres.push_back({{{x, 0, 0}}, 1});
+    writePack(pack, folder.file("p.csv"));
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    const auto result = runMeasure(recipe);
+    CHECK_THAT(summary(result), Catch::Contains("50 % of 3 components"));
+    CHECK(toJson(result)["contacts"]["components"] == 3);
+    CHECK(toJson(result)["contacts"]["largestComponent"] == 0.5);
+}
+
+TEST_CASE("circles have no morphometry of spheres", "[run]") {
+    const TemporaryFolder folder;
+    runPack(recipeFor("rect:40,40", "uniform:1,2", folder.file("p.csv")));
+    MeasureRecipe recipe;
+    recipe.pack = folder.file("p.csv");
+    recipe.domain.source = "rect:40,40";
+    recipe.sphereMorphometry = true;
+    CHECK_THROWS_WITH(runMeasure(recipe),
+                      Catch::Contains("p.csv") && Catch::Contains("`sphereMorphometry`"));
+}
