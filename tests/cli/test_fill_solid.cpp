@@ -1,0 +1,215 @@
+// Runs that fill what voids leave, and counts that include what voids remove.
+#include "cli/recipes.h"
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/voids/cull.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+PackRecipe porousBall(const std::string& source) {
+    PackRecipe recipe = recipeFor(source, "uniform:0.25,0.5");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1.2";
+    recipe.voids.aspect = "constant:1.5";
+    recipe.voids.targetBvtv = 0.4;
+    recipe.voids.shell = 1.5;
+    return recipe;
+}
+
+std::vector<std::string> warningsOf(const PackRecipe& recipe) {
+    return runPack(recipe).report.warnings;
+}
+
+bool mentions(const std::vector<std::string>& warnings, const std::string& part) {
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [&](const std::string& w) { return w.find(part) != std::string::npos; });
+}
+
+}  // namespace
+
+TEST_CASE("the solid beside voids is filled in one run, inside the bone and the written solid",
+          "[voids][cli]") {
+    const TemporaryFolder folder;
+    const std::string bone = folder.file("ball.obj");
+    writeObj(ballMesh(8, 3), bone);
+    PackRecipe recipe = porousBall(bone);
+    recipe.voids.fill = Fill::solid;
+    recipe.voids.keepConnected = true;
+    recipe.outputs = {folder.file("solid.vdb")};
+    const RunResult run = runPack(recipe);
+    REQUIRE(run.passed);
+    CHECK(run.report.voids->bvtv.value() == Approx(0.4).margin(0.005));
+    CHECK(run.report.voids->culled == 0);
+    REQUIRE(run.report.count > 1000);
+    CHECK(run.report.contacts->largestComponent > 0.99);
+
+    // Against both walls, by verify itself.
+    for (const bool solid : {false, true}) {
+        CAPTURE(solid);
+        VerifyRecipe verify;
+        verify.pack = recipe.outputs[0];
+        verify.domain.source = solid ? recipe.outputs[0] : bone;
+        if (solid) verify.domain.gridName = "solid";
+        const RunResult check = runVerify(verify);
+        CHECK(check.passed);
+        CHECK(check.report.protrusion->spheres == 0);
+    }
+
+    // The regions are those of the bone's own surface, not of the walls of the voids.
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    const auto domain = meshDomain(ballMesh(8, 3), FieldOptions::forRadii(0.25, 0.5));
+    CHECK(pack.region == deeperThan(pack.spheres, *domain, 1.5));
+    CHECK(std::count(pack.region.begin(), pack.region.end(), 1) > 100);
+}
+
+TEST_CASE("more of the solid is filled when it is filled than when it is cut from a pack",
+          "[voids][cli]") {
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.voids.shell = 0;
+    recipe.voids.targetBvtv = 0.3;
+    const auto solidVolume = [](const RunResult& run) {
+        double sum = 0;
+        for (const auto& s : std::get<Pack<3>>(run.pack).spheres) sum += std::pow(s.radius, 3);
+        return sum;
+    };
+    recipe.voids.cull = Cull::touch;
+    const double cut = solidVolume(runPack(recipe));
+    recipe.voids.cull = Cull::center;
+    recipe.voids.fill = Fill::solid;
+    CHECK(solidVolume(runPack(recipe)) > 1.2 * cut);
+}
+
+TEST_CASE("a solid to fill needs voids that are made before the pack", "[voids][cli]") {
+    PackRecipe recipe = recipeFor("ball:8", "uniform:0.5,1");
+    recipe.voids.fill = Fill::solid;
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    recipe.voids.method = "mixed";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    recipe.voids.method = "boolean";
+    recipe.domain.source = "disc:8";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("a target count is the number of spheres that are written", "[voids][cli]") {
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.radius = "uniform:1,2";
+    recipe.targetCount = 3000;
+    SECTION("spheres in voids do not count") {}
+    SECTION("nor those that are not connected") {
+        recipe.voids.keepConnected = true;
+    }
+    SECTION("nor those that voids touch") {
+        recipe.voids.cull = Cull::touch;
+    }
+    SECTION("those that densifying adds do") {
+        recipe.densify = 0.62;
+    }
+    SECTION("holes among the spheres do not") {
+        recipe.voids.method = "mixed";
+        recipe.voids.aspect.clear();
+        recipe.voids.shell = 0;
+        recipe.voids.targetBvtv = 0.75;
+    }
+    SECTION("in the solid alone") {
+        recipe.voids.fill = Fill::solid;
+    }
+    const RunResult run = runPack(recipe);
+    CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
+}
+
+TEST_CASE("a dry run predicts the spheres that voids leave, and the time of the voids",
+          "[voids][cli]") {
+    PackRecipe recipe = porousBall("ball:10");
+    const DryRun expected = dryRunPack(recipe);
+    CHECK(expected.seconds.voids > 0);
+    CHECK(expected.count == Approx(static_cast<double>(runPack(recipe).report.count)).epsilon(0.1));
+}
+
+TEST_CASE("a target count knows how thin the domain is", "[pack][cli]") {
+    PackRecipe recipe = recipeFor("box:4,4,3000", "");
+    recipe.targetCount = 1000;
+    const RunResult run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(static_cast<double>(run.report.count) == Approx(1000).epsilon(0.05));
+}
+
+TEST_CASE("small target counts are met or warned of, and are whole numbers", "[pack][cli]") {
+    const double target = GENERATE(1, 2, 3, 5, 12);
+    CAPTURE(target);
+    PackRecipe recipe = recipeFor("box:20,20,20", "");
+    recipe.targetCount = target;
+    const RunResult run = runPack(recipe);
+    if (static_cast<double>(run.report.count) != target)
+        CHECK(mentions(run.report.warnings, "targetCount"));
+    recipe.targetCount = target + 0.5;
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("voids that leave no sphere are refused", "[voids][cli]") {
+    PackRecipe recipe = recipeFor("ball:6", "uniform:0.5,1");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:2";
+    recipe.voids.count = 3000;
+    const std::string message = messageOf<ParameterError>([&] { runPack(recipe); });
+    CHECK_THAT(message, Catch::Contains("boolean") && Catch::Contains("0.0000"));
+}
+
+TEST_CASE("extreme targets of BV/TV are met or warned of", "[voids][cli]") {
+    const double target = GENERATE(0.001, 0.999);
+    CAPTURE(target);
+    VoidsRecipe recipe;
+    recipe.domain.source = "ball:6";
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1.5";
+    recipe.voids.targetBvtv = target;
+    std::optional<RunResult> run;
+    try {
+        run = runVoids(recipe);
+    } catch (const ParameterError&) {
+        return;  // out of reach, with the bound
+    }
+    const double off = std::fabs(run->report.voids->bvtv.value() - target);
+    if (off > 0.02 * std::min(target, 1 - target))
+        CHECK(mentions(run->report.warnings, "targetBvtv"));
+}
+
+TEST_CASE("voids smaller than the spheres are warned of, with both sizes", "[voids][cli]") {
+    PackRecipe recipe = recipeFor("ball:8", "constant:1");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:0.5";
+    recipe.voids.targetBvtv = 0.6;
+    CHECK(mentions(warningsOf(recipe), "0.5"));
+    recipe.radius = "constant:0.4";
+    recipe.voids.radius = "constant:1.5";
+    CHECK_FALSE(mentions(warningsOf(recipe), "smaller than the spheres"));
+}
+
+TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli]") {
+    PackRecipe recipe = recipeFor("ball:8", "uniform:0.4,0.8");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1.5";
+    recipe.voids.targetBvtv = 0.15;
+    const RunResult run = runPack(recipe);
+    REQUIRE(run.report.voids->spheresAttached.value() < 0.9);
+    CHECK(mentions(run.report.warnings, "keepConnected"));
+    recipe.voids.keepConnected = true;
+    const RunResult kept = runPack(recipe);
+    CHECK_FALSE(mentions(kept.report.warnings, "keepConnected"));
+    CHECK(kept.report.contacts->components == 1);
+}

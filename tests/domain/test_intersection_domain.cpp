@@ -1,0 +1,39 @@
+#include "support/random_point.h"
+
+#include "vdbpack/core/rng.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/pack/packer.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+using namespace vdbpack;
+
+TEMPLATE_TEST_CASE_SIG("spheres in the intersection of two domains leave neither", "[domain]",
+                       ((int Dim), Dim), 2, 3) {
+    const std::shared_ptr<const Domain<Dim>> ball = ballDomain<Dim>(10);
+    Box<Dim> box;
+    for (int d = 0; d < Dim; ++d) {
+        box.lo[d] = -8;
+        box.hi[d] = 9;
+    }
+    const std::shared_ptr<const Domain<Dim>> block = boxDomain<Dim>(box);
+    const auto both = intersectionDomain<Dim>(block, ball);
+    const auto pack =
+        packSpheres(*both, PackOptions(SizeDistribution::uniform(0.5, 1))).pack.spheres;
+    REQUIRE(pack.size() > 50);
+    const auto inBall = ball->sampler(), inBox = block->sampler(), inBoth = both->sampler();
+    for (const auto& s : pack) {
+        const double a = -inBall->signedDistance(s.center), b = -inBox->signedDistance(s.center);
+        CHECK(std::min(a, b) >= s.radius * (1 - 1e-6));
+        WallPoint<Dim> wall;
+        REQUIRE(inBoth->nearestWall(s.center, 100, wall));
+        CHECK(wall.distance == Approx(std::min(a, b)));
+        CHECK(inBoth->isWallCloser(s.center, 1.001 * wall.distance));
+        CHECK_FALSE(inBoth->isWallCloser(s.center, 0.999 * wall.distance));
+    }
+}
