@@ -250,6 +250,11 @@ TEST_CASE("options without effect are reported", "[cli]") {
                Contains("--grid solid has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --voxel 0.5").text,
                Contains("--voxel 0.5 has no effect") && Contains("ball:5"));
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n2.5,0,0,1\n";
+    CHECK_THAT(
+        vdbPack("densify " + folder.file("p.csv") + " --domain ball:5 --json --voxel 0.5").text,
+        Contains("--voxel 0.5 has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json").text, !Contains("no effect"));
 }
 
