@@ -12,6 +12,7 @@ struct OptionName {
 
 /// Fields of the library's recipes and options. Names that several of them share are qualified.
 constexpr OptionName kOptionNames[] = {
+    {"cavities", "--cavities"},
     {"cell", "--void-cell"},
     {"clips", "--clip"},
     {"contactTolerance", "--contact-tol"},
@@ -51,7 +52,6 @@ constexpr OptionName kOptionNames[] = {
     {"scale", "--scale"},
     {"seed", "--seed"},
     {"shell", "--shell"},
-    {"shells", "--shells"},
     {"slice", "--slice"},
     {"sphereMorphometry", "--morphometry"},
     {"table", "--table"},

@@ -5,18 +5,23 @@
 #include "cli/option_groups.h"
 #include "cli/option_names.h"
 #include "cli/recipe.h"
+#include "cli/required_result.h"
 #include "cli/terminal.h"
 #include "cli/usage_error.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/library_versions.h"
+#include "vdbpack/run/recipe_file.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 using namespace vdbpack;
@@ -48,17 +53,8 @@ std::string versionText() {
     return text + wrapped(libraries + ", CLI11 " CLI11_VERSION, columnsOf(1), 0, 0) + '\n';
 }
 
-/// A word quoted for a shell, so that a command in a report can be run again.
-std::string shellQuoted(const std::string& word) {
-    const char* plain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
-
-/// Says so in the help. CLI11 cannot tell whether the domain comes from --shells: the run refuses.
+/// Says so in the help. CLI11 cannot tell whether the domain comes from --cavities: the run
+/// refuses.
 void requireDomain(CLI::App& command) {
     command.get_option("--domain")->option_text("DOMAIN (required)");
 }
@@ -104,18 +100,23 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
     addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if the file states none");
 }
 
-/// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
-void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
+/// --seed with several seeds, and the table of their runs. @param made  by each: "pack".
+void addSeeds(CLI::App& command, Study& study, const std::string& made) {
     command
-        ->add_option_function<std::string>(
-            "--seed", [&job](const std::string& text) { job.seeds = parseSeeds(text); },
-            "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one pack for each "
-            "seed from one field ({seed} in names of outputs)")
+        .add_option_function<std::string>(
+            "--seed", [&study](const std::string& text) { study.seeds = parseSeeds(text); },
+            "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one " + made +
+                " for each seed in one domain ({seed} in names of outputs)")
         ->option_text("S [1]")
         ->group("Run");
-    command->add_option("--table", job.table, "write a table with one row for each seed")
+    command.add_option("--table", study.table, "write a table with one row for each seed")
         ->option_text("FILE.csv")
         ->group("Run");
+}
+
+/// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
+void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
+    addSeeds(*command, job.study, "pack");
     addThreads(*command, job.threads, "number of threads; the pack does not depend on it");
     addMemoryLimit(*command, job.memoryLimit);
     command
@@ -148,7 +149,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     return command;
 }
 
-CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
+CLI::App* addCommand(CLI::App& app, VoidsJob& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("voids", "make voids and the remaining solid, without spheres");
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
@@ -159,7 +160,9 @@ CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
     addDomainOptions(*command, job.domain);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addVoidOptions(*command, job.voids, VoidsIn::nothing);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addSeeds(*command, job.study, "set of voids");
+    addReport(*command, job.reportFile, kReportHelp);
+    addPrinting(*command, print);
     addPreviewOptions(*command, job.preview);
     addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
@@ -174,7 +177,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addDensityOption(*command, job.density);
     requireDomain(*command);
     addVoidOptions(*command, job.voids, VoidsIn::file);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addRunOptions(*command, job.seed, job.reportFile, print, "of the voids");
     addPreviewOptions(*command, job.preview);
     return command;
 }
@@ -191,7 +194,8 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
                "without this option, no sphere is added and only overlaps are removed");
     requireDomain(*command);
     addGap(*command, job.gap);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addRunOptions(*command, job.seed, job.reportFile, print,
+                  "of the radii and positions of added spheres, and of exchanges between spheres");
     addPreviewOptions(*command, job.preview);
     return command;
 }
@@ -321,7 +325,7 @@ void add(std::vector<Command>& commands, CLI::App& app, PrintOptions& print) {
 std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     std::vector<Command> commands;
     add<PackJob>(commands, app, print);
-    add<VoidsRecipe>(commands, app, print);
+    add<VoidsJob>(commands, app, print);
     add<CarveRecipe>(commands, app, print);
     add<DensifyRecipe>(commands, app, print);
     add<VerifyRecipe>(commands, app, print);
@@ -357,10 +361,11 @@ void complete(const Command& command, const std::vector<std::string>& arguments)
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
-            if (domain.source.empty()) domain.source = parseShells(domain.shells).outer;
+            if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
             if (domain.source.empty() && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
-            recipe.optionsText = recipeText(*command.app);
+            const std::filesystem::path left = recipeFileFor(recipe.outputs);
+            recipe.optionsText = recipeText(*command.app, left.parent_path().string());
             for (const auto& word : arguments)
                 recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
         },
@@ -385,7 +390,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     const auto refuse = [&](const std::string& message) {
-        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), withOptionNames(message));
+        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
+                   printable(withOptionNames(message)));
         exitCode = 2;
         return std::nullopt;
     };
@@ -400,6 +406,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
                                           [](const Command& c) { return c.app->parsed(); });
         complete(*command, arguments);
         options.job = std::move(*command->job);
+        requireResult(options);
         if (app.get_config_ptr()->count() > 0)
             options.config = app.get_config_ptr()->as<std::string>();
         return options;

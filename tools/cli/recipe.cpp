@@ -1,16 +1,23 @@
 #include "cli/recipe.h"
 
+#include "cli/recipe_paths.h"
 #include "cli/suggest.h"
+
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <system_error>
+
+using vdbpack::trimmed;
 
 namespace {
 
@@ -33,7 +40,11 @@ bool isPlain(const toml::node& node) {
 
 class Reader {
 public:
-    Reader(const CLI::App& command, std::string file) : command_(command), file_(std::move(file)) {}
+    Reader(const CLI::App& command, std::string file) : command_(command), file_(std::move(file)) {
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(file_, ignored))
+            folder_ = std::filesystem::path(file_).parent_path().string();
+    }
 
     void readTable(const toml::table& table, bool top) {
         for (const auto& [key, value] : table) {
@@ -70,15 +81,21 @@ private:
             for (const auto& each : *array) {
                 if (!isPlain(each))
                     fail(each, name + ": may contain only texts, numbers, true and false");
-                item.inputs.push_back(textOf(each));
+                item.inputs.push_back(inputOf(name, each));
             }
             if (item.inputs.empty()) return;
         } else if (isPlain(value)) {
-            item.inputs = {textOf(value)};
+            item.inputs = {inputOf(name, value)};
         } else {
             fail(value, name + ": is a date or a time; give a text, a number, true or false");
         }
         items_.push_back(item);
+    }
+    std::string inputOf(const std::string& name, const toml::node& value) const {
+        std::string text = textOf(value);
+        if (text.find('\0') != std::string::npos)
+            fail(value, fmt::format("{}: its text contains the character U+0000; remove it", name));
+        return fromRecipe(name, text, folder_);
     }
     [[noreturn]] void failName(const std::string& name, const toml::node& value) const {
         std::vector<std::string> names;
@@ -94,7 +111,7 @@ private:
     }
 
     const CLI::App& command_;
-    std::string file_;
+    std::string file_, folder_;
     std::vector<CLI::ConfigItem> items_;
 };
 
@@ -116,6 +133,30 @@ void requireShallow(const std::string& text, const std::string& file) {
             fmt::format("{}: has more than {} dots and is not a recipe; give options of a "
                         "command, each by its name",
                         file, kMostDots));
+}
+
+/// A line of a text, counted from 1.
+std::string lineOf(const std::string& text, std::size_t number) {
+    std::istringstream lines(text);
+    std::string line;
+    for (std::size_t i = 0; i < number && std::getline(lines, line); ++i) continue;
+    return line;
+}
+
+/// What to do about a line that is no TOML: values that are texts without quotes are what people
+/// write, `radius = uniform:1,2`.
+std::string remedyFor(const std::string& line) {
+    const auto equals = line.find('=');
+    if (equals == std::string::npos) return {};
+    const std::string name(trimmed(std::string_view(line).substr(0, equals)));
+    const std::string_view value = trimmed(std::string_view(line).substr(equals + 1));
+    const bool beginsAsText =
+        !value.empty() && (std::isalpha(static_cast<unsigned char>(value.front())) != 0 ||
+                           std::string_view("./~").find(value.front()) != std::string_view::npos);
+    const std::string_view word = value.substr(0, value.find_first_of(" \t#"));
+    for (const std::string_view plain : {"true", "false", "inf", "nan"})
+        if (word == plain) return {};
+    return beginsAsText ? fmt::format(". Write texts in quotes: {} = \"{}\"", name, word) : "";
 }
 
 /// As a value of TOML: a number without quotes where it is read back as the same text.
@@ -149,34 +190,37 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     if (std::filesystem::is_character_file(file, ignored) ||
         std::filesystem::is_block_file(file, ignored))
         throw CLI::ConfigError(file + ": is a device; give a file or a pipe");
+    const std::string text{std::istreambuf_iterator<char>(input), {}};
     try {
-        const std::string text{std::istreambuf_iterator<char>(input), {}};
         requireShallow(text, file);
         Reader reader(*running.front(), file);
         reader.readTable(toml::parse(text), true);
         return reader.items();
     } catch (const toml::parse_error& e) {
-        throw CLI::ConfigError(
-            fmt::format("{}: line {}: {}; write texts in quotes: radius = \"uniform:1,2\"", file,
-                        e.source().begin.line, e.description()));
+        const auto line = e.source().begin.line;
+        throw CLI::ConfigError(fmt::format("{}: line {}: {}{}", file, line, e.description(),
+                                           remedyFor(lineOf(text, line))));
     }
 }
 
-std::string recipeText(const CLI::App& command) {
+std::string recipeText(const CLI::App& command, const std::string& folder) {
     std::string text = '[' + command.get_name() + "]\n";
     for (const auto* option : command.get_options()) {
         const auto& longs = option->get_lnames();
         const std::string name = longs.empty() ? option->get_name(true) : longs.front();
         if (std::find(std::begin(kPassing), std::end(kPassing), name) != std::end(kPassing))
             continue;
-        if (name == "seed")
+        if (name == "seed") {
             text += "seed = \"{seed}\"\n";
-        else if (option->get_expected_max() == 0)
+        } else if (option->get_expected_max() == 0) {
             text += option->count() > 0 ? name + " = true\n" : "";
-        else if (option->count() > 0)
-            text += name + " = " + tomlValue(option->results()) + '\n';
-        else if (!option->get_default_str().empty())
+        } else if (option->count() > 0) {
+            auto values = option->results();
+            for (auto& value : values) value = forRecipe(name, value, folder);
+            text += name + " = " + tomlValue(values) + '\n';
+        } else if (!option->get_default_str().empty()) {
             text += name + " = " + tomlValue(option->get_default_str()) + '\n';
+        }
     }
     return text;
 }

@@ -5,6 +5,8 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +37,8 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
+    /// The same by region (0 where a pack has none); for regions that are not in it the above.
+    std::map<std::int32_t, double> regionDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
@@ -89,6 +93,8 @@ std::string packPath(const std::string& file);
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
     std::string gridName;          ///< .vdb: the point grid; empty: the first one
+    /// Bytes that the process may hold while it reads; 0: those it holds and those that are free.
+    double memoryLimit = 0;
 };
 
 /// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
@@ -112,7 +118,8 @@ struct PackReadOptions {
 /// LAMMPS files that name their units (si, cgs or micro) record their own unit.
 ///
 /// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are
-/// proportional to the size of the file.
+/// proportional to the size of the file; of deflated arrays (.vtp, .npz), to the sizes that it
+/// states, which are compared with each other and with the limit on memory before any is inflated.
 /// @throws IoError, InputError (with line or offset), ParameterError (unknown format),
 /// ResourceError (not enough memory)
 Pack<3> readPack(const std::string& file, const PackReadOptions& options = {});

@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 namespace vdbpack {
@@ -110,6 +112,10 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
         return;
     }
+    std::error_code ignored;
+    if (namesUnknownShape(text) && !std::filesystem::exists(text, ignored))
+        throw ParameterError(fmt::format("'{}' is neither a file nor a shape. The shapes are {}",
+                                         text, kShapeForms));
     const double scale = recipe.scale * millimetersPer(recipe.unit);
     if (extensionOf(text) == ".vdb") {
         levelSet_ = levelSetGrid(text, recipe.gridName, scale);
@@ -148,13 +154,17 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     const bool levelSet = extensionOf(text) == ".vdb";
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
-    if (levelSet && (recipe.repair || !recipe.shells.empty()))
-        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a level set");
+    if (levelSet && (recipe.repair || !recipe.cavities.empty()))
+        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a level set");
     if (source.isFile()) return;
-    if (recipe.repair || !recipe.shells.empty())
-        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a shape");
+    if (recipe.repair || !recipe.cavities.empty())
+        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
         callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
+    if (recipe.voxelSize > 0)
+        callbacks.warn(
+            fmt::format("`voxelSize` {:g} has no effect: {} is a shape, whose distances are exact",
+                        recipe.voxelSize, text));
     if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
 }
 

@@ -6,10 +6,10 @@
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/pack_each.h"
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -175,6 +175,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         if (result.pack.spheres.empty() && !result.interrupted)
             run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
         run.fixed = existing.size();
+        if (!prepared.existing.region.empty()) run.labelled = existing.size();
         run.report.existing = existing.size();
         run.report.inputOverlaps = prepared.inputOverlaps;
         run.report.inputProtrusions = prepared.inputProtrusions;

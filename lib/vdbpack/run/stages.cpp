@@ -9,13 +9,16 @@
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <tbb/info.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 namespace vdbpack {
@@ -108,6 +111,31 @@ void solidStage(Run<3>& run, double detail, double reach) {
     run.callbacks.stopIfCancelled();
 }
 
+namespace {
+
+/// The regions that spheres came with, beside those of this run, by which voids are cut: a further
+/// column, so that removed spheres take theirs with them.
+constexpr const char* kGivenRegion = "given region";
+
+void setRegionsAside(PackAttributes& pack, std::size_t labelled) {
+    if (labelled == 0) return;
+    Column given;
+    given.name = kGivenRegion;
+    given.numbers.assign(pack.region.size(), std::numeric_limits<double>::quiet_NaN());
+    std::copy_n(pack.region.begin(), labelled, given.numbers.begin());
+    pack.columns.push_back(std::move(given));
+}
+
+void takeRegionsBack(PackAttributes& pack) {
+    if (pack.columns.empty() || pack.columns.back().name != kGivenRegion) return;
+    const std::vector<double> given = std::move(pack.columns.back().numbers);
+    pack.columns.pop_back();
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (!std::isnan(given[i])) pack.region[i] = static_cast<std::int32_t>(given[i]);
+}
+
+}  // namespace
+
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made) {
     if (run.cuts()) {
@@ -118,6 +146,7 @@ void cutStage(Run<Dim>& run, bool made) {
         run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
     }
     if (run.cuts()) warnOfSmallVoids(run);
+    setRegionsAside(run.pack, run.labelled);
     if (run.hasPack) {
         const std::size_t before = run.pack.spheres.size();
         cullPack(run.voidSetting(), run.settings.contactTolerance, run.fixed, run.voids, run.pack);
@@ -154,6 +183,7 @@ void measureStage(Run<Dim>& run) {
         run.report.voids = run.voids.report;
         run.report.seconds.voids += run.clock.lap();
     }
+    if (run.labelled > 0) takeRegionsBack(run.pack);
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
     measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
                 tolerance, run.report, run.callbacks);
@@ -183,7 +213,10 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.unit = run.settings.outUnit;
     write.generator =
         "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : "");
-    write.particleDensity = particleDensity(run.settings.density, run.report.solidFractionTotal);
+    const SphereDensity density =
+        particleDensity(run.settings.density, run.report.solidFractionTotal);
+    write.particleDensity = density.all;
+    write.regionDensity = density.ofRegions;
     write.levelSets = run.voids.levelSets();
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&
