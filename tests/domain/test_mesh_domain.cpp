@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/message_of.h"
 #include "support/random_point.h"
 #include "support/temporary_folder.h"
 
@@ -230,6 +231,30 @@ TEST_CASE("meshes without an inside are refused with a reason", "[domain]") {
     REQUIRE_THROWS_AS(meshDomain(ball, options(-1)), ParameterError);
     REQUIRE_THROWS_AS(meshDomain(ball, options(1, std::nan(""))), ParameterError);
     REQUIRE_THROWS_AS(meshDomain(ball, options(1e-5)), ResourceError);
+}
+
+TEST_CASE("loose triangles are refused before anything is made of them, thin ones too",
+          "[domain]") {
+    const double width = GENERATE(1.0, 1e-4);
+    RandomStream random(5, 2);
+    const auto point = [&](double size) {
+        return Vec<3>{{size * (random.uniform() - 0.5), size * (random.uniform() - 0.5),
+                       size * (random.uniform() - 0.5)}};
+    };
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < 3000; i += 3) {
+        const Vec<3> at = point(100), along = point(100);
+        for (const Vec<3>& v : {at, at + along, at + along * 0.5 + point(width)})
+            mesh.vertices.push_back(v);
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    }
+    std::size_t reports = 0;
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress&) { ++reports; };
+    const std::string message =
+        messageOf<InputError>([&] { meshDomain(mesh, options(0), callbacks); });
+    CHECK_THAT(message, Contains("bone") && Contains("not closed") && Contains("3000"));
+    CHECK(reports == 0);
 }
 
 TEST_CASE("a hole wider than a voxel is refused and named", "[domain]") {

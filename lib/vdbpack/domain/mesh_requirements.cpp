@@ -62,9 +62,16 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
             name, area, longest, voxels, voxelSize));
 }
 
-void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
+void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize) {
     const double half = health.enclosedVolume / health.area;  // of a plate's thickness
-    if (!(half > 0) || half > kThinnestInVoxels * voxelSize) return;
+    const bool isThin = !(half > kThinnestInVoxels * voxelSize);
+    // Of a surface few triangles are at a rim, even where it has many holes.
+    if (!health.isClosed() && (isThin || 2 * health.boundaryEdges > health.triangles))
+        throw InputError(
+            fmt::format("{}: the mesh is not closed: {}. What it encloses is no volume ({:.3g} mm³ "
+                        "within {:.6g} mm² of triangles); close the holes, or set `repair`",
+                        name, health.describeLeak(), health.enclosedVolume, health.area));
+    if (!(half > 0) || !isThin || !isClean(health)) return;
     throw InputError(fmt::format(
         "{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), too thin "
         "for a field of {:.4g} mm voxels; check the mesh and its unit, or set `voxelSize` to "
