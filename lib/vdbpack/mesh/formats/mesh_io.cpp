@@ -44,8 +44,9 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         found.bytes = static_cast<std::size_t>(file.size());
         if (file.size() == 0) file.fail("is empty; export the mesh again");
         file.skipByteOrderMark();
-        MeshReader reader{file, kLargest / factor, found, {}};
+        MeshReader reader{file, kLargest / factor, found, {}, {}};
         read(reader);
+        splitPolygons(reader);
         mesh = std::move(reader.mesh);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") {
@@ -59,6 +60,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     }
     if (factor != 1.0)
         for (auto& v : mesh.vertices) v *= factor;
+    found.crossedAt *= factor;
     if (facts != nullptr) *facts = found;
     return mesh;
 }

@@ -155,6 +155,7 @@ void readPlyFaces(MeshReader& reader, PlyValues& values, const PlyElement& eleme
                                     i, index, vertexCount));
                 fan.add(reader, static_cast<std::uint32_t>(index));
             }
+            fan.end(reader);
         }
 }
 
