@@ -6,6 +6,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
@@ -75,9 +76,13 @@ void handleSignals() {
     if (std::signal(SIGHUP, onSignal) == SIG_IGN) std::signal(SIGHUP, SIG_IGN);
 }
 
-/// Prints to standard error; ignores failures.
-void tell(const std::string& text) {
-    std::fputs(text.c_str(), stderr);
+/// Prints a message to standard error; ignores failures.
+void tell(const char* kind, Style style, const std::string& message) {
+    // Messages quote what damaged files hold.
+    std::fputs(fmt::format("{} {}\n", styled(kind, style, STDERR_FILENO),
+                           printable(withOptionNames(message)))
+                   .c_str(),
+               stderr);
 }
 
 /// Progress on a terminal, silence elsewhere; warnings always.
@@ -85,8 +90,7 @@ Callbacks makeCallbacks(bool quiet) {
     Callbacks callbacks;
     callbacks.warning = [](const std::string& text) {
         clearProgressLine();
-        tell(fmt::format("{} {}\n", styled("warning:", Style::yellow, STDERR_FILENO),
-                         withOptionNames(text)));
+        tell("warning:", Style::yellow, text);
     };
     callbacks.cancelled = [] { return interrupted.load(); };
     std::shared_ptr<ProgressLine> line;
@@ -216,8 +220,7 @@ int main(int argc, char** argv) {
     const auto fail = [](const char* message, int code) {
         try {
             clearProgressLine();
-            tell(fmt::format("{} {}\n", styled("vdb_pack:", Style::red, STDERR_FILENO),
-                             withOptionNames(message)));
+            tell("vdb_pack:", Style::red, message);
         } catch (const std::exception&) {  // no memory even for that
             std::fputs(message, stderr);
         }

@@ -96,7 +96,7 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
     CHECK(vdbPack("").code == 2);
     CHECK(vdbPack("pack").code == 2);
     CHECK(vdbPack("pack ball:8 --nonsense").code == 2);
-    CHECK(vdbPack("pack ball:8 --radius uniform:2").code == 2);
+    CHECK(vdbPack("pack ball:8 --radius uniform:2 --json").code == 2);
     CHECK(vdbPack("pack ball:8 --unit parsec").code == 2);
     CHECK(vdbPack("pack ball:8 --radius ''").code == 2);
     CHECK_THAT(vdbPack("pack ball:8 --target-count -5").text,
@@ -110,10 +110,10 @@ TEST_CASE("every kind of failure has its exit code", "[cli]") {
         CHECK_THAT(out.text, Catch::Contains("--gap"));
         CHECK(out.text.size() < 200);
     }
-    CHECK(vdbPack("pack ball:1 --radius uniform:4,5").code == 3);
-    CHECK(vdbPack("pack " + folder.file("none.stl")).code == 4);
+    CHECK(vdbPack("pack ball:1 --radius uniform:4,5 --json").code == 3);
+    CHECK(vdbPack("pack --json " + folder.file("none.stl")).code == 4);
     CHECK(vdbPack("pack ball:8 --radius uniform:1,2 -o " + folder.file("no/p.csv")).code == 4);
-    CHECK(vdbPack("pack box:1000,1000,1000 --radius uniform:0.001,0.002").code == 5);
+    CHECK(vdbPack("pack box:1000,1000,1000 --radius uniform:0.001,0.002 --json").code == 5);
     CHECK(vdbPack("--help").code == 0);
     CHECK(vdbPack("--version").code == 0);
     std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n1,0,0,1\n";
@@ -165,12 +165,12 @@ TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
     CAPTURE(carved.text);
     CHECK(carved.code == 0);
     CHECK(std::ifstream(folder.file("c.csv")).good());
-    CHECK(carve("--voids mixed").code == 2);
-    CHECK(carve("--voids boolean --void-radius constant:1 --void-probability 0.2").code == 2);
-    CHECK(carve("--shell 7").code == 3);
-    CHECK(carve("--voids list:" + folder.file("none.csv")).code == 4);
+    CHECK(carve("--voids mixed --json").code == 2);
+    CHECK(carve("--voids boolean --void-radius constant:1 --void-probability 0.2 --json").code == 2);
+    CHECK(carve("--shell 7 --json").code == 3);
+    CHECK(carve("--json --voids list:" + folder.file("none.csv")).code == 4);
     std::ofstream(folder.file("bad.csv")) << "x,y,z,a,b\n0,0,0,-1,1\n";
-    CHECK(carve("--voids list:" + folder.file("bad.csv")).code == 3);
+    CHECK(carve("--json --voids list:" + folder.file("bad.csv")).code == 3);
     const auto far = vdbPack("voids box:12,12,12 --voids grid --void-cell 2 --target-bvtv 0.1 -o " +
                              folder.file("far.vdb"));
     CHECK(far.code == 2);

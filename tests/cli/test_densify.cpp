@@ -190,7 +190,7 @@ TEST_CASE("a pack that cannot be separated is written as it was, with exit code 
 
 TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
     const auto refused = [](const std::string& words, const std::string& why) {
-        const auto run = vdbPack(words);
+        const auto run = vdbPack(words + " --json");
         CAPTURE(words);
         CHECK(run.code == 2);
         CHECK_THAT(run.text, Contains(why));

@@ -3,6 +3,7 @@
 #include "support/generators.h"
 #include "support/limited_tool.h"
 #include "support/mesh_file.h"
+#include "support/message_of.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
 
@@ -123,7 +124,7 @@ TEST_CASE("a request beyond all memory is refused at once with its parts", "[est
          "larger --voxel"}};
     for (const Case& c : cases) {
         CAPTURE(c.line);
-        const auto run = vdbPackWithin(10, split(c.line));
+        const auto run = vdbPackWithin(10, split(c.line + " --json"));
         CHECK(run.code == 5);
         CHECK_THAT(run.text, Contains("would take about") && Contains("may be taken") &&
                                  Contains(c.part) && Contains(c.remedy));
@@ -140,14 +141,14 @@ TEST_CASE("a limit of memory is kept by every command", "[estimate][bad]") {
          {"pack ball:9 --radius constant:1", "pack rect:9,9 --radius constant:1",
           "voids ball:9 --voids boolean --void-radius constant:1"}) {
         CAPTURE(line);
-        CHECK(vdbPackWithin(10, split(line + " --memory-limit 2M")).code == 5);
+        CHECK(vdbPackWithin(10, split(line + " --json --memory-limit 2M")).code == 5);
     }
     for (const std::string& line :
          {"verify " + pack, "verify " + pack + " --domain ball:9", "measure " + pack,
           "convert " + pack + " -o " + folder.file("q.vtp"),
           "carve " + pack + " --domain ball:9 --voids boolean"}) {
         CAPTURE(line);
-        const auto run = vdbPackWithin(10, split(line + " --memory-limit 2M"));
+        const auto run = vdbPackWithin(10, split(line + " --json --memory-limit 2M"));
         CHECK(run.code == 5);
         CHECK_THAT(run.text, Contains("2 MiB may be taken") || Contains("2 MiB are allowed"));
     }
@@ -209,6 +210,13 @@ TEST_CASE("files for which a disk has no room are refused with both figures", "[
     CHECK_THROWS_WITH(
         requireResources(estimated, 1e12),
         Contains("yade:/tmp/p.txt: would take about 9.09e+06 TiB") && Contains("are free there"));
+    // What is no smaller is no remedy.
+    for (const char* name : {"/tmp/p.vdb", "points:/tmp/p.vdb", "fog:/tmp/p.vdb"}) {
+        estimated.files.back().name = name;
+        const std::string message =
+            messageOf<ResourceError>([&] { requireResources(estimated, 1e12); });
+        CHECK_THAT(message, Contains(name) && Contains("another disk") && !Contains("(.vdb)"));
+    }
     estimated.files.pop_back();
     CHECK_NOTHROW(requireResources(estimated, 1e12));
 }

@@ -99,6 +99,15 @@ TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") 
     CHECK_THAT(refusal("[pick]\nseed = 1\n"), Contains("[pick]"));
     CHECK_THAT(refusal("radius = 2020-01-01\n"), Contains("line 1") && Contains("radius"));
     CHECK_THAT(refusal("effort = \"quick\"\n"), Contains("fast, normal, dense"));
+    // The remedy is that of the line.
+    CHECK_THAT(refusal("seed = 1\nradius = uniform:1,2 # mm\n"),
+               Contains("line 2") && Contains("radius = \"uniform:1,2\""));
+    for (const char* other : {"seed = 1\nseed = 2\n", "radius = \"constant:1\n",
+                              "[pack\nseed = 1\n", "= 3\n", "seed = \n", "repair = true 1\n"})
+        CHECK_THAT(refusal(other), Contains("line ") && !Contains("quotes"));
+    CHECK_THAT(refusal("output = \"a.csv\\u0000.vdb\"\n"),
+               Contains("line 1") && Contains("output") && Contains("U+0000"));
+    CHECK_THAT(refusal("output = [\"b.csv\", \"a.csv\\u0000.vdb\"]\n"), Contains("U+0000"));
     // Keys and values may nest without end.
     std::string dots = "a", tables, brackets = "radius = ";
     for (int i = 0; i < 100000; ++i) {
@@ -110,7 +119,7 @@ TEST_CASE("a recipe that cannot be read is reported by line and name", "[cli]") 
         CHECK_THAT(refusal(text), Contains("r.toml"));
     // Those of other commands are no concern of this one.
     std::ofstream(file) << "[measure]\nshell = 2\n[pack]\nradius = \"constant:1\" # 1 mm\n";
-    CHECK(vdbPack("pack ball:3 --quiet --config " + file).code == 0);
+    CHECK(vdbPack("pack ball:3 --quiet --json --config " + file).code == 0);
 }
 
 TEST_CASE("progress states rate and remaining time once they can be estimated", "[cli]") {
@@ -231,11 +240,13 @@ TEST_CASE("a run leaves the recipe that repeats it", "[cli]") {
 }
 
 TEST_CASE("options without effect are reported", "[cli]") {
-    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --unit m").text,
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --unit m").text,
                Contains("--unit has no effect"));
-    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --grid solid").text,
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --grid solid").text,
                Contains("--grid solid has no effect"));
-    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1").text, !Contains("no effect"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --voxel 0.5").text,
+               Contains("--voxel 0.5 has no effect") && Contains("ball:5"));
+    CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json").text, !Contains("no effect"));
 }
 
 TEST_CASE("a failed check names the spheres in JSON", "[cli]") {
@@ -249,4 +260,36 @@ TEST_CASE("a failed check names the spheres in JSON", "[cli]") {
     CHECK(report["overlap"]["worst"][0]["overlap"].get<double>() == Approx(0.5));
     CHECK(report["protrusion"]["worst"].size() == 1);
     CHECK(report["protrusion"]["worst"][0]["protrusion"].get<double>() == Approx(0.5));
+}
+
+TEST_CASE("a run that would leave nothing is refused at once, with the command that leaves a file",
+          "[cli]") {
+    const TemporaryFolder folder;
+    struct Run {
+        std::string words;
+        const char* offered;
+    };
+    const Run runs[] = {
+        {"pack ball:300 --radius uniform:1,2 --seed 5", "-o ball.vdb"},
+        {"pack ball:300 --seed 1..9", "-o ball.vdb"},
+        {"pack rect:9,9", "-o rect.csv"},
+        {"pack '" + folder.file("no bone.stl") + "' --unit cm", "--unit cm -o 'no bone.vdb'"},
+        {"pack " + folder.file("bone.vdb"), "-o bone_pack.vdb"},
+        {"voids ball:9 --voids boolean", "-o ball_voids.vdb"},
+        {"carve " + folder.file("p.csv") + " --domain ball:9 --voids boolean", "-o p_carved.vdb"},
+        {"densify " + folder.file("p.csv") + " --domain ball:9", "-o p_denser.vdb"}};
+    for (const Run& run : runs) {
+        CAPTURE(run.words);
+        const auto out = vdbPack(run.words);
+        CHECK(out.code == 2);
+        CHECK_THAT(out.text, Contains("vdb_pack " + run.words + " -o") && Contains(run.offered));
+    }
+    const std::string pack = "pack ball:4 --radius constant:1 ";
+    for (const std::string& result :
+         {std::string("--json"), std::string("--dry-run"), "--report " + folder.file("r.json"),
+          "--preview " + folder.file("p.png"), "-o contacts:" + folder.file("c.csv"),
+          "--seed 1..2 --table " + folder.file("t.csv")}) {
+        CAPTURE(result);
+        CHECK(vdbPack(pack + result).code == 0);
+    }
 }

@@ -334,3 +334,18 @@ TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {
     refused(options, std::to_string(before.size() + 1));
     CHECK(densify(*domain, {}, to<3>(0.6, "")).spheres.empty());
 }
+
+TEMPLATE_TEST_CASE_SIG("a request out of reach ends no less dense than the densest pack",
+                       "[densify]", ((int Dim), Dim), 2, 3) {
+    const std::string spec = "uniform:1,2";
+    const auto domain = box<Dim>(Dim == 3 ? 24 : 60);
+    const auto before = front(*domain, spec);
+    const auto densest = densify(*domain, before, to<Dim>(kMax, spec));
+    for (const double wanted : {densest.after + 0.01, densest.after + 0.05, 0.93}) {
+        CAPTURE(Dim, wanted, densest.after);
+        const auto result = densify(*domain, before, to<Dim>(wanted, spec));
+        CHECK(result.after >= densest.after);
+        CHECK(result.reached == (result.after >= wanted));
+        checkSound(result.spheres, *domain);
+    }
+}

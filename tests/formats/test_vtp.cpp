@@ -216,3 +216,27 @@ TEST_CASE("a .vtp that is not well-formed is refused with its byte", "[formats]"
     REQUIRE_THAT(errorOf("p.vtp", "<VTKFile type=PolyData></VTKFile>"), Contains("byte "));
     REQUIRE_THAT(errorOf("p.vtp", "no XML"), Contains("p.vtp"));
 }
+
+TEST_CASE("a .vtp without its last tags is refused as cut short", "[formats]") {
+    Variant v;
+    v.format = GENERATE(as<std::string>{}, "raw", "base64");
+    const auto whole = VtpText(v).pack();
+    for (const char* tag : {"</VTKFile>", "</AppendedData>"}) {
+        CAPTURE(v.format, tag);
+        REQUIRE_THAT(errorOf("p.vtp", whole.substr(0, whole.find(tag))),
+                     Contains("cut short") && Contains("p.vtp"));
+        REQUIRE_THAT(errorOf("p.vtp", whole.substr(0, whole.find(tag) + 4)), Contains("cut short"));
+    }
+    // Bytes after the end are none of the file's.
+    REQUIRE_THAT(errorOf("p.vtp", whole + "more"), Contains("cut short"));
+}
+
+TEST_CASE("an array without a name is told by the tag that it is in", "[formats]") {
+    const std::string message = errorOf(
+        "p.vtp",
+        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\"><PointData><DataArray "
+        "type=\"Float32\" Name=\"radius\" format=\"ascii\">1 1</DataArray></PointData><Points>"
+        "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 x 1"
+        "</DataArray></Points></Piece></PolyData></VTKFile>");
+    REQUIRE_THAT(message, Contains("<Points>") && Contains("'x'") && !Contains("''"));
+}

@@ -125,6 +125,18 @@ TEST_CASE("texts are cut, compared and quoted without a locale", "[io]") {
     CHECK(text == "A\xC3\xA9\xE2\x82\xAC\xF0\x9F\xA6\xB4");
 }
 
+TEST_CASE("texts of damaged files are fit for a terminal", "[io]") {
+    CHECK(printable("K\xc3\xb6rper \xf0\x9f\xa6\xb4\n\t.") ==
+          "K\xc3\xb6rper \xf0\x9f\xa6\xb4\n\t.");
+    CHECK(printable("a\x1b[2J\x7f\xff\xc3") == "a?[2J???");
+    CHECK(printable("\xc2\x9b"
+                    "0m") == "??0m");                     // a control of 8 bits
+    CHECK(printable("\xed\xa0\x80\xc0\x80") == "?????");  // a surrogate, and NUL in two bytes
+    CHECK(quotedExcerpt("a\nb\xff") == "'a?b?'");
+    const std::string umlauts = "\xc3\xb6\xc3\xb6\xc3\xb6\xc3\xb6";
+    CHECK(quotedExcerpt(std::string(39, 'x') + umlauts) == "'" + std::string(39, 'x') + "...'");
+}
+
 TEST_CASE("sizes of memory are read as people write them", "[numbers]") {
     const std::pair<const char*, double> sizes[] = {{"65536", 65536},
                                                     {"8G", 8.0 * (1ull << 30)},

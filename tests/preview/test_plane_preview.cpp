@@ -35,6 +35,12 @@ Span drawn(const Image& image, int y0, int y1) {
     return span;
 }
 
+bool isWhiteColumn(const Image& image, int x, int y0, int y1) {
+    for (int y = y0; y < y1; ++y)
+        if (!isWhite(image, x, y)) return false;
+    return true;
+}
+
 double scaleBarIn(const Image& image) {
     const std::string& words = image.texts.at(1).second;
     const std::string key = "scale bar ";
@@ -69,7 +75,14 @@ TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
     options.width = 800;
     options.height = 600;
     const Image image = renderPreview(scene, options);
-    const Span bar = drawn(image, 578, 600);
+    // Behind the bar, white columns part it from its length.
+    const Span foot = drawn(image, 571, 585);
+    Span bar{foot.first, foot.first};
+    while (!isWhiteColumn(image, bar.last + 1, 581, 585)) ++bar.last;
+    CHECK(drawn(image, 571, 581).first > bar.last);
+    // "10 mm": five letters of five dots, one apart.
+    CHECK(scaleBarIn(image) == 10);
+    CHECK(foot.last - bar.last == Approx(2 * (4 + 5 * 6)).margin(4));
     const double pixel = scaleBarIn(image) / bar.length();
     CAPTURE(scaleBarIn(image), bar.length());
     const Span outline = drawn(image, 0, 565);

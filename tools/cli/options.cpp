@@ -9,6 +9,7 @@
 #include "cli/usage_error.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/library_versions.h"
 
 #include <CLI/CLI.hpp>
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <type_traits>
 #include <utility>
 
 using namespace vdbpack;
@@ -336,8 +338,52 @@ void describe(CLI::App& app) {
     app.fallthrough();
 }
 
+/// A file that the run could write: NAME of its input, and what it does.
+std::string offeredFile(const std::string& input, const std::string& suffix, bool circles) {
+    const std::string name = input.substr(input.find_last_of('/') + 1);
+    const auto end = name.find_first_of(".:");
+    return (end == 0 || end == std::string::npos ? std::string("pack") : name.substr(0, end)) +
+           suffix + (circles ? ".csv" : ".vdb");
+}
+
+/// The same for a recipe; empty for commands that print their result.
+template <class Recipe>
+std::string offeredFile(const Recipe& recipe) {
+    const std::string& domain = recipe.domain.source;
+    const bool plane =
+        !recipe.domain.slice.empty() || startsWith(domain, "rect:") || startsWith(domain, "disc:");
+    if constexpr (std::is_same_v<Recipe, PackJob>)
+        return offeredFile(domain, extensionOf(domain) == ".vdb" ? "_pack" : "", plane);
+    else if constexpr (std::is_same_v<Recipe, VoidsRecipe>)
+        return plane ? "list:" + offeredFile(domain, "_voids", true)
+                     : offeredFile(domain, "_voids", false);
+    else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
+        return offeredFile(recipe.pack, "_carved", plane);
+    else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)
+        return offeredFile(recipe.pack, "_denser", plane);
+    else
+        return {};
+}
+
+/// Refuses a run that would compute for minutes and leave nothing.
+template <class Recipe>
+void requireResult(const Recipe& recipe, const PrintOptions& print) {
+    const std::string file = offeredFile(recipe);
+    if (file.empty() || !recipe.outputs.empty() || !recipe.reportFile.empty() ||
+        !recipe.preview.file.empty() || print.json)
+        return;
+    if constexpr (std::is_same_v<Recipe, PackJob>)
+        if (recipe.dryRun || !recipe.table.empty()) return;
+    throw ParameterError(fmt::format(
+        "nothing would be written. Name a file: vdb_pack {} -o {}{}; or ask for a picture "
+        "(--preview FILE.png), a report (--report FILE.html) or its numbers (--json)",
+        recipe.command, shellQuoted(file),
+        std::is_same_v<Recipe, PackJob> ? "; or see what to expect (--dry-run)" : ""));
+}
+
 /// What the options alone do not set in the recipe of the command that was parsed.
-void complete(const Command& command, const std::vector<std::string>& arguments) {
+void complete(const Command& command, const PrintOptions& print,
+              const std::vector<std::string>& arguments) {
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
@@ -347,6 +393,7 @@ void complete(const Command& command, const std::vector<std::string>& arguments)
             recipe.optionsText = recipeText(*command.app);
             for (const auto& word : arguments)
                 recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
+            requireResult(recipe, print);
         },
         *command.job);
 }
@@ -369,7 +416,8 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
 
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     const auto refuse = [&](const std::string& message) {
-        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2), withOptionNames(message));
+        fmt::print(stderr, "{} {}\n", styled("vdb_pack:", Style::red, 2),
+                   printable(withOptionNames(message)));
         exitCode = 2;
         return std::nullopt;
     };
@@ -382,7 +430,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         }
         const auto command = std::find_if(commands.begin(), commands.end(),
                                           [](const Command& c) { return c.app->parsed(); });
-        complete(*command, arguments);
+        complete(*command, options.print, arguments);
         options.job = std::move(*command->job);
         if (app.get_config_ptr()->count() > 0)
             options.config = app.get_config_ptr()->as<std::string>();

@@ -2,15 +2,21 @@
 
 #include "cli/suggest.h"
 
+#include "vdbpack/io/text.h"
+
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstddef>
 #include <filesystem>
 #include <iterator>
 #include <sstream>
+#include <string_view>
 #include <system_error>
+
+using vdbpack::trimmed;
 
 namespace {
 
@@ -70,15 +76,21 @@ private:
             for (const auto& each : *array) {
                 if (!isPlain(each))
                     fail(each, name + ": may contain only texts, numbers, true and false");
-                item.inputs.push_back(textOf(each));
+                item.inputs.push_back(inputOf(name, each));
             }
             if (item.inputs.empty()) return;
         } else if (isPlain(value)) {
-            item.inputs = {textOf(value)};
+            item.inputs = {inputOf(name, value)};
         } else {
             fail(value, name + ": is a date or a time; give a text, a number, true or false");
         }
         items_.push_back(item);
+    }
+    std::string inputOf(const std::string& name, const toml::node& value) const {
+        std::string text = textOf(value);
+        if (text.find('\0') != std::string::npos)
+            fail(value, fmt::format("{}: its text contains the character U+0000; remove it", name));
+        return text;
     }
     [[noreturn]] void failName(const std::string& name, const toml::node& value) const {
         std::vector<std::string> names;
@@ -118,6 +130,30 @@ void requireShallow(const std::string& text, const std::string& file) {
                         file, kMostDots));
 }
 
+/// A line of a text, counted from 1.
+std::string lineOf(const std::string& text, std::size_t number) {
+    std::istringstream lines(text);
+    std::string line;
+    for (std::size_t i = 0; i < number && std::getline(lines, line); ++i) continue;
+    return line;
+}
+
+/// What to do about a line that is no TOML: values that are texts without quotes are what people
+/// write, `radius = uniform:1,2`.
+std::string remedyFor(const std::string& line) {
+    const auto equals = line.find('=');
+    if (equals == std::string::npos) return {};
+    const std::string name(trimmed(std::string_view(line).substr(0, equals)));
+    const std::string_view value = trimmed(std::string_view(line).substr(equals + 1));
+    const bool beginsAsText =
+        !value.empty() && (std::isalpha(static_cast<unsigned char>(value.front())) != 0 ||
+                           std::string_view("./~").find(value.front()) != std::string_view::npos);
+    const std::string_view word = value.substr(0, value.find_first_of(" \t#"));
+    for (const std::string_view plain : {"true", "false", "inf", "nan"})
+        if (word == plain) return {};
+    return beginsAsText ? fmt::format(". Write texts in quotes: {} = \"{}\"", name, word) : "";
+}
+
 /// As a value of TOML: a number without quotes where it is read back as the same text.
 std::string tomlValue(const std::string& text) {
     try {
@@ -149,16 +185,16 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     if (std::filesystem::is_character_file(file, ignored) ||
         std::filesystem::is_block_file(file, ignored))
         throw CLI::ConfigError(file + ": is a device; give a file or a pipe");
+    const std::string text{std::istreambuf_iterator<char>(input), {}};
     try {
-        const std::string text{std::istreambuf_iterator<char>(input), {}};
         requireShallow(text, file);
         Reader reader(*running.front(), file);
         reader.readTable(toml::parse(text), true);
         return reader.items();
     } catch (const toml::parse_error& e) {
-        throw CLI::ConfigError(
-            fmt::format("{}: line {}: {}; write texts in quotes: radius = \"uniform:1,2\"", file,
-                        e.source().begin.line, e.description()));
+        const auto line = e.source().begin.line;
+        throw CLI::ConfigError(fmt::format("{}: line {}: {}{}", file, line, e.description(),
+                                           remedyFor(lineOf(text, line))));
     }
 }
 

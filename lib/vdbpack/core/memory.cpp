@@ -88,6 +88,17 @@ double memoryLimit(double limit) {
     return limit > 0 ? limit : residentMemory() + availableMemory();
 }
 
+void requireMemoryToRead(const std::string& file, double bytes, double limit) {
+    constexpr double kNegligible = 1 << 20;
+    if (bytes < kNegligible) return;
+    const double held = residentMemory(), most = memoryLimit(limit);
+    if (held + bytes > most)
+        throw ResourceError(fmt::format(
+            "{}: its content would take {} of memory beside {} that are held, and {} may be taken "
+            "(`memoryLimit`). Raise the limit, or read a file of fewer spheres and columns",
+            file, bytesText(bytes), bytesText(held), bytesText(most)));
+}
+
 double availableSpace(const std::string& path) {
     std::error_code failed;
     const auto space =

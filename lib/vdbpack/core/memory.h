@@ -20,6 +20,10 @@ double residentMemory();
 /// Bytes that this process may hold: `limit`, or for 0 what it holds now and what is available.
 double memoryLimit(double limit);
 
+/// Refuses to hold `bytes` more than now for the content of a file.
+/// @throws ResourceError "file: ..." beyond `limit` (as `memoryLimit`).
+void requireMemoryToRead(const std::string& file, double bytes, double limit);
+
 /// Bytes that a file in the folder of `path` may still take; infinite where the file system does
 /// not report it.
 double availableSpace(const std::string& path);

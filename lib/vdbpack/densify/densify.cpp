@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -26,11 +27,10 @@ namespace {
 /// side 60 at 0.62, 3.8 to 4.7 % of equal spheres are then in crystalline order; without, 5 to 8 %.
 constexpr double kStir = 0.8;
 constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
+/// A fraction is reached but for this.
+constexpr double kRounding = 1e-9;
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
-/// Where the requested fraction is not reached, the search for the highest one ends at this
-/// resolution.
-constexpr double kNear = 0.004;
 /// Fractions above this are no packs of spheres: only a single crystal comes close.
 template <int Dim>
 constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
@@ -85,10 +85,10 @@ public:
             else if (std::isfinite(options_.fraction))
                 reach(options_.fraction);
             else
-                reachDensest();
+                climb(std::numeric_limits<double>::infinity());
         }
         result_.after = reachedFraction();
-        result_.reached = result_.apart && result_.after >= options_.fraction - 1e-9;
+        result_.reached = result_.apart && result_.after >= options_.fraction - kRounding;
         return std::move(result_);
     }
 
@@ -98,22 +98,21 @@ private:
         if (!result_.apart) attempt(result_.before, 0);
     }
 
-    /// Tries the fraction; if it is not reached, bisects for the highest one that is.
+    /// Tries the fraction at once, or else goes towards it as towards the densest pack: what is out
+    /// of reach ends no less dense than that.
     void reach(double wanted) {
         if (attemptGain(wanted) || result_.interrupted) return;
-        double low = reachedFraction(), high = wanted;
-        while (high - low > kNear && !result_.interrupted) {
-            const double middle = 0.5 * (low + high);
-            (attemptGain(middle) ? low : high) = middle;
-        }
+        stage_ = 0;
+        climb(wanted);
     }
 
-    /// Climbs in stages until the smallest one fails.
-    void reachDensest() {
+    /// Climbs in stages until the smallest one fails, or `most` is reached.
+    void climb(double most) {
         for (const double stage : kStages)
-            for (;;) {
+            while (!result_.interrupted) {
                 const double next = reachedFraction() + stage;
-                if (next > kMostFraction<Dim> || !attemptGain(next) || result_.interrupted) break;
+                if (next > kMostFraction<Dim> || !attemptGain(std::min(next, most))) break;
+                if (reachedFraction() >= most - kRounding) return;
             }
     }
 
@@ -162,6 +161,7 @@ private:
         std::vector<std::int32_t> regions = result_.regions;
         insert(fraction, spheres, regions);
         ++result_.stages;
+        ++stage_;
         for (std::size_t k = first; k < paces_.size(); ++k) {
             // From the same start each time: what has jammed stays jammed.
             const bool apart = relax(paces_[k], fraction, spheres, regions);
@@ -177,7 +177,7 @@ private:
     /// Adds spheres up to `fraction` where there is room for them.
     void insert(double fraction, std::vector<Sphere<Dim>>& spheres,
                 std::vector<std::int32_t>& regions) const {
-        const auto stage = static_cast<std::uint64_t>(result_.stages);
+        const std::uint64_t stage = stage_;
         RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
         const FurtherSpheres added = sizes_.draw((fraction - reachedFraction()) * volume_, random);
         if (added.radii.empty()) return;
@@ -193,7 +193,7 @@ private:
     bool relax(const RelaxationPace& pace, double fraction, std::vector<Sphere<Dim>>& spheres,
                const std::vector<std::int32_t>& regions) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
-                                   options_.seed + static_cast<std::uint64_t>(result_.stages));
+                                   options_.seed + stage_);
         const int steps = mostSteps(pace);
         Jam jam(pace);
         const auto goOn = [&](int step, double worst) {
@@ -220,6 +220,7 @@ private:
     const Domain<Dim>* domain_ = nullptr;
     FurtherSizes<Dim> sizes_;
     Paces paces_;
+    std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
 };
 

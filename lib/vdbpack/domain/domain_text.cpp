@@ -7,7 +7,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace vdbpack {
@@ -39,6 +42,18 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
 }
 
 }  // namespace
+
+const char* const kShapeForms =
+    "box:LX,LY,LZ, box:x0,y0,z0,x1,y1,z1, ball:R, cylinder:R,H, rect:W,H, rect:x0,y0,x1,y1 or "
+    "disc:R";
+
+bool namesUnknownShape(const std::string& text) {
+    const auto colon = text.find(':');
+    const bool word = colon != std::string::npos && colon > 0 &&
+                      std::all_of(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(colon),
+                                  [](unsigned char c) { return std::isalpha(c) != 0; });
+    return word && parseNumberList(text.substr(colon + 1)) && !parseShape(text);
+}
 
 std::vector<HalfSpace<3>> parseClip(const std::string& text) {
     const char* form = "box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (keeps n.x <= d)";

@@ -30,6 +30,11 @@ struct NamedShape {
 /// @throws ParameterError if the numbers are malformed or make no shape
 std::optional<NamedShape> parseShape(const std::string& text);
 
+/// Whether a text reads as a shape, a word and numbers ("cube:10"), though none that there is.
+bool namesUnknownShape(const std::string& text);
+/// The shapes that there are, for messages.
+extern const char* const kShapeForms;
+
 /// box:x0,y0,z0,x1,y1,z1 or box:LX,LY,LZ (six half-spaces), or plane:nx,ny,nz,d (one: n.x <= d
 /// is kept), mm. @throws ParameterError
 std::vector<HalfSpace<3>> parseClip(const std::string& text);

@@ -79,15 +79,15 @@ std::optional<std::vector<std::uint64_t>> countsOf(std::string_view tuple) {
     return counts;
 }
 
-/// Whether so many elements of a number of bytes fit into `room`.
-bool fits(const std::vector<std::uint64_t>& shape, std::size_t bytes, std::uint64_t room) {
+/// Whether so many elements of a number of bytes are just `room`.
+bool fill(const std::vector<std::uint64_t>& shape, std::size_t bytes, std::uint64_t room) {
     std::uint64_t elements = 1;
     for (const std::uint64_t count : shape) {
         // No product overflows.
         if (bytes > 0 && count > 0 && elements > room / count) return false;
         elements *= count;
     }
-    return bytes == 0 || elements <= room / bytes;
+    return elements * bytes == room;
 }
 
 }  // namespace
@@ -105,42 +105,48 @@ bool NpyArray::takeType(const std::string& descr) {
     return type.has_value();
 }
 
-std::optional<NpyArray> NpyArray::parse(std::string content, const std::string& name,
-                                        const std::string& file) {
-    const std::string where = fmt::format("{}: array '{}'", file, oneLine(name.substr(0, 80)));
-    const auto require = [&where](bool sound, const char* part) {
-        if (!sound)
-            throw InputError(where + part +
-                             " does not fit into the file; it is damaged or cut short");
-    };
-    if (content.compare(0, 6, kNpyMagic) != 0)
+namespace {
+
+void require(bool sound, const std::string& where, const char* part) {
+    if (!sound)
+        throw InputError(where + part + " does not fit into the file; it is damaged or cut short");
+}
+
+}  // namespace
+
+std::uint64_t NpyArray::headerBytes(const std::string& preamble, const std::string& where) {
+    if (preamble.compare(0, 6, kNpyMagic) != 0)
         throw InputError(where + " is not a .npy array; save it with numpy");
-    require(content.size() >= 12, "");
-    const bool wide = content[6] >= 2;  // the version
+    require(preamble.size() >= kPreamble, where, "");
     const bool swap = hostIsBigEndian();
-    const std::size_t before = wide ? 12 : 10;
-    const std::size_t length = wide ? loadAs<std::uint32_t>(content.data() + 8, swap)
-                                    : loadAs<std::uint16_t>(content.data() + 8, swap);
-    require(length <= content.size() - before, "");
-    const Header header(std::string_view(content).substr(before, length));
+    if (preamble[6] >= 2)  // the version
+        return 12 + std::uint64_t{loadAs<std::uint32_t>(preamble.data() + 8, swap)};
+    return 10 + std::uint64_t{loadAs<std::uint16_t>(preamble.data() + 8, swap)};
+}
+
+std::optional<NpyArray> NpyArray::describe(const std::string& text, std::uint64_t bytes,
+                                           const std::string& name, const std::string& where) {
+    require(text.size() <= bytes, where, " (its header)");
+    const std::size_t before = text.size() > 6 && text[6] >= 2 ? 12 : 10;
+    const Header header(std::string_view(text).substr(std::min(before, text.size())));
     const auto type = header.value("'descr'");
     const auto fortran = header.value("'fortran_order'");
     const auto shape = header.value("'shape'");
-    require(type && fortran && shape, " (its header)");
+    require(type && fortran && shape, where, " (its header)");
 
     NpyArray a;
     a.name_ = name;
     if (type->empty() || type->front() != '\'') return std::nullopt;  // records
     if (!a.takeType(std::string(type->substr(1, type->find('\'', 1) - 1)))) return std::nullopt;
-    require(a.bytes_ <= static_cast<std::size_t>(kWidestText) * (a.kind_ == 'U' ? 4 : 1), "");
+    require(a.bytes_ <= static_cast<std::size_t>(kWidestText) * (a.kind_ == 'U' ? 4 : 1), where,
+            "");
     a.fortran_ = fortran->substr(0, 4) == "True";
     auto counts = countsOf(*shape);
-    require(counts.has_value(), " (its shape)");
-    require(fits(*counts, a.bytes_, content.size() - before - length), "");
+    require(counts.has_value(), where, " (its shape)");
+    require(fill(*counts, a.bytes_, bytes - text.size()), where, "");
     if (counts->size() > 2) return std::nullopt;
     a.shape_ = std::move(*counts);
-    a.begin_ = before + length;
-    a.content_ = std::move(content);
+    a.begin_ = text.size();
     return a;
 }
 

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -17,14 +18,23 @@ inline constexpr const char* kNpyMagic = "\x93NUMPY";
 /// An array of numbers or texts, one or several a row.
 class NpyArray {
 public:
-    /// Takes the content of a .npy file.
-    /// @param name  of the array.
-    /// @param file  for messages.
+    /// Bytes at the beginning of an array from which `headerBytes` follows.
+    static constexpr std::size_t kPreamble = 12;
+    /// Bytes before the elements.
+    /// @param preamble  the first `kPreamble` bytes, or fewer if there are no more.
+    /// @throws InputError "where: ..." if this is no array of numpy.
+    static std::uint64_t headerBytes(const std::string& preamble, const std::string& where);
+
+    /// An array without its elements.
+    /// @param header  what stands before the elements.
+    /// @param bytes  of the header and the elements together.
     /// @return nothing for arrays that a pack has no use for: objects, records, more than two
     /// dimensions.
-    /// @throws InputError
-    static std::optional<NpyArray> parse(std::string content, const std::string& name,
-                                         const std::string& file);
+    /// @throws InputError "where: ..." if header and bytes do not agree.
+    static std::optional<NpyArray> describe(const std::string& header, std::uint64_t bytes,
+                                            const std::string& name, const std::string& where);
+    /// Gives the array its elements: header and elements, as many bytes as were announced.
+    void take(std::string content) { content_ = std::move(content); }
 
     const std::string& name() const { return name_; }
     bool isText() const { return kind_ == 'U' || kind_ == 'S'; }

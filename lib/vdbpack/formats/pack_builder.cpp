@@ -109,6 +109,17 @@ void PackBuilder::makeText(std::size_t column) {
     columns_[column] = &further->texts;
 }
 
+double PackBuilder::bytesOf(std::uint64_t rows) const {
+    std::size_t row = sizeof(Sphere<3>);
+    for (const Target& target : columns_)
+        std::visit(
+            [&row](auto values) {
+                if constexpr (std::is_pointer_v<decltype(values)>) row += sizeof((*values)[0]);
+            },
+            target);
+    return static_cast<double>(row) * static_cast<double>(rows);
+}
+
 void PackBuilder::reserve(std::size_t rows) {
     pack_.spheres.reserve(rows);
     for (const Target& target : columns_)

@@ -41,6 +41,8 @@ public:
         return std::holds_alternative<Texts>(columns_[column]);
     }
 
+    /// Bytes of memory that so many rows take, but for the characters of texts.
+    double bytesOf(std::uint64_t rows) const;
     void reserve(std::size_t rows);
     void addRow();
 

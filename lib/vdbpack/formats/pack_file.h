@@ -89,6 +89,8 @@ std::string packPath(const std::string& file);
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
     std::string gridName;          ///< .vdb: the point grid; empty: the first one
+    /// Bytes that the process may hold while it reads; 0: those it holds and those that are free.
+    double memoryLimit = 0;
 };
 
 /// Reads a pack of any program, in mm: x, y, z and radius (or r, pscale, diameter) by name, in any
@@ -112,7 +114,8 @@ struct PackReadOptions {
 /// LAMMPS files that name their units (si, cgs or micro) record their own unit.
 ///
 /// Ids 0, 1, 2, ... come back as an empty `id`. Time and memory are
-/// proportional to the size of the file.
+/// proportional to the size of the file; of deflated arrays (.vtp, .npz), to the sizes that it
+/// states, which are compared with each other and with the limit on memory before any is inflated.
 /// @throws IoError, InputError (with line or offset), ParameterError (unknown format),
 /// ResourceError (not enough memory)
 Pack<3> readPack(const std::string& file, const PackReadOptions& options = {});

@@ -1,5 +1,6 @@
 // numpy's .npz: a zip archive with one .npy array per member.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/formats/npy_array.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -23,6 +24,8 @@ namespace {
 
 /// Further arrays of more columns are no attributes of spheres.
 constexpr std::uint64_t kMostComponents = 100;
+/// What stands before the elements of an array that a pack has a use for, bytes.
+constexpr std::uint64_t kLongestHeader = 1 << 17;
 
 /// The name of the array in a member, or an empty text for other members.
 std::string arrayName(const std::string& member) {
@@ -36,57 +39,72 @@ std::string arrayName(const std::string& member) {
 class NpzFile {
 public:
     NpzFile(const std::string& path, const PackReadOptions& options)
-        : path_(path), unit_(options.unit) {}
+        : path_(path), zip_(path), unit_(options.unit), memoryLimit_(options.memoryLimit) {}
 
     Pack<3> read() {
-        readArrays();
+        describeArrays();
         takeUnit();
         chooseColumns();
         return readRows();
     }
 
 private:
+    struct Array : NpyArray {
+        ZipArchive::Member member;
+    };
     /// A column of the pack and the column of the array that it is read from.
     struct Source {
         std::string name;
-        const NpyArray* array;
+        Array* array;
         std::uint64_t column;
     };
 
     [[noreturn]] void fail(const std::string& what) const { throw InputError(path_ + ": " + what); }
 
-    void readArrays() {
-        ZipArchive zip(path_);
-        for (std::uint64_t i = 0; i < zip.members(); ++i) {
-            const auto member = zip.member(i);
+    /// Reads what the arrays are, without their elements.
+    void describeArrays() {
+        for (std::uint64_t i = 0; i < zip_.members(); ++i) {
+            const auto member = zip_.member(i);
             const std::string name = arrayName(member.name);
             if (name.empty()) continue;
-            auto array = NpyArray::parse(zip.content(member), name, path_);
-            if (array) arrays_.push_back(*std::move(array));
+            const std::string where = path_ + ": array " + quotedExcerpt(name);
+            const std::uint64_t header =
+                NpyArray::headerBytes(zip_.beginning(member, NpyArray::kPreamble), where);
+            if (header > member.size)
+                fail(fmt::format("array {} does not fit into the file; it is damaged or cut short",
+                                 quotedExcerpt(name)));
+            if (header > kLongestHeader) continue;
+            auto array =
+                NpyArray::describe(zip_.beginning(member, header), member.size, name, where);
+            if (array) arrays_.push_back({*std::move(array), member});
         }
     }
 
+    void load(Array& array) { array.take(zip_.content(array.member)); }
+
     void takeUnit() {
-        for (const NpyArray& a : arrays_)
-            if (a.name() == kUnitKey && a.isText() && a.shape().empty() &&
-                !parseUnitComment(kUnitComment + a.text(0), unit_))
-                fail(
-                    fmt::format("unknown unit '{}'; use m, cm, mm or um", a.text(0).substr(0, 40)));
+        for (Array& a : arrays_) {
+            if (a.name() != kUnitKey || !a.isText() || !a.shape().empty()) continue;
+            if (a.member.size > kLongestHeader) fail("its unit is no word; use m, cm, mm or um");
+            load(a);
+            if (!parseUnitComment(kUnitComment + a.text(0), unit_))
+                fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(a.text(0))));
+        }
     }
 
     /// The array of numbers that goes by one of `names`, in lower case and best first.
-    const NpyArray* named(std::initializer_list<std::string_view> names) const {
+    Array* named(std::initializer_list<std::string_view> names) {
         for (const std::string_view name : names)
-            for (const NpyArray& a : arrays_)
+            for (Array& a : arrays_)
                 if (!a.isText() && lowered(a.name()) == name) return &a;
         return nullptr;
     }
 
     void chooseColumns() {
-        const NpyArray* positions = named({"positions", "position", "centers", "points", "pos"});
-        const NpyArray* radii = named({"radii", "radius", "r", "pscale"});
-        const NpyArray* sizes = radii ? radii : named({"diameters", "diameter"});
-        const NpyArray* rows = positions ? positions : named({"x"});
+        Array* const positions = named({"positions", "position", "centers", "points", "pos"});
+        Array* const radii = named({"radii", "radius", "r", "pscale"});
+        Array* const sizes = radii ? radii : named({"diameters", "diameter"});
+        Array* const rows = positions ? positions : named({"x"});
         if (!rows || !sizes) failMissing();
         rows_ = rows->rows();
         const auto isColumn = [this](const NpyArray& a, std::uint64_t columns) {
@@ -104,7 +122,7 @@ private:
             for (std::uint64_t d = 0; d < 3; ++d)
                 columns_.push_back({std::string(1, "xyz"[d]), positions, d});
         columns_.push_back({radii ? "radius" : "diameter", sizes, 0});
-        for (const NpyArray& a : arrays_) {
+        for (Array& a : arrays_) {
             if (&a == positions || &a == sizes || a.name() == kUnitKey ||
                 a.name() == kGeneratorKey || a.shape().empty() || a.rows() != rows_)
                 continue;
@@ -119,19 +137,33 @@ private:
     [[noreturn]] void failMissing() const {
         std::string found;
         for (std::size_t i = 0; i < std::min<std::size_t>(arrays_.size(), 20); ++i)
-            found += (i > 0 ? ", " : "") + oneLine(arrays_[i].name().substr(0, 40));
+            found += (i > 0 ? ", " : "") + quotedExcerpt(arrays_[i].name());
         fail(
             fmt::format("arrays positions (N, 3), or x, y and z, and radii (N) are needed, "
                         "found: {}; save them by these names",
                         found.empty() ? "none" : found));
     }
 
-    Pack<3> readRows() const {
+    /// Unpacks the chosen arrays: no other ever is.
+    void loadColumns(double rowBytes) {
+        double bytes = rowBytes;
+        std::vector<Array*> chosen;
+        for (const Source& s : columns_)
+            if (chosen.empty() || chosen.back() != s.array) chosen.push_back(s.array);
+        // Texts are unpacked and copied.
+        for (const Array* a : chosen)
+            bytes += (a->isText() ? 2 : 1) * static_cast<double>(a->member.size);
+        requireMemoryToRead(path_, bytes, memoryLimit_);
+        for (Array* a : chosen) load(*a);
+    }
+
+    Pack<3> readRows() {
         std::vector<std::string> names;
         for (const Source& s : columns_) names.push_back(s.name);
         PackBuilder builder(path_, names, unit_);
         for (std::size_t c = 0; c < columns_.size(); ++c)
             if (columns_[c].array->isText()) builder.makeText(c);
+        loadColumns(builder.bytesOf(rows_));
         builder.reserve(static_cast<std::size_t>(rows_));
         for (std::uint64_t i = 0; i < rows_; ++i) {
             const auto where = [i] { return fmt::format("row {}", i); };
@@ -150,8 +182,10 @@ private:
     }
 
     std::string path_;
+    ZipArchive zip_;
     Unit unit_;
-    std::vector<NpyArray> arrays_;
+    double memoryLimit_;
+    std::vector<Array> arrays_;
     std::uint64_t rows_ = 0;
     std::vector<Source> columns_;
 };

@@ -17,7 +17,7 @@ namespace {
 constexpr std::uint64_t kMostDeflated = 1032;
 
 std::string shown(const ZipArchive::Member& member) {
-    return fmt::format("member '{}'", oneLine(member.name.substr(0, 80)));
+    return "member " + quotedExcerpt(member.name);
 }
 
 }  // namespace
@@ -139,6 +139,43 @@ ZipArchive::Member ZipArchive::member(std::uint64_t index) const {
     return member;
 }
 
+/// The unpacked bytes of a member, from front to end.
+class ZipArchive::Stream {
+public:
+    Stream(const ZipArchive& archive, const Member& member)
+        : archive_(archive),
+          member_(member),
+          stream_(zip_fopen_index(archive.archive_, member.index, 0), &zip_fclose) {
+        if (!stream_) fail(zip_get_error(archive_.archive_));
+    }
+    /// @return whether all `bytes` were there.
+    bool read(char* target, std::size_t bytes) {
+        for (std::size_t done = 0; done < bytes;) {
+            const auto n = zip_fread(stream_.get(), target + done, bytes - done);
+            if (n < 0) fail(zip_file_get_error(stream_.get()));
+            if (n == 0) return false;
+            done += static_cast<std::size_t>(n);
+        }
+        return true;
+    }
+
+private:
+    [[noreturn]] void fail(zip_error* error) const {
+        archive_.failWith(error, shown(member_) + " cannot be read; the file is damaged");
+    }
+
+    const ZipArchive& archive_;
+    const Member& member_;
+    std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> stream_;
+};
+
+std::string ZipArchive::beginning(const Member& member, std::uint64_t bytes) {
+    std::string beginning(static_cast<std::size_t>(std::min(bytes, member.size)), '\0');
+    if (!Stream(*this, member).read(beginning.data(), beginning.size()))
+        fail(shown(member) + " is not as long as it claims; the file is damaged");
+    return beginning;
+}
+
 std::string ZipArchive::content(const Member& member) {
     // Members that share their bytes would unpack to any size.
     if (member.packed > source_->file.size() - taken_)
@@ -146,26 +183,12 @@ std::string ZipArchive::content(const Member& member) {
              ", beside those before it, does not fit into the file; it is damaged or cut short");
     taken_ += member.packed;
     std::string bytes(static_cast<std::size_t>(member.size), '\0');
-    zip_file_t* stream = zip_fopen_index(archive_, member.index, 0);
-    if (stream == nullptr)
-        failWith(zip_get_error(archive_), shown(member) + " cannot be read; the file is damaged");
-    const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> closed(stream, &zip_fclose);
-    std::size_t done = 0;
+    Stream stream(*this, member);
     char beyond = 0;
-    for (;;) {
-        const bool whole = done == bytes.size();
-        // Reading on to the end is what compares the checksum.
-        const auto n = zip_fread(stream, whole ? &beyond : bytes.data() + done,
-                                 whole ? 1 : bytes.size() - done);
-        if (n < 0)
-            failWith(zip_file_get_error(stream),
-                     shown(member) + " cannot be read; the file is damaged");
-        if (n == 0 || whole) {
-            if (n == 0 && whole) return bytes;
-            fail(shown(member) + " is not as long as it claims; the file is damaged");
-        }
-        done += static_cast<std::size_t>(n);
-    }
+    // Reading on to the end is what compares the checksum.
+    if (!stream.read(bytes.data(), bytes.size()) || stream.read(&beyond, 1))
+        fail(shown(member) + " is not as long as it claims; the file is damaged");
+    return bytes;
 }
 
 }  // namespace vdbpack

@@ -34,12 +34,15 @@ public:
     /// @throws InputError if it cannot be read: encrypted, of a method other than numpy's, or of
     /// sizes that are impossible.
     Member member(std::uint64_t index) const;
+    /// The first bytes of a member, at most `bytes`. @throws InputError, IoError
+    std::string beginning(const Member& member, std::uint64_t bytes);
     /// The bytes of a member, checked against its checksum. To be called once per member: those
     /// that share their bytes would unpack to any size. @throws InputError, IoError
     std::string content(const Member& member);
 
 private:
     struct Source;
+    class Stream;
     [[noreturn]] void fail(const std::string& what) const;
     /// Fails with what reading the file threw, or else with `what`.
     [[noreturn]] void failWith(zip_error* error, const std::string& what) const;

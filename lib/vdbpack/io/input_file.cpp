@@ -1,6 +1,7 @@
 #include "vdbpack/io/input_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -33,6 +34,7 @@ char lineEndOf(std::string_view beginning) {
 }  // namespace
 
 InputFile::InputFile(std::string path) : path_(std::move(path)) {
+    requireFileName(path_);
     descriptor_ = ::open(path_.c_str(), O_RDONLY | O_CLOEXEC);
     if (descriptor_ < 0) failReading(path_, errno);
     try {

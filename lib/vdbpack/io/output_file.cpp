@@ -1,6 +1,7 @@
 #include "vdbpack/io/output_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -105,6 +106,7 @@ std::string followLinks(const std::string& path) {
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(followLinks(path_)) {
     folder_ = folderOf(target_);
+    requireFileName(path_);
     if (isStream(path_))
         throw IoError(path_ + ": is a stream, which cannot be replaced by a file; name a file");
     if (target_.size() - (target_.find_last_of('/') + 1) > NAME_MAX)

@@ -1,5 +1,7 @@
 #include "vdbpack/io/text.h"
 
+#include "vdbpack/core/error.h"
+
 #include <algorithm>
 
 namespace vdbpack {
@@ -47,11 +49,57 @@ std::string extensionOf(std::string_view path) {
     return dot == std::string_view::npos ? "" : lowered(name.substr(dot));
 }
 
+namespace {
+
+/// Bytes of the character of UTF-8 at the front of a text; 0 if there is none.
+std::size_t utf8Bytes(std::string_view text) {
+    const auto lead = static_cast<unsigned char>(text.front());
+    if (lead < 0x80) return 1;
+    const std::size_t bytes = lead >= 0xf0 ? 4 : lead >= 0xe0 ? 3 : 2;
+    if (lead < 0xc2 || lead > 0xf4 || bytes > text.size()) return 0;
+    std::uint32_t character = lead & (0x7fU >> bytes);
+    for (std::size_t i = 1; i < bytes; ++i) {
+        const auto next = static_cast<unsigned char>(text[i]);
+        if ((next & 0xc0) != 0x80) return 0;
+        character = character << 6 | (next & 0x3fU);
+    }
+    constexpr std::uint32_t kLeast[] = {0, 0, 0xa0, 0x800, 0x10000};  // 0x80 to 0x9f are controls
+    const bool surrogate = character >= 0xd800 && character < 0xe000;
+    return character >= kLeast[bytes] && character <= 0x10ffff && !surrogate ? bytes : 0;
+}
+
+}  // namespace
+
+std::string printable(std::string_view text) {
+    std::string out;
+    while (!text.empty()) {
+        const char c = text.front();
+        const bool control =
+            (static_cast<unsigned char>(c) < 0x20 && c != '\n' && c != '\t') || c == 0x7f;
+        const std::size_t bytes = control ? 0 : utf8Bytes(text);
+        out += bytes > 0 ? text.substr(0, bytes) : std::string_view("?");
+        text.remove_prefix(std::max<std::size_t>(bytes, 1));
+    }
+    return out;
+}
+
 std::string quotedExcerpt(std::string_view text) {
     constexpr std::size_t kLongest = 40;
-    std::string out = "'";
-    for (const char c : text.substr(0, kLongest)) out += c >= 0x20 && c < 0x7f ? c : '?';
-    return out + (text.size() > kLongest ? "...'" : "'");
+    std::size_t end = std::min(kLongest, text.size());
+    // Not within a character.
+    while (end > 0 && end < text.size() && (static_cast<unsigned char>(text[end]) & 0xc0) == 0x80)
+        --end;
+    std::string out = printable(text.substr(0, end));
+    std::replace_if(
+        out.begin(), out.end(), [](char c) { return c == '\n' || c == '\t'; }, '?');
+    return "'" + out + (text.size() > kLongest ? "...'" : "'");
+}
+
+void requireFileName(const std::string& path) {
+    const auto nul = path.find('\0');
+    if (nul != std::string::npos)
+        throw IoError(path + ": its character " + std::to_string(nul + 1) +
+                      " is a NUL, which no name of a file contains. Give another name");
 }
 
 std::string oneLine(std::string text) {

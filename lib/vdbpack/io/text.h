@@ -51,8 +51,16 @@ bool endsWith(std::string_view text, std::string_view end);
 /// The extension of a file name with its dot, in small letters; empty if there is none.
 std::string extensionOf(std::string_view path);
 
-/// The first 40 characters of `text` in single quotes, for a message; '?' for unprintable ones.
+/// `text` with '?' for control characters, but line breaks and tabs, and for bytes that are no
+/// UTF-8: fit for a terminal.
+std::string printable(std::string_view text);
+
+/// The first 40 bytes of `text` in single quotes, for a message; '?' for unprintable ones.
 std::string quotedExcerpt(std::string_view text);
+
+/// Whether a file can have this name: one with a NUL would be cut short there.
+/// @throws IoError otherwise.
+void requireFileName(const std::string& path);
 
 /// `text` as one line of a comment: control characters become blanks.
 std::string oneLine(std::string text);

@@ -85,7 +85,8 @@ std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const Previe
 bool canDrawSpace();
 
 /// Draws a scene: key light with soft shadows, ambient occlusion, four samples per pixel, and in
-/// the lower left a scale bar of 1, 2 or 5 times a power of ten mm, with 10, 4 or 5 parts. Its
+/// the lower left a scale bar of 1, 2 or 5 times a power of ten mm, with 10, 4 or 5 parts and its
+/// length beside it. Its
 /// scale is that of the middle of the scene, or of the cut face at which the camera looks.
 ///
 /// Cut spheres and solids have flat faces, cut walls are lines. `texts` of the image describe it:

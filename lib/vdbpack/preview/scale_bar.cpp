@@ -1,6 +1,9 @@
 #include "vdbpack/preview/scale_bar.h"
 
+#include "vdbpack/preview/bitmap_text.h"
 #include "vdbpack/preview/sphere_colors.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -40,6 +43,11 @@ void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Image& image) {
         for (int y = y0; y < y1; ++y)
             paint(x, y, static_cast<float>(inside), end || y == y0 || y + 1 == y1 || part % 2 == 0);
     }
+    constexpr int kDotsBetween = 4;
+    const int dot = std::max(1, image.height / 250);
+    drawText(fmt::format("{:g} mm", bar.length),
+             margin + static_cast<int>(std::ceil(pixels)) + kDotsBetween * dot, y1, dot, ink,
+             image);
 }
 
 }  // namespace vdbpack

@@ -13,7 +13,7 @@ struct ScaleBar {
 /// The bar that takes a tenth to a quarter of a picture's width.
 /// @param mmPerPixel  the scale that the bar shows.
 ScaleBar scaleBarFor(double mmPerPixel, int width);
-/// Draws the bar in the lower left corner.
+/// Draws the bar in the lower left corner, and its length beside it.
 void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Image& image);
 
 }  // namespace vdbpack

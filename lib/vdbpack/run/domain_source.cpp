@@ -14,6 +14,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <system_error>
 
 namespace vdbpack {
 
@@ -109,6 +111,10 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
         return;
     }
+    std::error_code ignored;
+    if (namesUnknownShape(text) && !std::filesystem::exists(text, ignored))
+        throw ParameterError(fmt::format("'{}' is neither a file nor a shape. The shapes are {}",
+                                         text, kShapeForms));
     const double scale = recipe.scale * millimetersPer(recipe.unit);
     if (extensionOf(text) == ".vdb") {
         levelSet_ = levelSetGrid(text, recipe.gridName, scale);
@@ -146,6 +152,10 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
         callbacks.warn("`repair` and `shells` have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
         callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
+    if (recipe.voxelSize > 0)
+        callbacks.warn(
+            fmt::format("`voxelSize` {:g} has no effect: {} is a shape, whose distances are exact",
+                        recipe.voxelSize, text));
     if (recipe.scale != 1) callbacks.warn("`scale` has no effect: " + text + " is a shape, in mm");
 }
 

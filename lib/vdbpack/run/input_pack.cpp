@@ -50,6 +50,7 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
+    read.memoryLimit = recipe.memoryLimit;
     Pack<3> pack = readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
     warnOfSharedIds(pack, recipe.pack, callbacks);

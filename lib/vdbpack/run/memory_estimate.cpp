@@ -130,6 +130,19 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
     return all;
 }
 
+namespace {
+
+/// What makes a file smaller.
+std::string smallerFile(const std::string& name) {
+    if (extensionOf(filePart(name)) != ".vdb") return "a smaller format (.vdb), or fewer spheres";
+    if (startsWith(name, "points:")) return "or fewer spheres";
+    return isSolidOutput(name) && filePart(name) != name
+               ? "or with larger voxels"
+               : "without level sets (points:FILE.vdb), or fewer spheres";
+}
+
+}  // namespace
+
 void requireResources(const Estimate& e, double limit) {
     limit = memoryLimit(limit);
     if (e.memory() > limit) {
@@ -144,9 +157,8 @@ void requireResources(const Estimate& e, double limit) {
         if (const double available = availableSpace(filePart(file.name));
             kFileTolerance * file.bytes > available)
             throw ResourceError(fmt::format(
-                "{}: would take about {}, and {} are free there; write a smaller format (.vdb), "
-                "fewer spheres, or to another disk",
-                file.name, bytesText(file.bytes), bytesText(available)));
+                "{}: would take about {}, and {} are free there. Write to another disk, {}",
+                file.name, bytesText(file.bytes), bytesText(available), smallerFile(file.name)));
 }
 
 void requireResources(const Extent& extent, const RunSettings& settings) {

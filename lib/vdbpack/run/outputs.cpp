@@ -195,6 +195,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     std::copy_if(further.begin(), further.end(), std::back_inserter(files),
                  [](const std::string& file) { return !file.empty(); });
     for (std::size_t i = 0; i < files.size(); ++i) {
+        requireFileName(files[i]);
         const fs::path parent = fs::path(files[i]).parent_path();
         std::error_code ignored;
         if (!parent.empty() && !fs::is_directory(parent, ignored))

@@ -179,6 +179,7 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     if (recipe.existing.empty()) return {};
     PackReadOptions read;
     read.unit = recipe.packUnit;
+    read.memoryLimit = recipe.memoryLimit;
     Pack<3> pack = readPack(recipe.existing, read);
     requireRoomToNumber(pack, recipe.existing);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 
 namespace vdbpack {
@@ -29,6 +30,14 @@ void acceptInput(Run<Dim>& run, const CarveRecipe& recipe) {
             recipe.pack, report.inputProtrusions, report.count, Measure<Dim>::kSpheres));
 }
 
+/// Spheres without ids go by their positions in the file, which change once others are removed.
+template <int Dim>
+void keepNames(Pack<Dim>& pack) {
+    if (!pack.id.empty()) return;
+    pack.id.resize(pack.spheres.size());
+    std::iota(pack.id.begin(), pack.id.end(), 0);
+}
+
 template <int Dim>
 RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const RadiusStatistics radius = radiusStatistics(run.pack.spheres);
@@ -37,6 +46,9 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
         sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
     run.sizes = sizes ? &*sizes : nullptr;
     run.voidRecipe = &recipe.voids;
+    // Without a shell there are no regions but those of the input pack.
+    if (!(recipe.voids.shell > 0)) run.labelled = run.pack.region.size();
+    keepNames(run.pack);
     run.largestRadius = radius.max;
     const double detail = fieldDetail(radius.min, radius.mean);
     const double reach = std::max(radius.max, depthForShell(recipe.voids) / 3);

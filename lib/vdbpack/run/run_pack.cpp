@@ -129,6 +129,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         if (result.pack.spheres.empty() && !result.interrupted)
             run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
         run.fixed = existing.size();
+        if (!prepared.existing.region.empty()) run.labelled = existing.size();
         run.report.existing = existing.size();
         run.report.inputOverlaps = prepared.inputOverlaps;
         run.report.inputProtrusions = prepared.inputProtrusions;

@@ -13,7 +13,9 @@
 #include <tbb/info.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <utility>
 
 namespace vdbpack {
@@ -83,6 +85,31 @@ void densifyStage(Run<Dim>& run, double fraction, double gap) {
     run.report.seconds.densify = run.clock.lap();
 }
 
+namespace {
+
+/// The regions that spheres came with, beside those of this run, by which voids are cut: a further
+/// column, so that removed spheres take theirs with them.
+constexpr const char* kGivenRegion = "given region";
+
+void setRegionsAside(PackAttributes& pack, std::size_t labelled) {
+    if (labelled == 0) return;
+    Column given;
+    given.name = kGivenRegion;
+    given.numbers.assign(pack.region.size(), std::numeric_limits<double>::quiet_NaN());
+    std::copy_n(pack.region.begin(), labelled, given.numbers.begin());
+    pack.columns.push_back(std::move(given));
+}
+
+void takeRegionsBack(PackAttributes& pack) {
+    if (pack.columns.empty() || pack.columns.back().name != kGivenRegion) return;
+    const std::vector<double> given = std::move(pack.columns.back().numbers);
+    pack.columns.pop_back();
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (!std::isnan(given[i])) pack.region[i] = static_cast<std::int32_t>(given[i]);
+}
+
+}  // namespace
+
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made) {
     if (run.cuts()) {
@@ -92,6 +119,7 @@ void cutStage(Run<Dim>& run, bool made) {
         const auto& chosen = run.voids.report.chosen;
         run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
     }
+    setRegionsAside(run.pack, run.labelled);
     if (run.hasPack)
         cullPack(run.voidSetting(), run.settings.contactTolerance, run.fixed, run.voids, run.pack);
     run.report.seconds.voids = run.clock.lap();
@@ -120,6 +148,7 @@ void measureStage(Run<Dim>& run) {
         });
         run.report.voids = run.voids.report;
     }
+    if (run.labelled > 0) takeRegionsBack(run.pack);
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
     measurePack(run.pack, &run.source, &run.domain(), run.cuts() ? nullptr : run.sizes, tolerance,
                 run.report, run.callbacks);

@@ -55,7 +55,8 @@ struct Run {
     DomainSource::Built built;
     bool hasPack = true;  ///< or voids alone
     Pack<Dim> pack;
-    std::size_t fixed = 0;                    ///< the first spheres are neither moved nor removed
+    std::size_t fixed = 0;     ///< the first spheres are neither moved nor removed
+    std::size_t labelled = 0;  ///< the first spheres keep the regions that they came with
     const SizeDistribution* sizes = nullptr;  ///< requested; null: none
     double positionStep = 0;                  ///< coordinates are multiples of it, mm; 0: unknown
 

@@ -1,7 +1,9 @@
-#include "vdbpack/formats/vtp_arrays.h"
+#include "vdbpack/io/vtk_arrays.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -56,7 +58,7 @@ bool fits(std::int64_t value, NumberType type) {
 }  // namespace
 
 /// Bytes in order, from the file or from base64 text.
-class VtpArrays::ByteSource {
+class VtkArrays::ByteSource {
 public:
     ByteSource(const InputFile& file, std::uint64_t offset) : file_(file), offset_(offset) {}
     ByteSource(const InputFile& file, std::string_view base64)
@@ -121,12 +123,13 @@ private:
     std::size_t carried_ = 0;
 };
 
-void VtpArrays::fail(const VtpArray& array, const std::string& what) const {
-    throw InputError(
-        fmt::format("{}: array '{}' {}", file_.path(), array.name.substr(0, 40), what));
+void VtkArrays::fail(const VtkArray& array, const std::string& what) const {
+    const std::string which = array.name.empty() ? "the array in <" + array.tag + ">"
+                                                 : "array " + quotedExcerpt(array.name);
+    throw InputError(fmt::format("{}: {} {}", file_.path(), which, what));
 }
 
-void VtpArrays::appendBase64(std::uint64_t offset) {
+void VtkArrays::appendBase64(std::uint64_t offset) {
     appended_ = offset;
     base64_ = true;
     appendedText_.resize(static_cast<std::size_t>(file_.size() - offset));
@@ -135,8 +138,8 @@ void VtpArrays::appendBase64(std::uint64_t offset) {
     if (end != std::string::npos) appendedText_.resize(end);
 }
 
-VtpArrays::ByteSource VtpArrays::sourceOf(const VtpArray& array) const {
-    if (array.format != VtpArray::Format::appended) return ByteSource(file_, array.text);
+VtkArrays::ByteSource VtkArrays::sourceOf(const VtkArray& array) const {
+    if (array.format != VtkArray::Format::appended) return ByteSource(file_, array.text);
     if (appended_ == 0) fail(array, "is appended, but nothing is; the file is cut short");
     // An offset near 2^63 must not wrap around into the file.
     const std::uint64_t end = base64_ ? appendedText_.size() : file_.size();
@@ -145,23 +148,42 @@ VtpArrays::ByteSource VtpArrays::sourceOf(const VtpArray& array) const {
     return ByteSource(file_, std::string_view(appendedText_).substr(array.offset));
 }
 
-std::uint64_t VtpArrays::headerWord(ByteSource& source) const {
+std::uint64_t VtkArrays::headerWord(ByteSource& source) const {
     char bytes[8];
     source.read(bytes, encoding_.wideHeader ? 8 : 4);
     return encoding_.wideHeader ? loadAs<std::uint64_t>(bytes, encoding_.swap)
                                 : loadAs<std::uint32_t>(bytes, encoding_.swap);
 }
 
-std::vector<char> VtpArrays::bytesOfArray(const VtpArray& array) {
+template <class Check>
+std::vector<char> VtkArrays::bytesOfArray(const VtkArray& array, const Check& isSound) {
     // ASCII arrays are plain whatever the file says, so this is not asked before.
     const bool zlib = encoding_.compressor == "vtkZLibDataCompressor";
     if (!zlib && !encoding_.compressor.empty())
-        fail(array, fmt::format("is packed by '{}', which is not supported; save with zlib or "
+        fail(array, fmt::format("is packed by {}, which is not supported; save with zlib or "
                                 "without compression",
-                                encoding_.compressor.substr(0, 40)));
+                                quotedExcerpt(encoding_.compressor)));
     ByteSource source = sourceOf(array);
     const std::uint64_t before = source.bound();
-    std::vector<char> data = zlib ? inflated(array, source) : plain(array, source);
+    Blocks blocks;
+    if (zlib)
+        blocks = blocksOf(array, source);
+    else
+        blocks.last = headerWord(source);
+    if (!zlib && blocks.last > source.bound())
+        fail(array, fmt::format("announces {} bytes, more than the file holds; the file is cut "
+                                "short",
+                                blocks.last));
+    const std::uint64_t others = blocks.packed.empty() ? 0 : blocks.packed.size() - 1;
+    const std::uint64_t bytes =
+        zlib && blocks.packed.empty() ? 0 : others * blocks.full + blocks.last;
+    isSound(bytes);
+    requireMemoryToRead(file_.path(), static_cast<double>(bytes), memoryLimit_);
+    std::vector<char> data(static_cast<std::size_t>(bytes));
+    if (zlib)
+        inflate(array, blocks, source, data);
+    else
+        source.read(data.data(), data.size());
     // Arrays that share their bytes would add up to any size.
     taken_ += before - source.bound();
     if (taken_ > file_.size())
@@ -169,61 +191,61 @@ std::vector<char> VtpArrays::bytesOfArray(const VtpArray& array) {
     return data;
 }
 
-std::vector<char> VtpArrays::plain(const VtpArray& array, ByteSource& source) const {
-    const std::uint64_t bytes = headerWord(source);
-    if (bytes > source.bound())
-        fail(array, fmt::format("announces {} bytes, more than the file holds; the file is cut "
-                                "short",
-                                bytes));
-    std::vector<char> data(static_cast<std::size_t>(bytes));
-    source.read(data.data(), data.size());
-    return data;
+VtkArrays::Blocks VtkArrays::blocksOf(const VtkArray& array, ByteSource& source) const {
+    Blocks blocks;
+    const std::uint64_t count = headerWord(source);
+    blocks.full = headerWord(source);
+    blocks.last = headerWord(source);
+    if (blocks.last == 0) blocks.last = blocks.full;
+    if (count > source.bound() / (encoding_.wideHeader ? 8 : 4))
+        fail(array, "announces more blocks than the file holds; the file is cut short");
+    blocks.packed.resize(static_cast<std::size_t>(count));
+    for (auto& s : blocks.packed) s = headerWord(source);
+    // Larger claims are made up. What the file holds bounds the sum, so that it cannot overflow.
+    std::uint64_t left = source.bound();
+    for (std::size_t b = 0; b < blocks.packed.size(); ++b) {
+        const std::uint64_t packed = blocks.packed[b];
+        if (packed > left || blocks.size(b) > (packed + 16) * kMostDeflated)
+            fail(array, fmt::format("has an impossible block {}; the file is damaged", b));
+        left -= packed;
+    }
+    return blocks;
 }
 
-std::vector<char> VtpArrays::inflated(const VtpArray& array, ByteSource& source) const {
-    const std::uint64_t blocks = headerWord(source);
-    const std::uint64_t blockBytes = headerWord(source);
-    const std::uint64_t lastBytes = headerWord(source);
-    if (blocks > source.bound() / (encoding_.wideHeader ? 8 : 4))
-        fail(array, "announces more blocks than the file holds; the file is cut short");
-    std::vector<std::uint64_t> sizes(static_cast<std::size_t>(blocks));
-    for (auto& s : sizes) s = headerWord(source);
-    std::vector<char> data;
+void VtkArrays::inflate(const VtkArray& array, const Blocks& blocks, ByteSource& source,
+                        std::vector<char>& data) const {
     std::vector<char> packed;
-    for (std::size_t b = 0; b < sizes.size(); ++b) {
-        const std::uint64_t full = b + 1 == sizes.size() && lastBytes != 0 ? lastBytes : blockBytes;
-        // Larger claims are made up.
-        if (sizes[b] > source.bound() || full > (sizes[b] + 16) * kMostDeflated)
-            fail(array, fmt::format("has an impossible block {}; the file is damaged", b));
-        packed.resize(static_cast<std::size_t>(sizes[b]));
+    std::size_t at = 0;
+    for (std::size_t b = 0; b < blocks.packed.size(); ++b) {
+        packed.resize(static_cast<std::size_t>(blocks.packed[b]));
         source.read(packed.data(), packed.size());
-        const std::size_t before = data.size();
-        data.resize(before + static_cast<std::size_t>(full));
-        uLongf got = static_cast<uLongf>(full);
+        const auto full = static_cast<uLongf>(blocks.size(b));
+        uLongf got = full;
         Bytef nothing = 0;
         const int status = ::uncompress(
-            full > 0 ? reinterpret_cast<Bytef*>(data.data() + before) : &nothing, &got,
+            full > 0 ? reinterpret_cast<Bytef*>(data.data() + at) : &nothing, &got,
             reinterpret_cast<const Bytef*>(packed.data()), static_cast<uLong>(packed.size()));
         if (status == Z_MEM_ERROR) throw std::bad_alloc();
         if (status != Z_OK || got != full)
             fail(array,
                  fmt::format("has a block {} that does not inflate; the file is damaged", b));
+        at += static_cast<std::size_t>(full);
     }
-    return data;
 }
 
-std::vector<char> VtpArrays::numbers(const VtpArray& array, std::uint64_t count) {
-    if (array.format == VtpArray::Format::ascii) return asciiNumbers(array, count);
+std::vector<char> VtkArrays::numbers(const VtkArray& array, std::uint64_t count) {
+    if (array.format == VtkArray::Format::ascii) return asciiNumbers(array, count);
     const std::size_t tuple = array.components * bytesOf(array.type);
-    std::vector<char> data = bytesOfArray(array);
-    if (data.size() % tuple != 0 || data.size() / tuple != count)
-        fail(array, fmt::format("has {} bytes where {} tuples of {} bytes are expected; the file "
-                                "is damaged",
-                                data.size(), count, tuple));
-    return data;
+    return bytesOfArray(array, [&](std::uint64_t bytes) {
+        if (bytes % tuple != 0 || bytes / tuple != count)
+            fail(array,
+                 fmt::format("has {} bytes where {} tuples of {} bytes are expected; the file "
+                             "is damaged",
+                             bytes, count, tuple));
+    });
 }
 
-std::vector<char> VtpArrays::asciiNumbers(const VtpArray& array, std::uint64_t count) const {
+std::vector<char> VtkArrays::asciiNumbers(const VtkArray& array, std::uint64_t count) const {
     // Two characters a number at least.
     if (count > array.text.size() / (2 * array.components) + 1)
         fail(array, fmt::format("holds fewer than {} tuples; the file is cut short", count));
@@ -237,14 +259,14 @@ std::vector<char> VtpArrays::asciiNumbers(const VtpArray& array, std::uint64_t c
     return data;
 }
 
-void VtpArrays::storeWord(const VtpArray& array, std::string_view word, std::size_t index,
+void VtkArrays::storeWord(const VtkArray& array, std::string_view word, std::size_t index,
                           char* target) const {
     const auto require = [&](bool sound) {
         if (sound) return;
         fail(array, word.empty()
                         ? fmt::format("ends after {} numbers; the file is cut short", index)
-                        : fmt::format("has '{}' as number {}; a number of its type is needed",
-                                      word.substr(0, 40), index));
+                        : fmt::format("has {} as number {}; a number of its type is needed",
+                                      quotedExcerpt(word), index));
     };
     const auto store = [&](auto value) {
         std::memcpy(target, &value, sizeof value);
@@ -273,22 +295,41 @@ void VtpArrays::storeWord(const VtpArray& array, std::string_view word, std::siz
     }
 }
 
-std::vector<std::string> VtpArrays::texts(const VtpArray& array) {
+std::vector<std::string> VtkArrays::texts(const VtkArray& array, std::uint64_t count,
+                                          std::uint64_t longest) {
+    if (array.format != VtkArray::Format::ascii)
+        return splitTexts(array,
+                          bytesOfArray(array,
+                                       [&](std::uint64_t bytes) {
+                                           if (bytes / (longest + 1) > count)
+                                               fail(array, fmt::format("has {} bytes for {} texts; "
+                                                                       "shorten them",
+                                                                       bytes, count));
+                                       }),
+                          count);
     std::vector<char> data;
-    if (array.format == VtpArray::Format::ascii) {
-        std::size_t at = 0;
-        for (auto word = nextWord(array.text, at); !word.empty(); word = nextWord(array.text, at)) {
-            std::int64_t code = 0;
-            if (!parseNumber(word, code) || code < 0 || code > 255)
-                fail(array, "holds a character code beyond 0 to 255; the file is damaged");
-            data.push_back(static_cast<char>(static_cast<unsigned char>(code)));
-        }
-    } else {
-        data = bytesOfArray(array);
+    std::size_t at = 0;
+    for (auto word = nextWord(array.text, at); !word.empty(); word = nextWord(array.text, at)) {
+        std::int64_t code = 0;
+        if (!parseNumber(word, code) || code < 0 || code > 255)
+            fail(array, "holds a character code beyond 0 to 255; the file is damaged");
+        data.push_back(static_cast<char>(static_cast<unsigned char>(code)));
     }
+    return splitTexts(array, data, count);
+}
+
+std::vector<std::string> VtkArrays::splitTexts(const VtkArray& array, const std::vector<char>& data,
+                                               std::uint64_t count) const {
     if (!data.empty() && data.back() != '\0')
         fail(array, "has a last text that is not ended; the file is cut short");
+    const auto found = static_cast<std::uint64_t>(std::count(data.begin(), data.end(), '\0'));
+    if (found != count)
+        fail(array, fmt::format("holds {} texts where {} are expected; the file is damaged", found,
+                                count));
+    requireMemoryToRead(file_.path(), static_cast<double>(count * sizeof(std::string)),
+                        memoryLimit_);
     std::vector<std::string> out;
+    out.reserve(static_cast<std::size_t>(count));
     for (auto begin = data.begin(); begin != data.end();) {
         const auto end = std::find(begin, data.end(), '\0');
         out.emplace_back(begin, end);
