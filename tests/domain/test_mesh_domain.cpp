@@ -282,6 +282,25 @@ TEST_CASE("overlapping pieces are refused with both volumes", "[domain]") {
     REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)), Contains("mm³"));
 }
 
+TEST_CASE("voxels too coarse for a sound mesh are what a message names", "[domain]") {
+    const auto rod = test::boxMesh({{-2, -2, -50}}, {{2, 2, 50}});
+    const std::string message = messageOf<InputError>([&] { meshDomain(rod, options(30)); });
+    CHECK_THAT(message, Contains("bone") && Contains("30 mm") && Contains("`voxelSize`") &&
+                            !Contains("intersects") && !Contains("repair"));
+    // Its remedy works.
+    const auto at = message.rfind("to ");
+    CHECK_NOTHROW(meshDomain(rod, options(std::stod(message.substr(at + 3)))));
+}
+
+TEST_CASE("a surface given twice is named as such", "[domain]") {
+    auto mesh = test::ballMesh(5, 3);
+    const bool flipped = GENERATE(false, true);
+    const auto once = flipped ? test::flipped(mesh).triangles : mesh.triangles;
+    mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    CHECK_THAT(messageOf<InputError>([&] { meshDomain(mesh, options(0.3)); }),
+               Contains("1280 of its 2560") && Contains("`repair`") && !Contains("intersects"));
+}
+
 TEST_CASE("copies of triangles do not count twice", "[domain]") {
     auto mesh = test::ballMesh(6, 4);
     for (std::size_t i = 0; i < 60; i += 3) mesh.triangles.push_back(mesh.triangles[i]);

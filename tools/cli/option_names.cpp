@@ -56,6 +56,7 @@ constexpr OptionName kOptionNames[] = {
     {"targetCount", "--target-count"},
     {"targetTbth", "--target-tbth"},
     {"threads", "--threads"},
+    {"threshold", "--threshold"},
     {"unit", "--unit"},
     {"voids", "--voids"},
     {"voids.aspect", "--void-aspect"},

@@ -249,8 +249,13 @@ private:
         const double coarseVolume = volume;
         const double half = 0.5 * voxelSize;
         if (!(estimatedVoxels(health_.area, half, options_.depth) < kMostDefaultVoxels) ||
-            !voxelize(half))
+            !voxelize(half)) {
+            // Voxels that were asked for may be coarser than that; the mesh may still be sound.
+            const double fine = defaultVoxelSize(mesh_, 0);
+            if (options_.voxelSize > 0 && fine < half && isClean(health_) && voxelize(fine))
+                refuseVoxels(options_.name, health_, coarseVolume, voxelSize, fine);
             refuseMesh(options_.name, health_, coarseVolume, voxelSize);
+        }
         callbacks_.warn(fmt::format(
             "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
             options_.name, voxelSize, half));

@@ -104,11 +104,27 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
         throw InputError(
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
+    // Copies of a few triangles are a flaw, of all of them another mistake.
+    if (20 * health.duplicateTriangles > 9 * health.triangles)
+        throw InputError(fmt::format(
+            "{}: holds the same surface more than once: {} of its {} triangles are copies of "
+            "others. Remove the copy, or set `repair`",
+            name, health.duplicateTriangles, health.triangles));
     throw InputError(fmt::format(
         "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
         "or set `repair`",
         name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
         health.shells > 1 ? "components that overlap" : "a surface that intersects itself"));
+}
+
+void refuseVoxels(const std::string& name, const MeshHealth& health, double fieldVolume,
+                  double voxelSize, double fineEnough) {
+    throw InputError(fmt::format(
+        "{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm thick: "
+        "their "
+        "field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` to {:.2g} mm or less",
+        name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
+        health.enclosedVolume, fineEnough));
 }
 
 }  // namespace vdbpack

@@ -36,4 +36,9 @@ std::string flawsOf(const MeshHealth& health);
 [[noreturn]] void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
                              double voxelSize);
 
+/// Refuses voxels that the mesh is too thin for, in a message with a size that is small enough.
+/// @throws InputError always.
+[[noreturn]] void refuseVoxels(const std::string& name, const MeshHealth& health,
+                               double fieldVolume, double voxelSize, double fineEnough);
+
 }  // namespace vdbpack

@@ -1,3 +1,4 @@
+#include "mesh/formats/vtk_files.h"
 #include "support/generators.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
@@ -153,7 +154,12 @@ std::vector<Sample> samples(const TriangleMesh& mesh) {
             {"a.off", off(mesh)},
             {"a.ply", ply(mesh, "ascii")},
             {"l.ply", ply(mesh, "binary_little_endian")},
-            {"b.ply", ply(mesh, "binary_big_endian")}};
+            {"b.ply", ply(mesh, "binary_big_endian")},
+            {"a.vtp", vtpText(mesh.vertices, polygonsOf(mesh), "ascii")},
+            {"b.vtp", vtpText(mesh.vertices, polygonsOf(mesh), "raw")},
+            {"a.vtk", vtkText(mesh.vertices, polygonsOf(mesh), false)},
+            {"b.vtk", vtkText(mesh.vertices, polygonsOf(mesh), true)},
+            {"c.vtk", vtkText(mesh.vertices, polygonsOf(mesh), true, true)}};
 }
 
 /// The corners of all triangles, in order.
@@ -448,8 +454,7 @@ TEST_CASE("files that are missing, of an unknown format or without triangles are
     CHECK_THAT(messageOf<Error>([&] { readMesh(folder.file("none.stl")); }), Contains("none.stl"));
     std::filesystem::create_directory(folder.file("f.stl"));
     CHECK_THROWS_AS(readMesh(folder.file("f.stl")), IoError);
-    CHECK_THAT(folder.refusal("skull.vtp", "<VTKFile/>"),
-               Contains("'.vtp'") && Contains(".stl, .obj, .ply or .off"));
+    CHECK_THAT(folder.refusal("skull.3mf", "x"), Contains("'.3mf'") && Contains(".stl"));
     CHECK_THAT(folder.refusal("noextension", "x"), Contains(".stl"));
     for (const auto* name : {"e.stl", "e.obj", "e.ply", "e.off"})
         CHECK_THAT(folder.refusal(name, ""), Contains(name));
@@ -461,6 +466,16 @@ TEST_CASE("files that are missing, of an unknown format or without triangles are
                               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                               "property float y\nproperty float z\nend_header\n0 0 0\n"),
                Contains("faces"));
+}
+
+TEST_CASE("images are refused with the way to a surface", "[mesh]") {
+    const RefusedFiles folder;
+    for (const auto* name : {"a.nii", "a.nii.gz", "a.seg.nrrd", "a.MHA", "a.mhd", "a.dcm"})
+        CHECK_THAT(folder.refusal(name, "x"),
+                   Contains("image") && Contains("3D Slicer") && Contains(".stl"));
+    std::filesystem::create_directory(folder.file("dicom"));
+    CHECK_THAT(messageOf<InputError>([&] { readMesh(folder.file("dicom")); }),
+               Contains("dicom") && Contains("folder") && Contains(".stl"));
 }
 
 TEST_CASE("coordinates that are not finite or too large are refused with line or byte", "[mesh]") {

@@ -28,7 +28,8 @@ struct MeshFileFacts {
 };
 
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
-/// of either byte order) or .off; other extensions are refused.
+/// of either byte order), .off, .vtp (polygon data of VTK) or .vtk (its legacy format); other
+/// extensions are refused.
 ///
 /// Coordinates keep all digits that the file holds and come back in mm. Vertices with identical
 /// coordinates are merged (-0 equals 0), those that no face names dropped; what remains keeps its

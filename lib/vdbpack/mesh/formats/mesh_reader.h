@@ -6,6 +6,7 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -89,6 +90,19 @@ struct PolygonFan {
     }
 };
 
+/// Splits a strip of triangles, each of which shares an edge with the one before, corner by corner.
+struct TriangleStrip {
+    std::array<std::uint32_t, 2> last{};
+    std::uint64_t corners = 0;
+    void add(MeshReader& reader, std::uint32_t corner) {
+        // Every other triangle runs the other way.
+        if (corners >= 2 && corners % 2 == 0) reader.addTriangle(last[0], last[1], corner);
+        if (corners >= 2 && corners % 2 == 1) reader.addTriangle(last[1], last[0], corner);
+        last = {last[1], corner};
+        ++corners;
+    }
+};
+
 /// Replaces the fans of polygons that are not covered once by them; sets the facts about polygons.
 void splitPolygons(MeshReader& reader);
 
@@ -120,5 +134,7 @@ void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);
 void readOffMesh(MeshReader& reader);
 void readPlyMesh(MeshReader& reader);
+void readVtkMesh(MeshReader& reader);
+void readVtpMesh(MeshReader& reader);
 
 }  // namespace vdbpack
