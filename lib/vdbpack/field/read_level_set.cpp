@@ -176,7 +176,8 @@ TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName,
                 "{}: no surface of fog volume '{}' has the value {:g}: it is {:g} outside and {:g} "
                 "at most; set `threshold` between the two",
                 path, fog.grid, threshold, grid->background(), fog.highest));
-        // Negative inside, as a level set.
+        // Negative inside, as a level set; contouring winds by the class.
+        grid->setGridClass(openvdb::GRID_LEVEL_SET);
         const auto level = static_cast<float>(threshold);
         for (auto value = grid->beginValueAll(); value; ++value) value.setValue(level - *value);
         grid->tree().root().setBackground(level - grid->background(), false);
