@@ -251,7 +251,7 @@ private:
         if (!(estimatedVoxels(health_.area, half, options_.depth) < kMostDefaultVoxels) ||
             !voxelize(half)) {
             // Voxels that were asked for may be coarser than that; the mesh may still be sound.
-            const double fine = defaultVoxelSize(mesh_, 0);
+            const double fine = 0.5 * defaultVoxelSize(mesh_, 0);
             if (options_.voxelSize > 0 && fine < half && isClean(health_) && voxelize(fine))
                 refuseVoxels(options_.name, health_, coarseVolume, voxelSize, fine);
             refuseMesh(options_.name, health_, coarseVolume, voxelSize);
