@@ -276,6 +276,21 @@ TEST_CASE("a hole much smaller than a voxel is a warning", "[domain]") {
     REQUIRE(domain->facts().boundaryEdges == 3);
 }
 
+TEST_CASE("a coarse mesh with more open edges than triangles, but no gap, is a warning",
+          "[domain]") {
+    // A vertex in the middle of a side that only one of its triangles has: three open edges each.
+    auto mesh = test::boxMesh({{-5, -5, -5}}, {{5, 5, 5}});
+    for (const std::size_t i : {0u, 2u, 4u, 6u, 8u, 10u}) {
+        const auto t = mesh.triangles[i];
+        const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.push_back((mesh.vertices[t[0]] + mesh.vertices[t[1]]) * 0.5);
+        mesh.triangles[i] = {t[0], middle, t[2]};
+        mesh.triangles.push_back({middle, t[1], t[2]});
+    }
+    REQUIRE(warningsOf(mesh, options(0.5)).size() == 1);
+    REQUIRE(meshDomain(mesh, options(0.5))->volume() == Approx(1000).epsilon(0.01));
+}
+
 TEST_CASE("overlapping pieces are refused with both volumes", "[domain]") {
     const auto mesh = test::merged(test::ballMesh(5, 4), test::ballMesh(5, 4, {{6, 0, 0}}));
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);

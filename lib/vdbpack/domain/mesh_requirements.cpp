@@ -13,6 +13,8 @@ namespace {
 
 // Half the thickness of a wall, in voxels, below which its volume cannot come out within tolerance.
 constexpr double kThinnestInVoxels = 0.05;
+// Triangles of a component, on average, below which they are loose.
+constexpr std::size_t kFewTriangles = 16;
 // More active voxels than this (some 40 GB) result from a wrong unit.
 constexpr double kMostVoxels = 5e9;
 
@@ -65,8 +67,10 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize) {
     const double half = health.enclosedVolume / health.area;  // of a plate's thickness
     const bool isThin = !(half > kThinnestInVoxels * voxelSize);
-    // Of a surface few triangles are at a rim, even where it has many holes.
-    if (!health.isClosed() && (isThin || 2 * health.boundaryEdges > health.triangles))
+    // Pieces of a few triangles are no surface, whatever each of them seems to enclose.
+    const bool isLoose =
+        health.boundaryEdges > health.triangles && kFewTriangles * health.shells > health.triangles;
+    if (!health.isClosed() && (isThin || isLoose))
         throw InputError(
             fmt::format("{}: the mesh is not closed: {}. What it encloses is no volume ({:.3g} mm³ "
                         "within {:.6g} mm² of triangles); close the holes, or set `repair`",
