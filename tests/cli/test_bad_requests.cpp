@@ -196,6 +196,28 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
           folder.path());
 }
 
+TEST_CASE("a fog volume as domain asks for a threshold and takes one", "[cli][bad]") {
+    const TemporaryFolder folder;
+    const auto made =
+        asked({"pack", "ball:6", "--target-count", "40", "-o", "fog:" + folder.file("fog.vdb")});
+    REQUIRE(made.code == 0);
+    check({{"pack @fog.vdb --target-count 40", 3, "@fog.vdb density --threshold"},
+           {"pack @fog.vdb --target-count 40 --threshold 7", 3, "@fog.vdb density --threshold 7"},
+           {"pack @fog.vdb --target-count 40 --threshold 0.5", 0, "solidFraction"}},
+          folder.path());
+}
+
+TEST_CASE("images as domain are refused with the way to a surface", "[cli][bad]") {
+    const TemporaryFolder folder;
+    for (const char* name : {"ct.nii.gz", "label.seg.nrrd", "ct.mhd"})
+        std::ofstream(folder.file(name)) << "x";
+    check({{"pack @ct.nii.gz --target-count 40", 3, "@ct.nii.gz image .stl"},
+           {"pack @label.seg.nrrd --target-count 40", 3, "@label.seg.nrrd image .stl"},
+           {"voids @ct.mhd --voids boolean --void-radius constant:1 --void-count 3", 3,
+            "@ct.mhd image .stl"}},
+          folder.path());
+}
+
 TEST_CASE("spheres that are too large for a thin domain are refused at once", "[cli][bad]") {
     check({{"pack box:1e12,1,1 --target-count 20", 3, "0.5"},
            {"pack box:1e300,1,1 --target-count 20", 3, "0.5"},
@@ -246,6 +268,8 @@ TEST_CASE("files that are empty, missing, folders or locked are distinguished", 
         {"pack", "obj"},
         {"pack", "ply"},
         {"pack", "off"},
+        {"pack", "vtp"},
+        {"pack", "vtk"},
         {"mesh", "stl"},
         {"verify", "vdb"},
         {"verify", "csv"},

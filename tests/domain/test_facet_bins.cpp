@@ -171,6 +171,31 @@ TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices",
     requireLikeBruteForce(bins, facets, Vec<3>{{1e6, 0, 0}}, 1e-8);
 }
 
+TEST_CASE("a fan of thousands of long triangles is searched exactly, in memory as for others",
+          "[domain]") {
+    const TriangleMesh mesh = test::rotated(test::doubleConeMesh(10, 8, 20000), {{1, 2, 3}}, 0.7);
+    std::vector<Facet<3>> facets;
+    for (const auto& t : mesh.triangles)
+        facets.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    const FacetBins<3> bins(facets);
+    REQUIRE(bins.memoryBytes() < 256 * facets.size());
+    RandomStream random(3, 5);
+    for (int k = 0; k < 60; ++k) {
+        // Anywhere, beside a triangle, near the tips.
+        Vec<3> x = randomVec<3>(random, 30);
+        const auto& facet = facets[static_cast<std::size_t>(k) * 311];
+        if (k % 3 == 1) x = (facet[0] + facet[1] + facet[2]) * (1.0 / 3) + randomVec<3>(random, 1);
+        if (k % 3 == 2) x = facet[2] + randomVec<3>(random, 0.1);
+        requireLikeBruteForce(bins, facets, x, 1e-12);
+        const double reach = bruteForce(facets, x) + 1e-4;
+        std::vector<WallPoint<3>> points;
+        bins.within(x, reach, points);
+        const auto expected = std::count_if(
+            facets.begin(), facets.end(), [&](const auto& f) { return distanceTo(f, x) < reach; });
+        REQUIRE(static_cast<std::ptrdiff_t>(points.size()) == expected);
+    }
+}
+
 TEST_CASE("a huge triangle among tiny ones neither hides them nor fills memory", "[domain]") {
     auto facets = mixedFacets<3>(9, 500, 0);
     for (auto& facet : facets)

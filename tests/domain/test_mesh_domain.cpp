@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/message_of.h"
 #include "support/random_point.h"
 #include "support/temporary_folder.h"
 
@@ -232,6 +233,30 @@ TEST_CASE("meshes without an inside are refused with a reason", "[domain]") {
     REQUIRE_THROWS_AS(meshDomain(ball, options(1e-5)), ResourceError);
 }
 
+TEST_CASE("loose triangles are refused before anything is made of them, thin ones too",
+          "[domain]") {
+    const double width = GENERATE(1.0, 1e-4);
+    RandomStream random(5, 2);
+    const auto point = [&](double size) {
+        return Vec<3>{{size * (random.uniform() - 0.5), size * (random.uniform() - 0.5),
+                       size * (random.uniform() - 0.5)}};
+    };
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < 3000; i += 3) {
+        const Vec<3> at = point(100), along = point(100);
+        for (const Vec<3>& v : {at, at + along, at + along * 0.5 + point(width)})
+            mesh.vertices.push_back(v);
+        mesh.triangles.push_back({i, i + 1, i + 2});
+    }
+    std::size_t reports = 0;
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress&) { ++reports; };
+    const std::string message =
+        messageOf<InputError>([&] { meshDomain(mesh, options(0), callbacks); });
+    CHECK_THAT(message, Contains("bone") && Contains("not closed") && Contains("3000"));
+    CHECK(reports == 0);
+}
+
 TEST_CASE("a hole wider than a voxel is refused and named", "[domain]") {
     const auto mesh = withoutTriangle(test::ballMesh(10, 3), 100);
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
@@ -251,10 +276,44 @@ TEST_CASE("a hole much smaller than a voxel is a warning", "[domain]") {
     REQUIRE(domain->facts().boundaryEdges == 3);
 }
 
+TEST_CASE("a coarse mesh with more open edges than triangles, but no gap, is a warning",
+          "[domain]") {
+    // A vertex in the middle of a side that only one of its triangles has: three open edges each.
+    auto mesh = test::boxMesh({{-5, -5, -5}}, {{5, 5, 5}});
+    for (const std::size_t i : {0u, 2u, 4u, 6u, 8u, 10u}) {
+        const auto t = mesh.triangles[i];
+        const auto middle = static_cast<std::uint32_t>(mesh.vertices.size());
+        mesh.vertices.push_back((mesh.vertices[t[0]] + mesh.vertices[t[1]]) * 0.5);
+        mesh.triangles[i] = {t[0], middle, t[2]};
+        mesh.triangles.push_back({middle, t[1], t[2]});
+    }
+    REQUIRE(warningsOf(mesh, options(0.5)).size() == 1);
+    REQUIRE(meshDomain(mesh, options(0.5))->volume() == Approx(1000).epsilon(0.01));
+}
+
 TEST_CASE("overlapping pieces are refused with both volumes", "[domain]") {
     const auto mesh = test::merged(test::ballMesh(5, 4), test::ballMesh(5, 4, {{6, 0, 0}}));
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);
     REQUIRE_THROWS_WITH(meshDomain(mesh, options(0.3)), Contains("mm³"));
+}
+
+TEST_CASE("voxels too coarse for a sound mesh are what a message names", "[domain]") {
+    const auto rod = test::boxMesh({{-2, -2, -50}}, {{2, 2, 50}});
+    const std::string message = messageOf<InputError>([&] { meshDomain(rod, options(30)); });
+    CHECK_THAT(message, Contains("bone") && Contains("30 mm") && Contains("`voxelSize`") &&
+                            !Contains("intersects") && !Contains("repair"));
+    // Its remedy works.
+    const auto at = message.rfind("to ");
+    CHECK_NOTHROW(meshDomain(rod, options(std::stod(message.substr(at + 3)))));
+}
+
+TEST_CASE("a surface given twice is named as such", "[domain]") {
+    auto mesh = test::ballMesh(5, 3);
+    const bool flipped = GENERATE(false, true);
+    const auto once = flipped ? test::flipped(mesh).triangles : mesh.triangles;
+    mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+    CHECK_THAT(messageOf<InputError>([&] { meshDomain(mesh, options(0.3)); }),
+               Contains("1280 of its 2560") && Contains("`repair`") && !Contains("intersects"));
 }
 
 TEST_CASE("copies of triangles do not count twice", "[domain]") {

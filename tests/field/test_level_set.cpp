@@ -8,6 +8,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/field/voxel_image.h"
+#include "vdbpack/mesh/mesh_check.h"
 
 #include <catch2/catch.hpp>
 
@@ -141,6 +142,43 @@ TEST_CASE("grids that are no level sets of cubes are refused with a reason", "[d
     flat->tree().setValue({0, 0, 0}, -1);
     writeGrids(path, {flat});
     REQUIRE_THROWS_WITH(levelSetMesh(path, "", 1), Contains("background"));
+}
+
+TEST_CASE("a fog volume has its surface where its values pass the threshold", "[domain]") {
+    const TemporaryFolder folder;
+    const std::string path = folder.file("fog.vdb");
+    // From 2 in the middle to 0 at a distance of 10 mm; a hollow of 4 mm.
+    const double voxelSize = 0.5, unit = 10;
+    const auto fog = newGrid<openvdb::FloatGrid>(0);
+    fog->setName("density");
+    fog->setGridClass(openvdb::GRID_FOG_VOLUME);
+    fog->setTransform(openvdb::math::Transform::createLinearTransform(voxelSize / unit));
+    for (int x = -24; x <= 24; ++x)
+        for (int y = -24; y <= 24; ++y)
+            for (int z = -24; z <= 24; ++z) {
+                const double r = openvdb::Vec3d(x, y, z).length() * voxelSize;
+                const double value = std::min(0.2 * (10 - r), 2 * (r - 4) + 1);
+                if (value > 0)
+                    fog->tree().setValue(openvdb::Coord(x, y, z), static_cast<float>(value));
+            }
+    writeGrids(path, {fog});
+    const auto found = findFogVolume(path, "", false);
+    REQUIRE(found);
+    CHECK(found->grid == "density");
+    CHECK(found->lowest == 0);
+    CHECK(found->highest > 1);
+    for (const double threshold : {0.2, 0.6}) {
+        const MeshHealth health = checkMesh(fogVolumeMesh(path, "density", unit, threshold));
+        const double outer = 10 - threshold / 0.2, inner = 4 + (threshold - 1) / 2;
+        CHECK(health.isWatertight());
+        CHECK(health.signedVolume == Approx(health.enclosedVolume));
+        CHECK(health.enclosedVolume ==
+              Approx(Measure<3>::ball(outer) - Measure<3>::ball(inner)).epsilon(0.03));
+    }
+    for (const double threshold : {0.0, -1.0, 2.5})
+        CHECK_THROWS_WITH(fogVolumeMesh(path, "", unit, threshold),
+                          Contains("density") && Contains("`threshold`"));
+    CHECK_THROWS_WITH(fogVolumeMesh(path, "other", unit, 1), Contains("'other'"));
 }
 
 TEST_CASE("a truncated level set is refused", "[domain]") {

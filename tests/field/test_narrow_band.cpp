@@ -63,6 +63,7 @@ std::vector<Case> cases() {
     const TriangleMesh needle = merged(boxMesh({{-0.02, -0.03, -9.7}}, {{0.025, 0.02, 9.9}}),
                                        fineBox({{3, 3, -9}}, {{3.3, 3.2, 9}}, 2));
     all.push_back({"needles", needle, 0.5});
+    all.push_back({"a fan of many long triangles", doubleConeMesh(6, 5, 60), 0.7});
     TriangleMesh split = boxMesh({{-4.2, -4.2, -4.2}}, {{4.1, 4.1, 4.1}});
     {
         // A vertex on a side of the first triangle, closed by a triangle without area.

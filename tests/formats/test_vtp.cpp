@@ -1,11 +1,11 @@
 // .vtp of ParaView and others, in every encoding.
 #include "formats/file_text.h"
+#include "support/vtk_encoding.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 
 #include <catch2/catch.hpp>
-#include <zlib.h>
 
 #include <cstdint>
 #include <string>
@@ -16,30 +16,6 @@ using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-std::string base64(const std::string& bytes) {
-    static const char* kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        unsigned group = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            group =
-                group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (std::size_t k = 0; k < 4; ++k)
-            out += i + k > bytes.size() ? '=' : kDigits[group >> (18 - 6 * k) & 63];
-    }
-    return out;
-}
-
-std::string deflated(const std::string& bytes) {
-    uLongf size = ::compressBound(static_cast<uLong>(bytes.size()));
-    std::string out(size, '\0');
-    REQUIRE(::compress(reinterpret_cast<Bytef*>(out.data()), &size,
-                       reinterpret_cast<const Bytef*>(bytes.data()),
-                       static_cast<uLong>(bytes.size())) == Z_OK);
-    out.resize(size);
-    return out;
-}
 
 /// What one .vtp variant looks like.
 struct Variant {

@@ -5,6 +5,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <cmath>
+
 using namespace vdbpack;
 using test::randomPoint;
 
@@ -63,4 +65,23 @@ TEST_CASE("a hole does not flip the vote", "[mesh][sides]") {
         if (r > 10.5 && sides.inside(p)) ++wrong;
     }
     CHECK(wrong <= 5);
+}
+
+TEST_CASE("two fans of 100,000 long triangles are within the limits of memory and exact",
+          "[mesh][sides]") {
+    const bool clean = GENERATE(true, false);
+    const double angle = GENERATE(0.0, 0.7);
+    const Vec<3> axis{{1, 2, 3}};
+    const MeshSides sides(test::rotated(test::doubleConeMesh(10, 8, 100000), axis, angle), clean);
+    RandomStream random(7, 8);
+    const Vec<3> u = normalized(axis);
+    for (int i = 0; i < 2000; ++i) {
+        const Vec<3> p = randomPoint(random, 11);
+        // Signed with respect to the surface, in units of the radius; turned with the mesh.
+        const double depth = std::hypot(p[0], p[1]) / 10 + std::abs(p[2]) / 8 - 1;
+        if (std::abs(depth) < 1e-6) continue;
+        const Vec<3> turned = p * std::cos(angle) + cross(u, p) * std::sin(angle) +
+                              u * (dot(u, p) * (1 - std::cos(angle)));
+        CHECK(sides.inside(turned) == (depth < 0));
+    }
 }

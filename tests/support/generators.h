@@ -161,6 +161,24 @@ inline TriangleMesh torusMesh(double major, double minor, int around, int across
     return mesh;
 }
 
+/// Two cones of `corners` long triangles each, base to base: `radius` around the z axis, `height`
+/// to either side.
+inline TriangleMesh doubleConeMesh(double radius, double height, std::uint32_t corners) {
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const double phi = 2 * kPi * i / corners;
+        mesh.vertices.push_back({{radius * std::cos(phi), radius * std::sin(phi), 0}});
+    }
+    mesh.vertices.push_back({{0, 0, height}});
+    mesh.vertices.push_back({{0, 0, -height}});
+    for (std::uint32_t i = 0; i < corners; ++i) {
+        const std::uint32_t next = (i + 1) % corners;
+        mesh.triangles.push_back({i, next, corners});
+        mesh.triangles.push_back({next, i, corners + 1});
+    }
+    return mesh;
+}
+
 /// A ball with a concentric cavity. The cavity's normals point into it (`cavityFacesInward`, as for
 /// an oriented surface of the solid) or out of it.
 inline TriangleMesh hollowBallMesh(double radius, double cavityRadius, int levels,

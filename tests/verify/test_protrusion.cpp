@@ -76,8 +76,11 @@ TEST_CASE("the distance to a triangle is that of a search over its points", "[ve
 }
 
 TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
-    const auto mesh = translated(torusMesh(8, 3, 40, 20), {{700, -300, 55}});
-    const auto pieces = piecesOf(mesh);
+    // Of long triangles it makes boxes along axes of their own.
+    const bool isLong = GENERATE(false, true);
+    const auto shape =
+        isLong ? rotated(doubleConeMesh(10, 8, 3000), {{1, 2, 3}}, 0.7) : torusMesh(8, 3, 40, 20);
+    const auto pieces = piecesOf(translated(shape, {{700, -300, 55}}));
     const WallTree<3> tree(pieces);
     for (const auto& s : randomSpheres<3>(300, 30, 1, 1, 4)) {
         const Vec<3> x = s.center + Vec<3>{{700, -300, 55}};
@@ -89,7 +92,8 @@ TEST_CASE("the tree finds the nearest of all triangles", "[verify]") {
 }
 
 TEST_CASE("points searched for together find what each finds alone", "[verify]") {
-    const auto pieces = piecesOf(torusMesh(8, 3, 40, 20));
+    const bool isLong = GENERATE(false, true);
+    const auto pieces = piecesOf(isLong ? doubleConeMesh(10, 8, 3000) : torusMesh(8, 3, 40, 20));
     const WallTree<3> tree(pieces);
     const auto spheres = randomSpheres<3>(400, 30, 1, 1, 6);
     for (std::size_t k = 0; k < spheres.size(); k += 4) {

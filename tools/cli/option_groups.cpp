@@ -12,7 +12,8 @@
 using namespace vdbpack;
 
 const char* const kDomainHelp =
-    "mesh (.stl .obj .ply .off), level set (.vdb) or shape about the origin: box:LX,LY,LZ  "
+    "mesh (.stl .obj .ply .off .vtp .vtk), level set (.vdb) or shape about the origin: "
+    "box:LX,LY,LZ  "
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
@@ -180,8 +181,15 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
     command.add_option("--scale", domain.scale, "further factor on the file's lengths")
         ->option_text("F [1]")
         ->group("Units");
-    command.add_option("--grid", domain.gridName, "level set to take from a .vdb")
+    command
+        .add_option("--grid", domain.gridName,
+                    "level set, or with --threshold fog volume, to take from a .vdb")
         ->option_text("NAME [first]")
+        ->group("Domain");
+    command
+        .add_option("--threshold", domain.threshold,
+                    "take a fog volume of a .vdb as the domain: where its values are larger than V")
+        ->option_text("V")
         ->group("Domain");
     command
         .add_option("--slice", domain.slice,

@@ -59,6 +59,7 @@ constexpr OptionName kOptionNames[] = {
     {"targetCount", "--target-count"},
     {"targetTbth", "--target-tbth"},
     {"threads", "--threads"},
+    {"threshold", "--threshold"},
     {"unit", "--unit"},
     {"voids", "--voids"},
     {"voids.aspect", "--void-aspect"},

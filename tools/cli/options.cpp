@@ -226,7 +226,7 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
                                            "pack; morphometry of a level set or a mesh");
     addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)");
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)");
     addOutputs(*command, job.outputs, "contacts:FILE.csv: the pairs in contact");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     command
@@ -257,7 +257,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     command
         ->add_option("PACK", job.pack,
                      std::string("a pack: ") + kPackHelp +
-                         "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply)")
+                         "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)")
         ->required();
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if the file states none");
@@ -292,7 +292,8 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("mesh", "report whether a mesh can be packed, and repair it");
-    command->add_option("FILE", job.domain.source, "mesh (.stl .obj .ply .off)")->required();
+    command->add_option("FILE", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
+        ->required();
     command
         ->add_option("-o,--output", job.outputs,
                      "write the mesh as .stl; with --repair, the repaired mesh")

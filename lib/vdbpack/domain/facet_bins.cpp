@@ -19,6 +19,8 @@ constexpr std::uint8_t kMostRings = 7;
 constexpr std::size_t kFacetsPerChunk = 4096;
 /// Ranges of cells that are filled in parallel.
 constexpr std::size_t kSlabs = 64;
+// Facets in the cell of a common entry from which a tree is faster; bones have about 5.
+constexpr double kCrowded = 256;
 // A triangle lower than this share of its longest edge is replaced by that edge: its normal has no
 // digits left, and its points move by less than this share.
 constexpr double kSliver = 1e-8;
@@ -114,7 +116,26 @@ FacetBins<Dim>::FacetBins(std::vector<Facet<Dim>> facets) : facets_(std::move(fa
     // Cells as large as a common facet: a question then meets few cells and few facets in each.
     cells_.setEdge(commonExtent(facets_), facets_.size());
     while (!fill(24 * facets_.size() + 65536)) cells_.setEdge(1.5 * cells_.edge, facets_.size());
+    if constexpr (Dim == 3)
+        if (crowding() > kCrowded) {
+            std::vector<std::uint32_t>().swap(start_);
+            std::vector<Item>().swap(items_);
+            tree_ = TriangleTree(facets_.size(), [&](std::size_t i) { return facets_[i]; });
+            return;
+        }
     rings_ = emptyRings(cells_, start_, kMostRings);
+}
+
+/// The facets in the cell of an entry, on average.
+template <int Dim>
+double FacetBins<Dim>::crowding() const {
+    if (items_.empty()) return 0;
+    double squares = 0;
+    for (std::size_t c = 0; c + 1 < start_.size(); ++c) {
+        const double n = start_[c + 1] - start_[c];
+        squares += n * n;
+    }
+    return squares / static_cast<double>(items_.size());
 }
 
 /// Sorts the facets into the cells that they meet. @return false if that takes more than
@@ -178,7 +199,7 @@ std::vector<typename FacetBins<Dim>::Item> FacetBins<Dim>::balls() const {
 template <int Dim>
 std::size_t FacetBins<Dim>::memoryBytes() const {
     return facets_.capacity() * sizeof(Facet<Dim>) + start_.capacity() * sizeof(std::uint32_t) +
-           items_.capacity() * sizeof(Item) + rings_.capacity();
+           items_.capacity() * sizeof(Item) + rings_.capacity() + tree_.memoryBytes();
 }
 
 template class FacetBins<2>;

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/facet.h"
 #include "vdbpack/domain/facet_cells.h"
+#include "vdbpack/mesh/triangle_tree.h"
 
 #include <array>
 #include <cstdint>
@@ -18,6 +19,9 @@ namespace vdbpack {
 /// Every cell also stores a lower bound of the number of cells to the nearest facet, so that a
 /// query far from all facets takes one lookup. Results are exact to rounding and the
 /// same for any number of threads. Thread-safe.
+///
+/// Where long triangles crowd the cells, as in a fan of thousands around one corner, a tree takes
+/// their place.
 ///
 /// Memory: about 200 bytes per triangle of a bone; cells and entries are limited in proportion to
 /// the facets, for facets of any sizes.
@@ -57,6 +61,9 @@ private:
     class Search;
 
     bool fill(std::size_t mostItems);
+    double crowding() const;
+    template <Want kWant, class Found>
+    bool searchTree(const Vec<Dim>& x, double reach, Found* found) const;
     std::vector<Item> balls() const;
 
     std::vector<Facet<Dim>> facets_;
@@ -65,6 +72,7 @@ private:
     std::vector<std::uint32_t> start_;  // first item of each cell, and one past the last
     std::vector<Item> items_;           // facets by cell
     std::vector<std::uint8_t> rings_;   // of each cell, as `emptyRings`
+    TriangleTree tree_;                 // instead of the cells; in space only
 };
 
 }  // namespace vdbpack

@@ -186,19 +186,53 @@ private:
     bool any_ = false;
 };
 
+/// The same question to the tree. Of facets at one distance the first counts, as in cells.
+template <int Dim>
+template <typename FacetBins<Dim>::Want kWant, class Found>
+bool FacetBins<Dim>::searchTree(const Vec<Dim>& x, double reach, Found* found) const {
+    if (!(reach > 0)) return false;
+    double best = reach * reach;
+    bool any = false;
+    [[maybe_unused]] std::uint32_t first = 0;
+    if constexpr (Dim == 3)
+        tree_.visitNear(x, best, [&](std::uint32_t facet) {
+            Vec<Dim> point;
+            const double square = squaredDistanceToFacet(facets_[facet], x, best, point);
+            const bool ties = kWant == Want::kNearest && any && square == best && facet < first;
+            if (!(square < best) && !ties) return false;
+            any = true;
+            if constexpr (kWant == Want::kAny) return true;
+            if constexpr (kWant == Want::kAll) found->push_back({point, std::sqrt(square)});
+            if constexpr (kWant == Want::kNearest) {
+                best = square;
+                first = facet;
+                found->point = point;
+            }
+            return false;
+        });
+    if constexpr (kWant == Want::kNearest)
+        if (any) found->distance = std::sqrt(best);
+    return any;
+}
+
 template <int Dim>
 bool FacetBins<Dim>::nearest(const Vec<Dim>& x, double reach, WallPoint<Dim>& wall) const {
+    if (!tree_.empty()) return searchTree<Want::kNearest>(x, reach, &wall);
     return Search<Want::kNearest, WallPoint<Dim>>(*this, x, reach, &wall).run();
 }
 
 template <int Dim>
 void FacetBins<Dim>::within(const Vec<Dim>& x, double reach,
                             std::vector<WallPoint<Dim>>& points) const {
-    Search<Want::kAll, std::vector<WallPoint<Dim>>>(*this, x, reach, &points).run();
+    if (!tree_.empty())
+        searchTree<Want::kAll>(x, reach, &points);
+    else
+        Search<Want::kAll, std::vector<WallPoint<Dim>>>(*this, x, reach, &points).run();
 }
 
 template <int Dim>
 bool FacetBins<Dim>::anyCloser(const Vec<Dim>& x, double reach) const {
+    if (!tree_.empty()) return searchTree<Want::kAny, const void>(x, reach, nullptr);
     return Search<Want::kAny, const void>(*this, x, reach, nullptr).run();
 }
 

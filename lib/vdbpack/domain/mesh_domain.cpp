@@ -206,16 +206,19 @@ public:
         requireVoxels(options.name, mesh, health.area, voxelSize, options.depth);
     }
 
+    /// Refuses a mesh whose field cannot agree with it, before anything is made of it.
     /// @param levelSet  whose contour the mesh is; null: none.
+    void check(const VdbGrid* levelSet) const {
+        if (!fits(levelSet)) requireVolume(options_.name, health_, voxelSize);
+    }
+
     void build(const VdbGrid* levelSet) {
-        const bool fits = levelSet != nullptr && health_.isWatertight() && liesAlongAxes(*levelSet);
-        if (!fits && isClean(health_)) requireThickness(options_.name, health_, voxelSize);
         callbacks_.report("domain", 0, 0);
         callbacks_.stopIfCancelled();
-        if (fits && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
+        if (fits(levelSet) && isAbout(voxelSizeOf(*levelSet), voxelSize)) {
             takeLevelSet(*levelSet);
         } else if (!voxelize(voxelSize)) {
-            if (fits)
+            if (fits(levelSet))
                 takeLevelSet(*levelSet);
             else
                 refine();
@@ -224,6 +227,10 @@ public:
     }
 
 private:
+    bool fits(const VdbGrid* levelSet) const {
+        return levelSet != nullptr && health_.isWatertight() && liesAlongAxes(*levelSet);
+    }
+
     /// Its signs are those of its contour, however thin its walls are.
     void takeLevelSet(const VdbGrid& levelSet) {
         contour = true;
@@ -248,8 +255,13 @@ private:
         const double coarseVolume = volume;
         const double half = 0.5 * voxelSize;
         if (!(estimatedVoxels(health_.area, half, options_.depth) < kMostDefaultVoxels) ||
-            !voxelize(half))
+            !voxelize(half)) {
+            // Voxels that were asked for may be coarser than that; the mesh may still be sound.
+            const double fine = 0.5 * defaultVoxelSize(mesh_, 0);
+            if (options_.voxelSize > 0 && fine < half && isClean(health_) && voxelize(fine))
+                refuseVoxels(options_.name, health_, coarseVolume, voxelSize, fine);
             refuseMesh(options_.name, health_, coarseVolume, voxelSize);
+        }
         callbacks_.warn(fmt::format(
             "{}: voxels of {:.4g} mm are too coarse for its thin walls; {:.4g} mm taken",
             options_.name, voxelSize, half));
@@ -289,6 +301,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     Parts parts;
     parts.nesting = nestingOf(*analysis);
     FieldBuilder builder(mesh, health, parts.nesting, options, callbacks);
+    builder.check(levelSet);
     // Each is partly serial.
     invokeAll(
         [&] { builder.build(levelSet); },

@@ -13,6 +13,8 @@ namespace {
 
 // Half the thickness of a wall, in voxels, below which its volume cannot come out within tolerance.
 constexpr double kThinnestInVoxels = 0.05;
+// Triangles of a component, on average, below which they are loose.
+constexpr std::size_t kFewTriangles = 16;
 // More active voxels than this (some 40 GB) result from a wrong unit.
 constexpr double kMostVoxels = 5e9;
 
@@ -62,9 +64,18 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
             name, area, longest, voxels, voxelSize));
 }
 
-void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize) {
+void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize) {
     const double half = health.enclosedVolume / health.area;  // of a plate's thickness
-    if (!(half > 0) || half > kThinnestInVoxels * voxelSize) return;
+    const bool isThin = !(half > kThinnestInVoxels * voxelSize);
+    // Pieces of a few triangles are no surface, whatever each of them seems to enclose.
+    const bool isLoose =
+        health.boundaryEdges > health.triangles && kFewTriangles * health.shells > health.triangles;
+    if (!health.isClosed() && (isThin || isLoose))
+        throw InputError(
+            fmt::format("{}: the mesh is not closed: {}. What it encloses is no volume ({:.3g} mm³ "
+                        "within {:.6g} mm² of triangles); close the holes, or set `repair`",
+                        name, health.describeLeak(), health.enclosedVolume, health.area));
+    if (!(half > 0) || !isThin || !isClean(health)) return;
     throw InputError(fmt::format(
         "{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), too thin "
         "for a field of {:.4g} mm voxels; check the mesh and its unit, or set `voxelSize` to "
@@ -97,11 +108,27 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
         throw InputError(
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
+    // Copies of a few triangles are a flaw, of all of them another mistake.
+    if (20 * health.duplicateTriangles > 9 * health.triangles)
+        throw InputError(fmt::format(
+            "{}: holds the same surface more than once: {} of its {} triangles are copies of "
+            "others. Remove the copy, or set `repair`",
+            name, health.duplicateTriangles, health.triangles));
     throw InputError(fmt::format(
         "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
         "or set `repair`",
         name, volumes, isClean(health) ? "" : "; ", isClean(health) ? "" : flawsOf(health),
         health.shells > 1 ? "components that overlap" : "a surface that intersects itself"));
+}
+
+void refuseVoxels(const std::string& name, const MeshHealth& health, double fieldVolume,
+                  double voxelSize, double fineEnough) {
+    throw InputError(fmt::format(
+        "{}: voxels of {:.4g} mm are too coarse for the mesh, which is about {:.3g} mm thick: "
+        "their "
+        "field encloses {:.6g} mm³, the mesh {:.6g} mm³. Set `voxelSize` to {:.2g} mm or less",
+        name, voxelSize, 2 * health.enclosedVolume / health.area, fieldVolume,
+        health.enclosedVolume, fineEnough));
 }
 
 }  // namespace vdbpack

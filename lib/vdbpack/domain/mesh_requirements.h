@@ -22,9 +22,9 @@ double estimatedVoxels(double area, double voxelSize, double depth);
 void requireVoxels(const std::string& name, const TriangleMesh& mesh, double area, double voxelSize,
                    double depth);
 
-/// Refuses a closed mesh that is far thinner than the voxels of its field, before that is built.
-/// @throws InputError
-void requireThickness(const std::string& name, const MeshHealth& health, double voxelSize);
+/// Refuses, before its field is built, a mesh that is far thinner than the voxels of that field, or
+/// that is no surface but loose triangles. @throws InputError
+void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize);
 
 /// Whether every edge has two triangles of equal orientation, so that the mesh has a volume.
 bool isClean(const MeshHealth& health);
@@ -35,5 +35,10 @@ std::string flawsOf(const MeshHealth& health);
 /// Refuses a mesh whose field encloses another volume than the mesh. @throws InputError always.
 [[noreturn]] void refuseMesh(const std::string& name, const MeshHealth& health, double fieldVolume,
                              double voxelSize);
+
+/// Refuses voxels that the mesh is too thin for, in a message with a size that is small enough.
+/// @throws InputError always.
+[[noreturn]] void refuseVoxels(const std::string& name, const MeshHealth& health,
+                               double fieldVolume, double voxelSize, double fineEnough);
 
 }  // namespace vdbpack

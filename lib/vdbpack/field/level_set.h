@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace vdbpack {
@@ -22,6 +23,24 @@ class VdbGrid;
 /// whose voxels are not cubes, ParameterError if `scale` is not positive, ResourceError.
 std::shared_ptr<const VdbGrid> levelSetGrid(const std::string& path, const std::string& gridName,
                                             double scale);
+
+/// A grid of floats that is no level set, such as a fog volume.
+struct FogVolume {
+    std::string grid;  ///< its name
+    double lowest = 0, highest = 0;
+};
+
+/// The fog volume of that name in a .vdb file; for an empty name the first one, if `besides` level
+/// sets or there are none. Nothing if there is none.
+/// @throws IoError, InputError if the file cannot be read.
+std::optional<FogVolume> findFogVolume(const std::string& path, const std::string& gridName,
+                                       bool besides);
+
+/// The surface where a fog volume has the value `threshold`, mm; outward triangles, the inside
+/// having larger values. @throws as `levelSetGrid`; InputError if `threshold` is not between the
+/// values outside and inside.
+TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName, double scale,
+                           double threshold);
 
 /// Whether a .vdb file contains a level set; false as well where it cannot be read.
 bool holdsLevelSet(const std::string& path);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <openvdb/tools/ChangeBackground.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -82,6 +83,16 @@ bool isCheapToContour(const FloatGrid& grid) {
     return true;
 }
 
+/// @throws InputError unless all values are finite: contouring looks at inactive neighbors too.
+void checkValues(const std::string& path, const FloatGrid& grid) {
+    for (auto value = grid.cbeginValueAll(); value; ++value)
+        if (!std::isfinite(*value))
+            throw InputError(fmt::format(
+                "{}: the value of grid '{}' at voxel ({}, {}, {}) is not finite; write it again",
+                path, grid.getName(), value.getCoord().x(), value.getCoord().y(),
+                value.getCoord().z()));
+}
+
 /// @throws InputError unless the level set can be contoured and sampled.
 void checkLevelSet(const std::string& path, const FloatGrid& grid) {
     const openvdb::math::Transform& transform = grid.transform();
@@ -102,20 +113,82 @@ void checkLevelSet(const std::string& path, const FloatGrid& grid) {
             "{}: the surface of level set '{}' runs between large active tiles, where it lies in "
             "a narrow band of voxels; rebuild it as a level set",
             path, grid.getName()));
-    // Contouring looks at inactive neighbors too.
-    for (auto value = grid.cbeginValueAll(); value; ++value)
-        if (!std::isfinite(*value))
-            throw InputError(fmt::format(
-                "{}: the value of level set '{}' at voxel ({}, {}, {}) is not finite; write it "
-                "again",
-                path, grid.getName(), value.getCoord().x(), value.getCoord().y(),
-                value.getCoord().z()));
+    checkValues(path, grid);
+}
+
+/// The grid of floats of that name that is no level set; see `findFogVolume`.
+FloatGrid::Ptr readFogVolume(const std::string& path, const std::string& gridName, bool besides) {
+    openvdb::io::File file(path);
+    file.open(/*delayLoad=*/false);
+    std::optional<std::string> chosen;  // may be nameless
+    const auto headers = file.readAllGridMetadata();
+    for (const auto& header : *headers) {
+        const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
+        if (isLevelSet && gridName.empty() && !besides) return nullptr;
+        if (chosen || isLevelSet || !header->isType<FloatGrid>()) continue;
+        if (gridName.empty() || header->getName() == gridName) chosen = header->getName();
+    }
+    return chosen ? openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen)) : nullptr;
+}
+
+FogVolume describe(const FloatGrid& grid) {
+    FogVolume fog{grid.getName(), grid.background(), grid.background()};
+    for (auto value = grid.cbeginValueAll(); value; ++value) {
+        fog.lowest = std::min(fog.lowest, double{*value});
+        fog.highest = std::max(fog.highest, double{*value});
+    }
+    return fog;
 }
 
 }  // namespace
 
 TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale) {
     return levelSetMesh(*levelSetGrid(path, gridName, scale), path);
+}
+
+std::optional<FogVolume> findFogVolume(const std::string& path, const std::string& gridName,
+                                       bool besides) {
+    std::optional<FogVolume> found;
+    readVdb(path, [&] {
+        if (const auto grid = readFogVolume(path, gridName, besides)) found = describe(*grid);
+    });
+    return found;
+}
+
+TriangleMesh fogVolumeMesh(const std::string& path, const std::string& gridName, double scale,
+                           double threshold) {
+    FloatGrid::Ptr grid;
+    readVdb(path, [&] {
+        grid = readFogVolume(path, gridName, true);
+        if (!grid)
+            throw InputError(fmt::format(
+                "{}: holds no fog volume of floats{}, so that `threshold` has no meaning", path,
+                gridName.empty() ? "" : fmt::format(" named '{}'", gridName)));
+        if (!grid->transform().isLinear())
+            throw InputError(
+                fmt::format("{}: the voxels of '{}' are not in straight rows; "
+                            "resample it to a linear transform",
+                            path, grid->getName()));
+        checkValues(path, *grid);
+        const FogVolume fog = describe(*grid);
+        if (!(threshold > grid->background() && threshold < fog.highest))
+            throw InputError(fmt::format(
+                "{}: no surface of fog volume '{}' has the value {:g}: it is {:g} outside and {:g} "
+                "at most; set `threshold` between the two",
+                path, fog.grid, threshold, grid->background(), fog.highest));
+        // Negative inside, as a level set; contouring winds by the class.
+        grid->setGridClass(openvdb::GRID_LEVEL_SET);
+        const auto level = static_cast<float>(threshold);
+        for (auto value = grid->beginValueAll(); value; ++value) value.setValue(level - *value);
+        grid->tree().root().setBackground(level - grid->background(), false);
+        grid->transform().postScale(scale);
+        if (!isCheapToContour(*grid))
+            throw InputError(fmt::format(
+                "{}: the surface of fog volume '{}' runs between large active tiles; write it with "
+                "a gradient of some voxels",
+                path, fog.grid));
+    });
+    return levelSetMesh(VdbGrid(grid), path);
 }
 
 bool holdsLevelSet(const std::string& path) {

@@ -91,27 +91,27 @@ private:
     std::vector<Use> uses_;
 };
 
-/// Groups edges that are connected by their vertices: a number for each edge, from 0 on.
+/// Groups edges that are connected by their vertices: a number for each edge, from 0 on. Linear in
+/// the edges and the vertices of their mesh.
 inline std::vector<std::uint32_t> groupEdges(
     const std::vector<std::array<std::uint32_t, 2>>& edges) {
-    // The vertices in question get small numbers for the union-find.
-    std::vector<std::uint32_t> vertices;
-    for (const auto& e : edges) vertices.insert(vertices.end(), e.begin(), e.end());
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-    const auto number = [&](std::uint32_t v) {
-        return static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                          vertices.begin());
-    };
-    DisjointSets sets(vertices.size());
-    for (const auto& e : edges) sets.join(number(e[0]), number(e[1]));
-    std::vector<std::uint32_t> name(vertices.size(), 0);
+    // The vertices in question get small numbers for the union-find, in their order.
+    std::uint32_t end = 0;
+    for (const auto& e : edges) end = std::max({end, e[0] + 1, e[1] + 1});
+    std::vector<std::uint32_t> number(end, 0);
+    for (const auto& e : edges) number[e[0]] = number[e[1]] = 1;
+    std::uint32_t vertices = 0;
+    for (auto& n : number)
+        if (n != 0) n = vertices++;
+    DisjointSets sets(vertices);
+    for (const auto& e : edges) sets.join(number[e[0]], number[e[1]]);
+    std::vector<std::uint32_t> name(vertices, 0);
     std::uint32_t groups = 0;
     for (std::uint32_t i = 0; i < name.size(); ++i)
         if (sets.find(i) == i) name[i] = groups++;
     std::vector<std::uint32_t> result;
     result.reserve(edges.size());
-    for (const auto& e : edges) result.push_back(name[sets.find(number(e[0]))]);
+    for (const auto& e : edges) result.push_back(name[sets.find(number[e[0]])]);
     return result;
 }
 

@@ -4,6 +4,8 @@
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/vertical_line.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -142,7 +144,9 @@ std::vector<Hit> findHits(const TriangleMesh& mesh, const ShellAnalysis& analysi
 /// Sets `depth` of every shell.
 void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     auto& shells = analysis.shells;
-    if (shells.size() < 2) return;
+    const bool anyClosed = std::any_of(shells.begin(), shells.end(),
+                                       [](const Shell& shell) { return shell.boundaryEdges == 0; });
+    if (shells.size() < 2 || !anyClosed) return;
     std::vector<std::uint32_t> probeCount;
     const std::vector<Probe> probes = probesOf(mesh, analysis, probeCount);
     const std::vector<Hit> hits = findHits(mesh, analysis, probes);
@@ -291,16 +295,17 @@ void measureVolumes(const TriangleMesh& mesh, const EdgeTable& edges,
 
 /// Orders shells by falling volume; the order of the triangles breaks ties.
 void sortByVolume(ShellAnalysis& result) {
-    std::vector<std::uint32_t> order(result.shells.size());
-    std::iota(order.begin(), order.end(), std::uint32_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-        return std::fabs(result.shells[a].signedVolume) > std::fabs(result.shells[b].signedVolume);
-    });
+    std::vector<std::pair<double, std::uint32_t>> order;  // less the volume, index
+    order.reserve(result.shells.size());
+    for (const Shell& shell : result.shells)
+        order.emplace_back(-std::fabs(shell.signedVolume),
+                           static_cast<std::uint32_t>(order.size()));
+    tbb::parallel_sort(order.begin(), order.end());
     std::vector<std::uint32_t> rank(order.size());
     std::vector<Shell> sorted(order.size());
     for (std::size_t k = 0; k < order.size(); ++k) {
-        rank[order[k]] = static_cast<std::uint32_t>(k);
-        sorted[k] = result.shells[order[k]];
+        rank[order[k].second] = static_cast<std::uint32_t>(k);
+        sorted[k] = result.shells[order[k].second];
     }
     result.shells = std::move(sorted);
     for (auto& s : result.shellOfTriangle) s = rank[s];

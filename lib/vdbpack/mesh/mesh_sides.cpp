@@ -7,8 +7,18 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <functional>
 
 namespace vdbpack {
+
+namespace {
+
+/// Cells a triangle, on average, above which triangles go to a tree; bones have about 6.
+constexpr double kMostCells = 24;
+/// Meshes with fewer places in cells never do.
+constexpr double kSmall = 65536;
+
+}  // namespace
 
 MeshSides::Columns::Columns(TriangleMesh m) : mesh(std::move(m)), bounds(mesh.bounds()) {
     // About two columns a triangle keeps both the lists and their overlaps short.
@@ -21,29 +31,60 @@ MeshSides::Columns::Columns(TriangleMesh m) : mesh(std::move(m)), bounds(mesh.bo
         count[a] = static_cast<int>(std::clamp(std::ceil(extent[a] / edge), 1.0, 4096.0));
         perLength[a] = count[a] / extent[a];
     }
-    const auto forEachCell = [&](const std::array<std::uint32_t, 3>& t, const auto& visit) {
+    if (!fillCells())
+        tree = TriangleTree(mesh.triangles.size(), [&](std::size_t k) {
+            const auto& t = mesh.triangles[k];
+            return TriangleTree::Corners{mesh.vertices[t[0]], mesh.vertices[t[1]],
+                                         mesh.vertices[t[2]]};
+        });
+}
+
+/// Lists the triangles by cells. @return false if they lie over too many.
+bool MeshSides::Columns::fillCells() {
+    struct Range {
+        int i0, i1, j0, j1;
+    };
+    const auto rangeOf = [&](std::size_t k) {
         Box<3> box;
-        for (const std::uint32_t v : t) box.add(mesh.vertices[v]);
-        for (int j = index(box.lo[1], 1); j <= index(box.hi[1], 1); ++j)
-            for (int i = index(box.lo[0], 0); i <= index(box.hi[0], 0); ++i)
+        for (const std::uint32_t v : mesh.triangles[k]) box.add(mesh.vertices[v]);
+        return Range{index(box.lo[0], 0), index(box.hi[0], 0), index(box.lo[1], 1),
+                     index(box.hi[1], 1)};
+    };
+    const std::size_t n = mesh.triangles.size();
+    const double places = tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, n, 4096), 0.0,
+        [&](const tbb::blocked_range<std::size_t>& part, double sum) {
+            for (std::size_t k = part.begin(); k < part.end(); ++k) {
+                const Range r = rangeOf(k);
+                sum += (r.i1 - r.i0 + 1.0) * (r.j1 - r.j0 + 1.0);
+            }
+            return sum;
+        },
+        std::plus<>());
+    if (places > kMostCells * static_cast<double>(n) + kSmall) return false;
+    const auto forEachCell = [&](std::size_t k, const auto& visit) {
+        const Range r = rangeOf(k);
+        for (int j = r.j0; j <= r.j1; ++j)
+            for (int i = r.i0; i <= r.i1; ++i)
                 visit(static_cast<std::size_t>(j) * static_cast<std::size_t>(count[0]) +
                       static_cast<std::size_t>(i));
     };
     std::vector<std::atomic<std::uint32_t>> next(static_cast<std::size_t>(count[0]) *
                                                  static_cast<std::size_t>(count[1]));
-    forAll(mesh.triangles.size(), [&](std::size_t k) {
-        forEachCell(mesh.triangles[k],
+    forAll(n, [&](std::size_t k) {
+        forEachCell(k,
                     [&](std::size_t cell) { next[cell].fetch_add(1, std::memory_order_relaxed); });
     });
     triangles.resize(firstPositions(next, start, "triangles over the cells of a plane",
                                     "use a mesh of fewer triangles"));
     // In any order: crossings are counted.
-    forAll(mesh.triangles.size(), [&](std::size_t k) {
-        forEachCell(mesh.triangles[k], [&](std::size_t cell) {
+    forAll(n, [&](std::size_t k) {
+        forEachCell(k, [&](std::size_t cell) {
             triangles[next[cell].fetch_add(1, std::memory_order_relaxed)] =
                 static_cast<std::uint32_t>(k);
         });
     });
+    return true;
 }
 
 int MeshSides::Columns::index(double x, int axis) const {
@@ -54,15 +95,20 @@ int MeshSides::Columns::index(double x, int axis) const {
 void MeshSides::Columns::cross(const Vec<3>& x, int& above, int& below) const {
     above = below = 0;
     if (!bounds.contains(x)) return;
+    const auto crossOne = [&](std::uint32_t triangle) {
+        const auto& t = mesh.triangles[triangle];
+        if (!coversLine(mesh, t, x)) return;
+        // On the wall itself either answer will do.
+        ++(heightOver(mesh, t, x) == Height::above ? above : below);
+    };
+    if (!tree.empty()) {
+        tree.visitAlongZ(x, crossOne);
+        return;
+    }
     const std::size_t cell =
         static_cast<std::size_t>(index(x[1], 1)) * static_cast<std::size_t>(count[0]) +
         static_cast<std::size_t>(index(x[0], 0));
-    for (std::uint32_t k = start[cell]; k < start[cell + 1]; ++k) {
-        const auto& t = mesh.triangles[triangles[k]];
-        if (!coversLine(mesh, t, x)) continue;
-        // On the wall itself either answer will do.
-        ++(heightOver(mesh, t, x) == Height::above ? above : below);
-    }
+    for (std::uint32_t k = start[cell]; k < start[cell + 1]; ++k) crossOne(triangles[k]);
 }
 
 /// Cyclic exchange that brings `axis` to z.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/mesh/triangle_tree.h"
 
 #include <cstdint>
 #include <vector>
@@ -15,7 +16,8 @@ namespace vdbpack {
 /// through edges and vertices. For other meshes lines to both sides along the three axes vote, and
 /// a tie is outside. Immutable; shared between threads.
 ///
-/// Cost: a few times the mesh's memory; a query passes the triangles over one small cell.
+/// Cost: a few times the mesh's memory; a query passes the triangles over one small cell, or, where
+/// many triangles are so long that they lie over too many cells, a few in a tree.
 class MeshSides {
 public:
     /// @param clean  every edge joins two triangles. `mesh` is welded (welding.h) and copied.
@@ -32,8 +34,10 @@ private:
         double perLength[2] = {0, 0};
         std::vector<std::uint32_t> start;
         std::vector<std::uint32_t> triangles;
+        TriangleTree tree;  ///< instead of the cells
 
         explicit Columns(TriangleMesh m);
+        bool fillCells();
         int index(double x, int axis) const;
         /// Crossings above and below `x`.
         void cross(const Vec<3>& x, int& above, int& below) const;

@@ -22,7 +22,13 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, Nested
     MeshReadOptions options;
     options.unit = recipe.unit;
     options.scale = recipe.scale;
-    TriangleMesh mesh = readMesh(file, options);
+    MeshFileFacts facts;
+    TriangleMesh mesh = readMesh(file, options, &facts);
+    if (facts.crossedFaces > 0)
+        callbacks.warn(fmt::format(
+            "{}: the outlines of {} faces cross themselves, first at ({:.6g}, {:.6g}, {:.6g}). "
+            "Their triangles overlap: export the mesh as triangles",
+            file, facts.crossedFaces, facts.crossedAt[0], facts.crossedAt[1], facts.crossedAt[2]));
     if (!recipe.repair) return mesh;
     RepairOptions repair;
     repair.nested = nested;

@@ -90,6 +90,21 @@ void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
         recipe.source, away, step, edge));
 }
 
+/// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
+/// instead.
+std::shared_ptr<const VdbGrid> domainLevelSet(const DomainRecipe& recipe, double scale) {
+    try {
+        return levelSetGrid(recipe.source, recipe.gridName, scale);
+    } catch (const InputError&) {
+        const auto fog = findFogVolume(recipe.source, recipe.gridName, false);
+        if (!fog) throw;
+        throw InputError(fmt::format(
+            "{}: grid '{}' is no level set but a fog volume, with values from {:g} to {:g}. Set "
+            "`threshold` to the value at the surface",
+            recipe.source, fog->grid, fog->lowest, fog->highest));
+    }
+}
+
 }  // namespace
 
 DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks)
@@ -117,8 +132,10 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         throw ParameterError(fmt::format("'{}' is neither a file nor a shape. The shapes are {}",
                                          text, kShapeForms));
     const double scale = recipe.scale * millimetersPer(recipe.unit);
-    if (extensionOf(text) == ".vdb") {
-        levelSet_ = levelSetGrid(text, recipe.gridName, scale);
+    if (extensionOf(text) == ".vdb" && recipe.threshold) {
+        mesh_ = fogVolumeMesh(text, recipe.gridName, scale, *recipe.threshold);
+    } else if (extensionOf(text) == ".vdb") {
+        levelSet_ = domainLevelSet(recipe, scale);
         mesh_ = levelSetMesh(*levelSet_, text);
     } else {
         mesh_ = readDomainMesh(recipe, callbacks, repair_);
@@ -154,6 +171,9 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     const bool levelSet = extensionOf(text) == ".vdb";
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
+    if (recipe.threshold && !levelSet)
+        callbacks.warn(
+            fmt::format("`threshold` {:g} has no effect: {} is no .vdb", *recipe.threshold, text));
     if (levelSet && (recipe.repair || !recipe.cavities.empty()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a level set");
     if (source.isFile()) return;

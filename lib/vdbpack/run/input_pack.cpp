@@ -34,7 +34,8 @@ void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbac
 std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
                                                 const Callbacks& callbacks) {
     const std::string extension = extensionOf(recipe.pack);
-    if (extension == ".stl" || extension == ".obj" || extension == ".off") return std::nullopt;
+    if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".vtk")
+        return std::nullopt;
     try {
         return readInputPack(recipe, callbacks);
     } catch (const InputError&) {

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/core/symmetric.h"
 
 #include <tbb/parallel_invoke.h>
 
@@ -19,6 +20,9 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint32_t kLeafPieces = 2;
+/// Square of a piece's extent divided by its area, above which it counts as long; that of an
+/// equilateral triangle is below 5.
+constexpr double kLong = 64;
 
 float below(double v) {
     return std::nextafter(static_cast<float>(v), -std::numeric_limits<float>::infinity());
@@ -139,7 +143,8 @@ double squaredDistanceToPiece(const Vec<3>& x, const WallPiece<3>& piece) {
 template <int Dim>
 class WallTree<Dim>::Builder {
 public:
-    explicit Builder(WallTree& tree) : tree_(tree), items_(tree.pieces_.size()) {
+    Builder(WallTree& tree, double slack)
+        : tree_(tree), items_(tree.pieces_.size()), slack_(slack) {
         forAll(items_.size(), [&](std::size_t k) {
             const Vec<Dim> c = boxOf<Dim>(tree_.pieces_[k]).center() - tree_.origin_;
             items_[k].piece = static_cast<std::uint32_t>(k);
@@ -188,9 +193,41 @@ private:
         return longest;
     }
 
+    /// The box along the principal axes of some pieces.
+    Frame frameOf(std::uint32_t first, std::uint32_t count) const {
+        Vec<Dim> mean{};
+        const auto forEachCorner = [&](const auto& visit) {
+            for (std::uint32_t k = first; k < first + count; ++k)
+                for (const auto& p : tree_.pieces_[items_[k].piece]) visit(p - tree_.origin_);
+        };
+        forEachCorner([&](const Vec<Dim>& p) { mean += p; });
+        mean = mean * (1.0 / (Dim * static_cast<double>(count)));
+        Matrix<Dim> spread{};
+        forEachCorner([&](const Vec<Dim>& p) {
+            for (std::size_t i = 0; i < spread.size(); ++i)
+                spread[i] += (p - mean) * (p - mean).c[i];
+        });
+        Frame frame{eigenSystem<Dim>(spread).vectors, {}, {}};
+        Box<Dim> box;
+        forEachCorner([&](const Vec<Dim>& p) {
+            Vec<Dim> local;
+            for (std::size_t i = 0; i < spread.size(); ++i)
+                local.c[i] = dot(frame.axes[i], p - mean);
+            box.add(local);
+        });
+        frame.center = tree_.origin_ + mean;
+        for (std::size_t i = 0; i < spread.size(); ++i) {
+            frame.center += frame.axes[i] * box.center().c[i];
+            // Rounded up by more than the rounding of a distance.
+            frame.half.c[i] = 0.5 * box.size().c[i] + slack_;
+        }
+        return frame;
+    }
+
     /// Writes the nodes from `at` on, over `count` items.
     void subtree(std::uint32_t at, std::uint32_t first, std::uint32_t count) {
         Node& node = tree_.nodes_[at];
+        if (!tree_.frames_.empty()) tree_.frames_[at] = frameOf(first, count);
         if (count <= kLeafPieces) return leaf(node, first, count);
         const std::size_t axis = longestAxis(first, count);
         const std::uint32_t half = count / 2;
@@ -217,7 +254,26 @@ private:
 
     WallTree& tree_;
     std::vector<Item> items_;
+    double slack_;  ///< mm
 };
+
+namespace {
+
+/// Whether triangles are so long, on average, that upright boxes over them overlap.
+bool areLong(const std::vector<WallPiece<3>>& pieces) {
+    double squares = 0, areas = 0;
+    for (const auto& piece : pieces) {
+        squares += squaredLength(boxOf<3>(piece).size());
+        areas += 0.5 * length(cross(piece[1] - piece[0], piece[2] - piece[0]));
+    }
+    return squares > kLong * areas;
+}
+
+bool areLong(const std::vector<WallPiece<2>>&) {
+    return false;
+}
+
+}  // namespace
 
 template <int Dim>
 WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(pieces)) {
@@ -226,7 +282,11 @@ WallTree<Dim>::WallTree(std::vector<WallPiece<Dim>> pieces) : pieces_(std::move(
         for (const auto& p : piece) bounds.add(p);
     origin_ = bounds.center();
     nodes_.resize(nodeCount(static_cast<std::uint32_t>(pieces_.size())));
-    Builder builder(*this);
+    if (areLong(pieces_)) frames_.resize(nodes_.size());
+    double largest = 0;
+    for (int i = 0; i < Dim; ++i)
+        largest = std::max({largest, std::abs(bounds.lo[i]), std::abs(bounds.hi[i])});
+    Builder builder(*this, 1e-11 * largest);
     builder.build();
     pieces_ = builder.orderedPieces();
 }
@@ -241,8 +301,19 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
     }
     Four bound;
     std::memcpy(&bound, &bounds, sizeof bound);
-    const auto toBox = [&](const Node& node) {
+    const auto toBox = [&](std::uint32_t at) {
         Four sum{};
+        if (!frames_.empty()) {
+            const Frame& frame = frames_[at];
+            const auto to = relative<Four, Dim>(x, frame.center);
+            for (std::size_t i = 0; i < to.size(); ++i) {
+                const Four p = product<Four, Dim>(to, frame.axes[i]);
+                const Four d = larger(larger(p, -p) - frame.half.c[i], Four{});
+                sum += d * d;
+            }
+            return sum;
+        }
+        const Node& node = nodes_[at];
         for (std::size_t i = 0; i < local.size(); ++i) {
             const Four d = larger(
                 larger(double{node.lo[i]} - local[i], local[i] - double{node.hi[i]}), Four{});
@@ -256,7 +327,7 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
     };
     std::array<Open, 64> stack;  // the tree halves, so its depth is below 32
     std::size_t top = 0;
-    stack[top++] = {0, toBox(nodes_[0])};
+    stack[top++] = {0, toBox(0)};
     while (top > 0) {
         const Open open = stack[--top];
         if (!any(open.square < bound)) continue;
@@ -264,7 +335,7 @@ typename WallTree<Dim>::Squares WallTree<Dim>::squaredDistances(const Points& po
         bool alive = true;
         while (alive && nodes_[at].count == 0) {
             std::uint32_t near = at + 1, far = nodes_[at].first;
-            Four toNear = toBox(nodes_[near]), toFar = toBox(nodes_[far]);
+            Four toNear = toBox(near), toFar = toBox(far);
             const Four less = toFar - toNear;
             if (less[0] + less[1] + less[2] + less[3] < 0) {
                 std::swap(near, far);

@@ -17,7 +17,9 @@ namespace vdbpack {
 double squaredDistanceToPiece(const Vec<2>& x, const WallPiece<2>& piece);
 double squaredDistanceToPiece(const Vec<3>& x, const WallPiece<3>& piece);
 
-/// A tree of boxes over wall pieces. Immutable; shared between threads.
+/// A tree of boxes over wall pieces: upright ones, or, where most pieces are long and thin, boxes
+/// along their principal axes, since upright ones over a fan of such pieces overlap by thousands.
+/// Immutable; shared between threads.
 template <int Dim>
 class WallTree {
 public:
@@ -43,9 +45,15 @@ private:
         std::uint32_t first = 0;  ///< leaf: first piece; else the second child (the first is next)
         std::uint32_t count = 0;  ///< pieces of a leaf; 0: not a leaf
     };
+    /// A box along axes of its own.
+    struct Frame {
+        std::array<Vec<Dim>, static_cast<std::size_t>(Dim)> axes;
+        Vec<Dim> center, half;
+    };
     Vec<Dim> origin_;
     std::vector<WallPiece<Dim>> pieces_;
     std::vector<Node> nodes_;
+    std::vector<Frame> frames_;  ///< of the nodes; empty: their upright boxes count
 };
 
 }  // namespace vdbpack

@@ -1,3 +1,4 @@
+#include "mesh/formats/vtk_files.h"
 #include "support/generators.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
@@ -6,6 +7,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/welding.h"
 
 #include <catch2/catch.hpp>
@@ -18,6 +20,8 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace vdbpack::test {
 namespace {
@@ -150,7 +154,12 @@ std::vector<Sample> samples(const TriangleMesh& mesh) {
             {"a.off", off(mesh)},
             {"a.ply", ply(mesh, "ascii")},
             {"l.ply", ply(mesh, "binary_little_endian")},
-            {"b.ply", ply(mesh, "binary_big_endian")}};
+            {"b.ply", ply(mesh, "binary_big_endian")},
+            {"a.vtp", vtpText(mesh.vertices, polygonsOf(mesh), "ascii")},
+            {"b.vtp", vtpText(mesh.vertices, polygonsOf(mesh), "raw")},
+            {"a.vtk", vtkText(mesh.vertices, polygonsOf(mesh), false)},
+            {"b.vtk", vtkText(mesh.vertices, polygonsOf(mesh), true)},
+            {"c.vtk", vtkText(mesh.vertices, polygonsOf(mesh), true, true)}};
 }
 
 /// The corners of all triangles, in order.
@@ -279,7 +288,76 @@ TEST_CASE("OBJ corners are read in all their forms", "[mesh]") {
     CHECK(same("f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"));
 }
 
-TEST_CASE("polygons are cut into fans", "[mesh]") {
+TEST_CASE("a prism with concave ends has its area and volume, from any first corner", "[mesh]") {
+    const Folder folder;
+    const std::vector<std::array<int, 2>> outline{{0, 0},   {30, 0},  {30, 10},
+                                                  {10, 10}, {10, 40}, {0, 40}};
+    const auto n = outline.size();
+    std::string points;
+    for (const int z : {0, 20})
+        for (const auto& p : outline) points += fmt::format("{} {} {}\n", p[0], p[1], z);
+    for (std::size_t first = 0; first < n; ++first) {
+        std::vector<std::vector<std::size_t>> faces(2);
+        for (std::size_t k = 0; k < n; ++k) {
+            const std::size_t at = (first + k) % n, next = (at + 1) % n;
+            faces[0].insert(faces[0].begin(), at);
+            faces[1].push_back(at + n);
+            faces.push_back({at, next, next + n, at + n});
+        }
+        std::string off = fmt::format("OFF\n{} {} 0\n{}", 2 * n, faces.size(), points);
+        std::string ply = fmt::format(
+            "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\n"
+            "property float z\nelement face {}\nproperty list uchar int vertex_indices\n"
+            "end_header\n{}",
+            2 * n, faces.size(), points);
+        std::string obj;  // its faces first
+        for (const auto& face : faces) {
+            std::string corners;
+            obj += "f";
+            for (const std::size_t v : face) {
+                corners += fmt::format(" {}", v);
+                obj += fmt::format(" {}", v + 1);
+            }
+            off += fmt::format("{}{}\n", face.size(), corners);
+            ply += fmt::format("{}{}\n", face.size(), corners);
+            obj += '\n';
+        }
+        for (std::size_t begin = 0; begin < points.size(); begin = points.find('\n', begin) + 1)
+            obj += "v " + points.substr(begin, points.find('\n', begin) - begin + 1);
+        for (const auto& [name, text] : {std::pair{"a.off", off}, {"a.ply", ply}, {"a.obj", obj}}) {
+            CAPTURE(name, first);
+            MeshFileFacts facts;
+            const MeshHealth health = checkMesh(readMesh(folder.write(name, text), {}, &facts));
+            CHECK(health.area == Approx(2 * 600 + 140 * 20));
+            CHECK(health.signedVolume == Approx(600 * 20));
+            CHECK(health.isWatertight());
+            CHECK(facts.crossedFaces == 0);
+        }
+    }
+}
+
+TEST_CASE("faces whose outline crosses itself are counted, the first by its place", "[mesh]") {
+    const Folder folder;
+    MeshReadOptions options;
+    options.unit = Unit::centimeter;
+    MeshFileFacts facts;
+    readMesh(folder.write("a.obj",
+                          "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 5 2 1\nv 7 4 1\nv 7 2 1\nv 5 4 1\n"
+                          "f 1 2 3\nf 4 5 6 7\n"),
+             options, &facts);
+    CHECK(facts.crossedFaces == 1);
+    CHECK(facts.crossedAt == Vec<3>{{50, 20, 10}});
+}
+
+TEST_CASE("an index of an OBJ beyond all vertices that can be read is out of range", "[mesh]") {
+    const Folder folder;
+    const std::string file = folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 4294967299\n");
+    const std::string message = messageOf<InputError>([&] { readMesh(file); });
+    CHECK_THAT(message, Contains(file) && Contains("line 4") && Contains("4294967299") &&
+                            Contains("range") && !Contains("from 1"));
+}
+
+TEST_CASE("convex polygons are cut into fans", "[mesh]") {
     const Folder folder;
     const std::string vertices = "0 0 0\n1 0 0\n2 1 0\n1 2 0\n0 2 0\n";
     const std::vector<std::array<std::uint32_t, 3>> fan{{0, 1, 2}, {0, 2, 3}, {0, 3, 4}};
@@ -376,8 +454,7 @@ TEST_CASE("files that are missing, of an unknown format or without triangles are
     CHECK_THAT(messageOf<Error>([&] { readMesh(folder.file("none.stl")); }), Contains("none.stl"));
     std::filesystem::create_directory(folder.file("f.stl"));
     CHECK_THROWS_AS(readMesh(folder.file("f.stl")), IoError);
-    CHECK_THAT(folder.refusal("skull.vtp", "<VTKFile/>"),
-               Contains("'.vtp'") && Contains(".stl, .obj, .ply or .off"));
+    CHECK_THAT(folder.refusal("skull.3mf", "x"), Contains("'.3mf'") && Contains(".stl"));
     CHECK_THAT(folder.refusal("noextension", "x"), Contains(".stl"));
     for (const auto* name : {"e.stl", "e.obj", "e.ply", "e.off"})
         CHECK_THAT(folder.refusal(name, ""), Contains(name));
@@ -389,6 +466,16 @@ TEST_CASE("files that are missing, of an unknown format or without triangles are
                               "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\n"
                               "property float y\nproperty float z\nend_header\n0 0 0\n"),
                Contains("faces"));
+}
+
+TEST_CASE("images are refused with the way to a surface", "[mesh]") {
+    const RefusedFiles folder;
+    for (const auto* name : {"a.nii", "a.nii.gz", "a.seg.nrrd", "a.MHA", "a.mhd", "a.dcm"})
+        CHECK_THAT(folder.refusal(name, "x"),
+                   Contains("image") && Contains("3D Slicer") && Contains(".stl"));
+    std::filesystem::create_directory(folder.file("dicom"));
+    CHECK_THAT(messageOf<InputError>([&] { readMesh(folder.file("dicom")); }),
+               Contains("dicom") && Contains("folder") && Contains(".stl"));
 }
 
 TEST_CASE("coordinates that are not finite or too large are refused with line or byte", "[mesh]") {

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <unordered_map>
 #include <utility>
 
 namespace vdbpack {
@@ -118,6 +119,8 @@ private:
     void gather(std::uint32_t v, const std::uint32_t* first, const std::uint32_t* last) {
         corners_.clear();
         edges_.clear();
+        if (numbered_ > 0) numberOf_.clear();
+        numbered_ = 0;
         for (; first != last; ++first) {
             const auto& t = (*mesh_.triangles)[*first];
             if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) continue;
@@ -131,14 +134,13 @@ private:
     void addUse(std::uint32_t other, bool forward) {
         const auto corner = static_cast<std::uint32_t>(corners_.size() - 1);
         const float widest = corners_.back().widths.larger();
-        for (Uses& uses : edges_) {
-            if (uses.other != other) continue;
-            if (uses.count == 1) {
-                uses.corner[1] = corner;
-                uses.forward[1] = forward;
+        if (Uses* const uses = usesOf(other)) {
+            if (uses->count == 1) {
+                uses->corner[1] = corner;
+                uses->forward[1] = forward;
             }
-            ++uses.count;
-            uses.widest = std::max(uses.widest, widest);
+            ++uses->count;
+            uses->widest = std::max(uses->widest, widest);
             return;
         }
         Uses uses;
@@ -148,6 +150,19 @@ private:
         uses.forward[0] = forward;
         uses.widest = widest;
         edges_.push_back(uses);
+    }
+
+    /// The edge to `other`, if there is one yet. A fan of thousands of triangles takes a table.
+    Uses* usesOf(std::uint32_t other) {
+        if (edges_.size() < kMostEdges) {
+            const auto at = std::find_if(edges_.begin(), edges_.end(),
+                                         [&](const Uses& uses) { return uses.other == other; });
+            return at == edges_.end() ? nullptr : &*at;
+        }
+        for (; numbered_ < edges_.size(); ++numbered_)
+            numberOf_[edges_[numbered_].other] = numbered_;
+        const auto at = numberOf_.find(other);
+        return at == numberOf_.end() ? nullptr : &edges_[at->second];
     }
 
     /// How the triangles at an edge meet; sets the edge's wedge.
@@ -292,6 +307,8 @@ private:
     const FeatureVisits& visits_;
     std::vector<Corner> corners_;
     std::vector<Uses> edges_;
+    std::unordered_map<std::uint32_t, std::size_t> numberOf_;  ///< of the edge to a vertex
+    std::size_t numbered_ = 0;                                 ///< edges in it
     std::vector<Vec<3>> rays_, directions_;
     std::array<std::array<Float8, 3>, kMostEdges / kLanes> lanes_;  ///< `directions_`
 };

@@ -9,8 +9,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <filesystem>
 #include <new>
+#include <set>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace vdbpack {
@@ -19,6 +22,21 @@ namespace {
 
 /// Coordinates beyond this are no bone in any unit, and their squares lose the digits, mm.
 constexpr double kLargest = 1e9;
+
+/// Why a file of another format is not read as a mesh, and what to do.
+[[noreturn]] void refuseFormat(const std::string& path, const std::string& extension) {
+    static const std::set<std::string> kImages{".nii", ".nrrd", ".nhdr", ".mha", ".mhd",
+                                               ".dcm", ".hdr",  ".img",  ".tif", ".tiff"};
+    std::error_code ignored;
+    const bool isFolder = std::filesystem::is_directory(path, ignored);
+    if (isFolder || kImages.count(extension) > 0 || endsWith(lowered(path), ".nii.gz"))
+        throw InputError(fmt::format(
+            "{}: {}, which cannot be read yet. Export the surface of the bone as .stl, for example "
+            "with 3D Slicer (Segmentations) or ITK-SNAP",
+            path, isFolder ? "is a folder, perhaps a series of images" : "is an image"));
+    throw InputError(path + ": format " + quotedExcerpt(extension) +
+                     " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .vtp or .vtk");
+}
 
 }  // namespace
 
@@ -33,9 +51,9 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".obj") read = readObjMesh;
     if (extension == ".ply") read = readPlyMesh;
     if (extension == ".off") read = readOffMesh;
-    if (read == nullptr)
-        throw InputError(path + ": format " + quotedExcerpt(extension) +
-                         " is not read as a mesh; convert it to .stl, .obj, .ply or .off");
+    if (extension == ".vtk") read = readVtkMesh;
+    if (extension == ".vtp") read = readVtpMesh;
+    if (read == nullptr) refuseFormat(path, extension);
     const double factor = millimetersPer(options.unit) * options.scale;
     MeshFileFacts found;
     TriangleMesh mesh;
@@ -44,8 +62,9 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         found.bytes = static_cast<std::size_t>(file.size());
         if (file.size() == 0) file.fail("is empty; export the mesh again");
         file.skipByteOrderMark();
-        MeshReader reader{file, kLargest / factor, found, {}};
+        MeshReader reader{file, kLargest / factor, found, {}, {}};
         read(reader);
+        splitPolygons(reader);
         mesh = std::move(reader.mesh);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
         if (extension != ".stl") {
@@ -59,6 +78,7 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     }
     if (factor != 1.0)
         for (auto& v : mesh.vertices) v *= factor;
+    found.crossedAt *= factor;
     if (facts != nullptr) *facts = found;
     return mesh;
 }

@@ -23,14 +23,17 @@ struct MeshFileFacts {
     std::size_t mergedVertices = 0;  ///< that had the coordinates of an earlier one
     std::size_t unusedVertices = 0;  ///< that no face names
     bool singlePrecision = false;    ///< coordinates are stored as 32-bit floats
+    std::size_t crossedFaces = 0;    ///< polygons whose outline crosses itself
+    Vec<3> crossedAt;                ///< first corner of the first of them, mm
 };
 
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
-/// of either byte order) or .off; other extensions are refused.
+/// of either byte order), .off, .vtp (polygon data of VTK) or .vtk (its legacy format); other
+/// extensions are refused.
 ///
 /// Coordinates keep all digits that the file holds and come back in mm. Vertices with identical
 /// coordinates are merged (-0 equals 0), those that no face names dropped; what remains keeps its
-/// order. Polygons are cut into a fan from their first corner. Triangles are not judged: those
+/// order. Polygons are cut into triangles as by `splitPolygon`. Triangles are not judged: those
 /// that are duplicate or have no area stay (mesh_check.h).
 ///
 /// @param facts  filled in if given.

@@ -1,9 +1,14 @@
 #include "vdbpack/mesh/formats/mesh_reader.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/mesh/polygon.h"
 
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
 
 namespace vdbpack {
 
@@ -51,6 +56,35 @@ void MeshReader::failNumber(std::string_view word, const char* what) const {
 void MeshReader::failTotal(const char* what, std::size_t most) const {
     throw ResourceError(
         fmt::format("{}: more than {} {}; simplify the mesh", file.path(), most, what));
+}
+
+void splitPolygons(MeshReader& reader) {
+    const auto& polygons = reader.polygons;
+    auto& mesh = reader.mesh;
+    std::vector<char> isCrossed(polygons.size(), 0);
+    forAll(polygons.size(), [&](std::size_t i) {
+        const auto triangle =
+            mesh.triangles.begin() + static_cast<std::ptrdiff_t>(polygons[i].firstTriangle);
+        std::vector<std::uint32_t> vertices{(*triangle)[0], (*triangle)[1]};
+        for (std::uint32_t k = 0; k + 2 < polygons[i].corners; ++k)
+            vertices.push_back(triangle[k][2]);
+        std::vector<Vec<3>> corners;
+        corners.reserve(vertices.size());
+        for (const std::uint32_t v : vertices) corners.push_back(mesh.vertices[v]);
+        std::vector<std::array<std::uint32_t, 3>> parts;
+        const PolygonSplit split = splitPolygon(corners, parts);
+        isCrossed[i] = static_cast<char>(split == PolygonSplit::crossed);
+        if (split != PolygonSplit::ears) return;
+        std::transform(parts.begin(), parts.end(), triangle, [&](const auto& t) {
+            return std::array<std::uint32_t, 3>{vertices[t[0]], vertices[t[1]], vertices[t[2]]};
+        });
+    });
+    const auto first = std::find(isCrossed.begin(), isCrossed.end(), char{1});
+    if (first == isCrossed.end()) return;
+    reader.facts.crossedFaces =
+        static_cast<std::size_t>(std::count(first, isCrossed.end(), char{1}));
+    const auto& polygon = polygons[static_cast<std::size_t>(first - isCrossed.begin())];
+    reader.facts.crossedAt = mesh.vertices[mesh.triangles[polygon.firstTriangle][0]];
 }
 
 }  // namespace vdbpack

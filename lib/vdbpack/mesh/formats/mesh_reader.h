@@ -6,12 +6,14 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace vdbpack {
 
@@ -20,12 +22,19 @@ inline constexpr std::uint32_t kMostVertices = std::numeric_limits<std::uint32_t
 /// Sides of triangles are numbered in 32 bits (edge_table.h).
 inline constexpr std::size_t kMostTriangles = kMostVertices / 3 - 1;
 
+/// A polygon of more than three corners, as a fan of triangles.
+struct PolygonPlace {
+    std::size_t firstTriangle;
+    std::uint32_t corners;
+};
+
 /// The file, the mesh read from it so far, and the checks of its numbers.
 struct MeshReader {
     InputFile& file;
     double largest;  ///< coordinate allowed, in the unit of the file
     MeshFileFacts& facts;
     TriangleMesh mesh;
+    std::vector<PolygonPlace> polygons;  ///< in rising order
 
     /// Whether a point is finite and near enough to the origin.
     bool isUsable(const Vec<3>& p) const {
@@ -60,7 +69,9 @@ private:
     [[noreturn]] void failTotal(const char* what, std::size_t most) const;
 };
 
-/// Splits a polygon into a fan from its first corner, corner by corner.
+/// Splits a polygon into a fan from its first corner, corner by corner, until all vertices are
+/// known
+/// (`splitPolygons`).
 struct PolygonFan {
     std::uint32_t first = 0;
     std::uint32_t last = 0;
@@ -71,7 +82,29 @@ struct PolygonFan {
         last = corner;
         ++corners;
     }
+    /// To be called after the last corner.
+    void end(MeshReader& reader) const {
+        if (corners > 3)
+            reader.polygons.push_back({reader.mesh.triangles.size() - (corners - 2),
+                                       static_cast<std::uint32_t>(corners)});
+    }
 };
+
+/// Splits a strip of triangles, each of which shares an edge with the one before, corner by corner.
+struct TriangleStrip {
+    std::array<std::uint32_t, 2> last{};
+    std::uint64_t corners = 0;
+    void add(MeshReader& reader, std::uint32_t corner) {
+        // Every other triangle runs the other way.
+        if (corners >= 2 && corners % 2 == 0) reader.addTriangle(last[0], last[1], corner);
+        if (corners >= 2 && corners % 2 == 1) reader.addTriangle(last[1], last[0], corner);
+        last = {last[1], corner};
+        ++corners;
+    }
+};
+
+/// Replaces the fans of polygons that are not covered once by them; sets the facts about polygons.
+void splitPolygons(MeshReader& reader);
 
 /// Words of a text file, across its lines.
 class TextWords {
@@ -101,5 +134,7 @@ void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);
 void readOffMesh(MeshReader& reader);
 void readPlyMesh(MeshReader& reader);
+void readVtkMesh(MeshReader& reader);
+void readVtpMesh(MeshReader& reader);
 
 }  // namespace vdbpack

@@ -32,8 +32,11 @@ std::int64_t vertexOf(const MeshReader& reader, std::string_view corner) {
         corner.find_first_not_of("0123456789-+/", slash) != std::string_view::npos)
         file.failAtLine("a corner of a face expected, found " + quotedExcerpt(corner));
     const std::int64_t index = reader.integer(corner.substr(0, slash), "a vertex index");
-    if (index == 0 || index >= static_cast<std::int64_t>(kMostVertices))
-        file.failAtLine(fmt::format("face names vertex {}; OBJ counts from 1", index));
+    if (index == 0) file.failAtLine("face names vertex 0; OBJ counts from 1");
+    if (index >= static_cast<std::int64_t>(kMostVertices))
+        file.failAtLine(fmt::format(
+            "face names vertex {}, out of range: at most {} vertices are read; export it again",
+            index, kMostVertices - 1));
     if (index > 0) return index;
     const auto count = static_cast<std::int64_t>(reader.mesh.vertices.size());
     if (index < -count)
@@ -59,6 +62,7 @@ void readFace(MeshReader& reader, Words& words, LargestIndex& largest) {
     if (fan.corners < 3)
         reader.file.failAtLine(fmt::format(
             "face with {} corners; 3 or more are needed, the file may be truncated", fan.corners));
+    fan.end(reader);
     ++reader.facts.faces;
 }
 

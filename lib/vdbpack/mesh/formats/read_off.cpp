@@ -80,6 +80,7 @@ void readFace(MeshReader& reader, Words words, std::int64_t face, std::int64_t v
                             index, vertexCount));
         fan.add(reader, static_cast<std::uint32_t>(index));
     }
+    fan.end(reader);
 }
 
 }  // namespace

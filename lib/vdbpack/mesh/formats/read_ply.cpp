@@ -1,54 +1,41 @@
 // Stanford polygon files, text or binary, with faces.
-#include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/ply_header.h"
-#include "vdbpack/mesh/formats/mesh_reader.h"
+#include "vdbpack/mesh/formats/mesh_values.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
-#include <cctype>
 #include <vector>
 
 namespace vdbpack {
 
 namespace {
 
-/// Values of a PLY body, whatever their encoding.
-class PlyValues {
+MeshValues::Encoding encodingOf(PlyFormat format) {
+    switch (format) {
+        case PlyFormat::ascii:
+            return MeshValues::Encoding::ascii;
+        case PlyFormat::littleEndian:
+            return MeshValues::Encoding::littleEndian;
+        case PlyFormat::bigEndian:
+            break;
+    }
+    return MeshValues::Encoding::bigEndian;
+}
+
+/// Values of a PLY body.
+class PlyValues : public MeshValues {
 public:
     PlyValues(MeshReader& reader, PlyFormat format)
-        : reader_(reader),
-          words_(reader.file),
-          format_(format),
-          swap_((format == PlyFormat::bigEndian) != hostIsBigEndian()) {}
+        : MeshValues(reader, encodingOf(format)), file_(reader.file) {}
 
-    double real(NumberType type) {
-        if (format_ == PlyFormat::ascii) return reader_.real(words_.next(), "a number");
-        double number = 0;
-        takeNumber(type, [&number](auto value) {
-            number = static_cast<double>(value);
-            return true;
-        });
-        return number;
-    }
-    /// @param type  not one of real numbers.
-    std::int64_t integer(NumberType type) {
-        if (format_ == PlyFormat::ascii) return reader_.integer(words_.next(), "an integer");
-        std::int64_t number = 0;
-        takeNumber(type, [&number](auto value) {
-            number = static_cast<std::int64_t>(value);
-            return true;
-        });
-        return number;
-    }
     /// The length of a list, checked against what is left of the file.
     std::uint64_t listLength(const PlyProperty& property) {
         const std::int64_t n = integer(property.countType);
         // A list in text ends with the words that are there.
-        if (n < 0 ||
-            (format_ != PlyFormat::ascii &&
-             static_cast<std::uint64_t>(n) > reader_.file.remaining() / bytesOf(property.type)))
+        if (n < 0 || (!isText() &&
+                      static_cast<std::uint64_t>(n) > file_.remaining() / bytesOf(property.type)))
             fail(
                 fmt::format("list of {} values, more than the file holds; it is truncated or "
                             "broken",
@@ -56,41 +43,11 @@ public:
         return static_cast<std::uint64_t>(n);
     }
     void skip(const PlyProperty& property) {
-        const std::uint64_t n = property.isList ? listLength(property) : 1;
-        for (std::uint64_t i = 0; i < n; ++i) {
-            if (format_ == PlyFormat::ascii) {
-                if (words_.next().empty()) truncated();
-            } else {
-                if (reader_.file.take(bytesOf(property.type)) == nullptr) truncated();
-            }
-        }
-    }
-    /// Names the current position.
-    [[noreturn]] void fail(const std::string& what) const {
-        if (format_ == PlyFormat::ascii) reader_.file.failAtLine(what);
-        reader_.file.failAtByte(reader_.file.offset(), what);
-    }
-    /// True if only blanks follow.
-    bool atEnd() {
-        if (format_ == PlyFormat::ascii) return words_.next().empty();
-        while (const char* c = reader_.file.take(1))
-            if (std::isspace(static_cast<unsigned char>(*c)) == 0) return false;
-        return true;
+        MeshValues::skip(property.type, property.isList ? listLength(property) : 1);
     }
 
 private:
-    template <typename Use>
-    void takeNumber(NumberType type, const Use& use) {
-        const char* const bytes = reader_.file.take(bytesOf(type));
-        if (bytes == nullptr) truncated();
-        if (!loadNumber(type, bytes, swap_, use)) fail("a number beyond 64 bits");
-    }
-    [[noreturn]] void truncated() const { fail("the file ends too early; it is truncated"); }
-
-    MeshReader& reader_;
-    TextWords words_;
-    PlyFormat format_;
-    bool swap_;  ///< the bytes of each number
+    const InputFile& file_;
 };
 
 void readPlyVertices(MeshReader& reader, PlyValues& values, const PlyElement& element,
@@ -155,6 +112,7 @@ void readPlyFaces(MeshReader& reader, PlyValues& values, const PlyElement& eleme
                                     i, index, vertexCount));
                 fan.add(reader, static_cast<std::uint32_t>(index));
             }
+            fan.end(reader);
         }
 }
 
