@@ -52,6 +52,11 @@ TEST_CASE("a dirty mesh is refused, and packed and verified with --repair", "[cl
     const auto& repair = report["domain"]["repair"];
     CHECK(repair["method"] == "resurfaced");
     CHECK(repair["before"]["boundaryEdges"] > 100);
+    CHECK(repair["changes"]["before"]["components"] == 2);
+    CHECK(repair["changes"]["after"]["components"] == 1);
+    CHECK(repair["changes"]["fusedComponents"] == 2);
+    const std::string warnings = report["warnings"].dump();
+    CHECK_THAT(warnings, Contains("fused 2 components into 1") && Contains("closed"));
     CHECK(report["domain"]["boundaryEdges"] == 0);
     CHECK(report["protrusion"]["spheres"] == 0);
     // Against the dirty mesh repaired again, and against what was written.

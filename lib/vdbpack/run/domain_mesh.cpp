@@ -14,9 +14,6 @@ namespace vdbpack {
 
 namespace {
 
-/// Ambiguous volumes above this share of the repaired volume cause a warning.
-constexpr double kDoubtful = 0.01;
-
 TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, NestedShells nested,
                      const Callbacks& callbacks, std::shared_ptr<const RepairReport>& report) {
     MeshReadOptions options;
@@ -30,12 +27,7 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, Nested
     repair.name = file;
     RepairedMesh repaired = repairMesh(std::move(mesh), repair, callbacks);
     const RepairReport& done = repaired.report;
-    if (done.doubtfulVolume > kDoubtful * done.volume)
-        callbacks.warn(fmt::format(
-            "{}: inside and outside are ambiguous for {:.3g} mm³, {:.2g} % of the repaired volume; "
-            "the cause: {}",
-            file, done.doubtfulVolume, 100 * done.doubtfulVolume / done.volume,
-            done.before.leak ? done.before.describeLeak() : "components that end inside others"));
+    for (const auto& warning : repairWarnings(done, file)) callbacks.warn(warning);
     report = std::make_shared<const RepairReport>(done);
     return std::move(repaired.mesh);
 }

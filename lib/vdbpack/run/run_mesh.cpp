@@ -47,6 +47,8 @@ std::string summary(const MeshResult& result) {
     if (result.repair) {
         const RepairReport& r = *result.repair;
         text += toText(r.before) + "\n" + row("repair", describe(r));
+        if (r.changes && r.changes->before != r.changes->after)
+            text += row("before and after", describe(*r.changes));
         text += row("ambiguous volume",
                     fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume", r.doubtfulVolume,
                                 100 * r.doubtfulVolume / r.volume));
