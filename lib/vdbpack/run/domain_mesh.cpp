@@ -23,6 +23,7 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, Nested
     if (!recipe.repair) return mesh;
     RepairOptions repair;
     repair.nested = nested;
+    repair.components = recipe.repairComponents;
     repair.voxelSize = recipe.repairVoxel;
     repair.name = file;
     RepairedMesh repaired = repairMesh(std::move(mesh), repair, callbacks);

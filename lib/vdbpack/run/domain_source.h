@@ -5,6 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/verify/verify.h"
 
@@ -29,6 +30,7 @@ struct DomainRecipe {
     double voxelSize = 0;            ///< mm; 0: chosen
     bool repair = false;             ///< the mesh, by repair/mesh_repair.h
     double repairVoxel = 0;          ///< mm; 0: chosen
+    RepairComponents repairComponents = RepairComponents::together;
     /// "cavity" (closed shells inside others bound cavities; also the meaning of ""), "solid" (they
     /// mean nothing), or "[outer=FILE,]inner=FILE": the inside of one mesh without that of another.
     std::string shells;

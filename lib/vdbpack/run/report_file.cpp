@@ -66,6 +66,8 @@ public:
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
         if (domain.repair) add("--repair", "yes");
         add("--repair-voxel", domain.repairVoxel, " mm");
+        if (domain.repairComponents == RepairComponents::separate)
+            add("--repair-components", "separate");
         add("--shells", domain.shells);
     }
     void add(const char* name, const InputPack& input, const Report& report) {

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/mesh/mesh_shells.h"
+#include "vdbpack/mesh/repair/component_repair.h"
 #include "vdbpack/mesh/repair/whole_repair.h"
 #include "vdbpack/mesh/repair/winding_number.h"
 
@@ -32,8 +33,11 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
     WholeRepairOptions how;
     how.nested = options.nested;
     how.voxelSize = options.voxelSize;
-    WholeRepair done = repairWhole(std::move(mesh), how, callbacks);
+    WholeRepair done = options.components == RepairComponents::separate
+                           ? repairComponents(std::move(mesh), how, callbacks)
+                           : repairWhole(std::move(mesh), how, callbacks);
     if (done.mesh.triangles.empty()) nothingInside(options.name, done.report.before);
+    done.report.components = options.components;
     callbacks.stopIfCancelled();
     // A new vertex lies in a voxel that the surface crosses.
     done.report.changes = compareSurfaces(done.oriented, done.mesh, 2 * done.report.voxelSize);

@@ -11,6 +11,7 @@
 namespace vdbpack {
 
 struct RepairOptions {
+    RepairComponents components = RepairComponents::together;
     NestedShells nested = NestedShells::cavity;
     /// Voxel size where the surface is remeshed, mm; 0: chosen (whole_repair.h).
     double voxelSize = 0;

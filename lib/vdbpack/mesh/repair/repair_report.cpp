@@ -24,6 +24,7 @@ const char* nameOf(RepairReport::Method method) {
 nlohmann::json toJson(const RepairReport& report) {
     return {
         {"method", nameOf(report.method)},
+        {"components", report.components == RepairComponents::separate ? "separate" : "together"},
         {"changes", report.changes ? toJson(*report.changes) : nlohmann::json()},
         {"before", toJson(report.before)},
         {"duplicates", report.duplicates},
@@ -83,12 +84,15 @@ std::string plural(std::size_t n, const char* one) {
     return fmt::format("{} {}{}", n, one, n == 1 ? "" : "s");
 }
 
-std::string fusedWarning(const RepairChanges& changes) {
+std::string fusedWarning(const RepairReport& report) {
+    const RepairChanges& changes = *report.changes;
     const auto& largest = changes.fused.front();
     return fmt::format(
-        "the repair fused {} components into {}; one of them, of {:.4g} mm³, lies about {}. Set "
-        "`repairComponents` separate to keep apart those that do not intersect",
-        changes.fusedComponents(), changes.fused.size(), largest.volume, text(largest.at));
+        "the repair fused {} components into {}; one of them, of {:.4g} mm³, lies about {}. {}",
+        changes.fusedComponents(), changes.fused.size(), largest.volume, text(largest.at),
+        report.components == RepairComponents::separate
+            ? "They intersect each other: move them apart in the mesh to keep them separate"
+            : "Set `repairComponents` separate to keep apart those that do not intersect");
 }
 
 /// What helps where details were lost.
@@ -145,7 +149,7 @@ std::vector<std::string> repairWarnings(const RepairReport& report, const std::s
     if (report.before.leak) add(holesWarning(report));
     if (!report.changes) return warnings;
     const RepairChanges& changes = *report.changes;
-    if (!changes.fused.empty()) add(fusedWarning(changes));
+    if (!changes.fused.empty()) add(fusedWarning(report));
     if (changes.removed + changes.fragmentsRemoved > 0) add(removedWarning(report));
     if (changesTopology(changes))
         add("the repair changed the topology of the surface: " + describe(changes) +

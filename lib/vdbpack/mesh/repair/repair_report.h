@@ -13,6 +13,12 @@
 
 namespace vdbpack {
 
+/// How the surface components of a mesh are repaired.
+enum class RepairComponents {
+    together,  ///< the inside is that of all triangles; what lies closer than a voxel can fuse
+    separate   ///< each by itself; only those that intersect are fused (component_repair.h)
+};
+
 /// What was done to a mesh, lengths in mm.
 struct RepairReport {
     enum class Method {
@@ -21,6 +27,7 @@ struct RepairReport {
         resurfaced  ///< remeshed where the winding number is 1/2 (resurface.h)
     };
     Method method = Method::none;
+    RepairComponents components = RepairComponents::together;  ///< as requested
     MeshHealth before;
     std::size_t duplicates = 0;     ///< removed triangles: duplicates, or with a vertex used twice
     std::size_t turned = 0;         ///< triangles whose orientation was inverted
