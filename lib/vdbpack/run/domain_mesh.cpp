@@ -14,17 +14,14 @@ namespace vdbpack {
 
 namespace {
 
-TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, NestedShells nested,
+TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
                      const Callbacks& callbacks, std::shared_ptr<const RepairReport>& report) {
     MeshReadOptions options;
     options.unit = recipe.unit;
     options.scale = recipe.scale;
     TriangleMesh mesh = readMesh(file, options);
     if (!recipe.repair) return mesh;
-    RepairOptions repair;
-    repair.nested = nested;
-    repair.components = recipe.repairComponents;
-    repair.voxelSize = recipe.repairVoxel;
+    RepairOptions repair = repairOptions(recipe);
     repair.name = file;
     RepairedMesh repaired = repairMesh(std::move(mesh), repair, callbacks);
     const RepairReport& done = repaired.report;
@@ -81,22 +78,30 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
     return {recipe.source, parseShells(recipe.shells).inner};
 }
 
+RepairOptions repairOptions(const DomainRecipe& recipe) {
+    RepairOptions options;
+    options.nested = parseShells(recipe.shells).solid ? NestedShells::solid : NestedShells::cavity;
+    options.components = recipe.repairComponents;
+    options.voxelSize = recipe.repairVoxel;
+    options.name = recipe.source;
+    return options;
+}
+
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report) {
     const ShellChoice shells = parseShells(recipe.shells);
-    const NestedShells nested = shells.solid ? NestedShells::solid : NestedShells::cavity;
     const std::string& file = recipe.source;
     if (!shells.outer.empty() && shells.outer != file)
         throw ParameterError(
             fmt::format("`shells` names {} as the outer surface and the domain is {}: "
                         "give one of the two",
                         shells.outer, file));
-    TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);
+    TriangleMesh mesh = readOne(recipe, file, callbacks, report);
     if (shells.solid) return outermostOf(std::move(mesh));
     if (shells.inner.empty()) return mesh;
 
     std::shared_ptr<const RepairReport> innerReport;
-    const TriangleMesh inner = readOne(recipe, shells.inner, nested, callbacks, innerReport);
+    const TriangleMesh inner = readOne(recipe, shells.inner, callbacks, innerReport);
     const Vec<3>* stray = strayVertex(inner, mesh, true);
     const bool outside = stray != nullptr;
     if (!stray) stray = strayVertex(mesh, inner, false);

@@ -52,6 +52,13 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe);
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report);
 
+/// How a recipe's mesh is repaired.
+RepairOptions repairOptions(const DomainRecipe& recipe);
+
+/// Warns of a size that is unlikely for a bone. @throws InputError if it is too small to compute
+/// with.
+void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks);
+
 /// A field that would be made of a file, and of what.
 struct FieldPlan {
     std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape

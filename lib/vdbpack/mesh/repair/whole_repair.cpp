@@ -131,7 +131,8 @@ std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& bu
 }
 
 /// Measures the ambiguous, overlapping and inverted volumes by winding numbers on a lattice.
-void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double points,
+/// @return whether any point of it is inside.
+bool measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double points,
                   RepairReport& report) {
     const Box<3> box = mesh.bounds();
     const Vec<3> size = box.size();
@@ -140,7 +141,8 @@ void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double
     std::array<int, 3> count;
     for (int d = 0; d < 3; ++d)
         count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(size[d] / step + 0.5));
-    std::vector<std::array<std::uint64_t, 3>> sums(static_cast<std::size_t>(count[2]), {{0, 0, 0}});
+    std::vector<std::array<std::uint64_t, 4>> sums(static_cast<std::size_t>(count[2]),
+                                                   {{0, 0, 0, 0}});
     tbb::parallel_for(0, count[2], [&](int k) {
         auto& sum = sums[static_cast<std::size_t>(k)];
         for (int j = 0; j < count[1]; ++j)
@@ -153,15 +155,25 @@ void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double
                 sum[0] += off < 0.25;
                 sum[1] += w > 1.5;
                 sum[2] += w < -0.5;
+                sum[3] += w >= 0.5;
             }
     });
     const double cell =
         size[0] * size[1] * size[2] / (static_cast<double>(count[0]) * count[1] * count[2]);
+    bool anyInside = false;
     for (const auto& sum : sums) {
+        anyInside = anyInside || sum[3] > 0;
         report.doubtfulVolume += cell * static_cast<double>(sum[0]);
         report.overlapVolume += cell * static_cast<double>(sum[1]);
         report.invertedVolume += cell * static_cast<double>(sum[2]);
     }
+    return anyInside;
+}
+
+/// Whether a component of the surface has an inside of its own.
+bool anyNearlyClosed(const TriangleMesh& mesh) {
+    const std::vector<char> closed = nearlyClosed(mesh, analyzeShells(mesh));
+    return std::find(closed.begin(), closed.end(), char{1}) != closed.end();
 }
 
 /// Removes components, and cavities, of a few voxels.
@@ -236,7 +248,11 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     report.turned = turnOutward(turned, options.nested);
     const WindingNumber winding(turned);
     callbacks.stopIfCancelled();
-    measureDoubt(turned, winding, options.volumePoints, report);
+    // Loose triangles are refused before they are remeshed.
+    if (!measureDoubt(turned, winding, options.volumePoints, report) && !anyNearlyClosed(turned)) {
+        result.oriented = std::move(turned);
+        return result;
+    }
     callbacks.stopIfCancelled();
 
     TriangleMesh filled = turned;
