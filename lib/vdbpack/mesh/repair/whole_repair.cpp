@@ -24,6 +24,9 @@ namespace {
 /// The triangles of the file are kept if the winding numbers with and without filled holes agree on
 /// at least this share of the area.
 constexpr double kAgreement = 0.995;
+/// Loose triangles have points behind them where the winding number happens to be 1/2: less than
+/// this share of their bounds.
+constexpr double kNothing = 1e-3;
 /// Buried triangles are kept if their share of the area is no more than this: a surface folded in a
 /// few positions has some.
 constexpr double kFolded = 1e-4;
@@ -131,9 +134,9 @@ std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& bu
 }
 
 /// Measures the ambiguous, overlapping and inverted volumes by winding numbers on a lattice.
-/// @return whether any point of it is inside.
-bool measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double points,
-                  RepairReport& report) {
+/// @return share of its points that are inside.
+double measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double points,
+                    RepairReport& report) {
     const Box<3> box = mesh.bounds();
     const Vec<3> size = box.size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
@@ -160,14 +163,14 @@ bool measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, double
     });
     const double cell =
         size[0] * size[1] * size[2] / (static_cast<double>(count[0]) * count[1] * count[2]);
-    bool anyInside = false;
+    std::uint64_t inside = 0;
     for (const auto& sum : sums) {
-        anyInside = anyInside || sum[3] > 0;
+        inside += sum[3];
         report.doubtfulVolume += cell * static_cast<double>(sum[0]);
         report.overlapVolume += cell * static_cast<double>(sum[1]);
         report.invertedVolume += cell * static_cast<double>(sum[2]);
     }
-    return anyInside;
+    return static_cast<double>(inside) / (static_cast<double>(count[0]) * count[1] * count[2]);
 }
 
 /// Whether a component of the surface has an inside of its own.
@@ -249,7 +252,8 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
     const WindingNumber winding(turned);
     callbacks.stopIfCancelled();
     // Loose triangles are refused before they are remeshed.
-    if (!measureDoubt(turned, winding, options.volumePoints, report) && !anyNearlyClosed(turned)) {
+    const double inside = measureDoubt(turned, winding, options.volumePoints, report);
+    if (inside < kNothing && !anyNearlyClosed(turned)) {
         result.oriented = std::move(turned);
         return result;
     }
