@@ -194,7 +194,13 @@ struct Perform {
     int operator()(const ConvertRecipe& recipe) const {
         return printed(runConvert(recipe, callbacks));
     }
-    int operator()(const MeshRecipe& recipe) const { return printed(runMesh(recipe, callbacks)); }
+    int operator()(const MeshRecipe& recipe) const {
+        const MeshResult result = runMesh(recipe, callbacks);
+        print(result, how);
+        if (result.passed) return kDone;
+        tell(withOptionNames(failures(result)));
+        return kCheckFailed;
+    }
 
     template <class Result>
     int printed(const Result& result) const {

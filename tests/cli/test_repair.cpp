@@ -52,6 +52,11 @@ TEST_CASE("a dirty mesh is refused, and packed and verified with --repair", "[cl
     const auto& repair = report["domain"]["repair"];
     CHECK(repair["method"] == "resurfaced");
     CHECK(repair["before"]["boundaryEdges"] > 100);
+    CHECK(repair["changes"]["before"]["components"] == 2);
+    CHECK(repair["changes"]["after"]["components"] == 1);
+    CHECK(repair["changes"]["fusedComponents"] == 2);
+    const std::string warnings = report["warnings"].dump();
+    CHECK_THAT(warnings, Contains("fused 2 components into 1") && Contains("closed"));
     CHECK(report["domain"]["boundaryEdges"] == 0);
     CHECK(report["protrusion"]["spheres"] == 0);
     // Against the dirty mesh repaired again, and against what was written.
@@ -128,4 +133,31 @@ TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
     CHECK(two.code == 2);
     CHECK_THAT(two.text, Contains("--cavities"));
     CHECK(vdbPack("pack -o " + file("p.csv")).code == 2);
+}
+
+TEST_CASE("bones that nearly touch are packed apart with --repair-components", "[cli][repair]") {
+    const TemporaryFolder folder;
+    const std::string mesh = folder.path() + "/spine.obj", pack = folder.path() + "/p.csv";
+    // Two bodies 0.1 mm apart, each with a process that intersects it.
+    TriangleMesh spine;
+    for (const double x : {0.0, 10.1}) {
+        spine = test::merged(spine, test::boxMesh({{x, 0, 0}}, {{x + 10, 10, 10}}));
+        spine = test::merged(spine, test::boxMesh({{x + 4, 4, 4}}, {{x + 6, 6, 12}}));
+    }
+    test::writeObj(spine, mesh);
+    const std::string words = mesh + " --repair --repair-voxel 0.5 ";
+    const auto changesOf = [&](const std::string& more) {
+        const auto report =
+            jsonOf(vdbPack("pack " + words + more + " --radius constant:1 --json -o " + pack));
+        CHECK(report["protrusion"]["spheres"] == 0);
+        return report["domain"]["repair"]["changes"];
+    };
+    CHECK(changesOf("")["after"]["components"] == 1);
+    const auto apart = changesOf("--repair-components separate");
+    CHECK(apart["before"]["components"] == 4);
+    CHECK(apart["after"]["components"] == 2);
+    CHECK(apart["fused"].size() == 2);
+    const auto wrong = vdbPack("mesh " + words + "--repair-components apart");
+    CHECK(wrong.code == 2);
+    CHECK_THAT(wrong.text, Contains("--repair-components") && Contains("separate"));
 }

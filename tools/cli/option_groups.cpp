@@ -47,6 +47,9 @@ const Names<PreviewColor> kPreviewColors{{"radius", PreviewColor::radius},
 const Names<Cull> kCulls{
     {"centre", Cull::center}, {"center", Cull::center}, {"touch", Cull::touch}};
 
+const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::together},
+                                                {"separate", RepairComponents::separate}};
+
 /// More gain nothing anywhere, and each takes memory.
 constexpr std::uint64_t kMostThreads = 4096;
 
@@ -223,6 +226,13 @@ void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
             "voxel size where --repair remeshes the surface, mm; smaller voxels keep thinner walls")
         ->option_text("H [automatic]")
         ->check(positive())
+        ->group("Domain");
+    addChoice(
+        command, "--repair-components", domain.repairComponents, kRepairComponents,
+        "how --repair treats the surface components of the mesh. separate: each by itself, so "
+        "that bones in one file stay apart unless they intersect; together: the inside is that "
+        "of all triangles")
+        ->option_text("together|separate [together]")
         ->group("Domain");
     auto* cavities =
         command

@@ -47,6 +47,7 @@ constexpr OptionName kOptionNames[] = {
     {"preview.width", "--preview-size"},
     {"radius", "--radius"},
     {"repair", "--repair"},
+    {"repairComponents", "--repair-components"},
     {"repairVoxel", "--repair-voxel"},
     {"reportFile", "--report"},
     {"scale", "--scale"},

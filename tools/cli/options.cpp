@@ -299,6 +299,11 @@ CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
                      "write the mesh as .stl; with --repair, the repaired mesh")
         ->option_text("FILE.stl")
         ->group("Output");
+    command
+        ->add_flag("--check", job.check,
+                   "exit with code 1 if the mesh cannot be packed as it is; with --repair, if it "
+                   "cannot be packed once repaired")
+        ->group("Run");
     addRepairOptions(*command, job.domain);
     addThreads(*command, job.threads, "number of threads");
     addUnit(*command, "--unit", job.domain.unit, "unit of the file");

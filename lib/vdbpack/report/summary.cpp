@@ -64,6 +64,8 @@ void addDomain(Summary& out, const Report& r, const Words& words) {
                                  grouped(d.boundaryEdges), grouped(d.nonManifoldEdges)));
     if (!d.repair) return;
     out.line("repair", describe(*d.repair));
+    if (d.repair->changes && d.repair->changes->before != d.repair->changes->after)
+        out.line("", describe(*d.repair->changes));
     if (d.repair->doubtfulVolume > 0)
         out.line("", fmt::format("ambiguous volume next to holes: {:.4g} mm³",
                                  d.repair->doubtfulVolume));

@@ -14,10 +14,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Ambiguous volumes above this share of the repaired volume cause a warning.
-constexpr double kDoubtful = 0.01;
-
-TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, NestedShells nested,
+TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
                      const Callbacks& callbacks, std::shared_ptr<const RepairReport>& report) {
     MeshReadOptions options;
     options.unit = recipe.unit;
@@ -30,18 +27,11 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file, Nested
             "Their triangles overlap: export the mesh as triangles",
             file, facts.crossedFaces, facts.crossedAt[0], facts.crossedAt[1], facts.crossedAt[2]));
     if (!recipe.repair) return mesh;
-    RepairOptions repair;
-    repair.nested = nested;
-    repair.voxelSize = recipe.repairVoxel;
+    RepairOptions repair = repairOptions(recipe);
     repair.name = file;
     RepairedMesh repaired = repairMesh(std::move(mesh), repair, callbacks);
     const RepairReport& done = repaired.report;
-    if (done.doubtfulVolume > kDoubtful * done.volume)
-        callbacks.warn(fmt::format(
-            "{}: inside and outside are ambiguous for {:.3g} mm³, {:.2g} % of the repaired volume; "
-            "the cause: {}",
-            file, done.doubtfulVolume, 100 * done.doubtfulVolume / done.volume,
-            done.before.leak ? done.before.describeLeak() : "components that end inside others"));
+    for (const auto& warning : repairWarnings(done, file)) callbacks.warn(warning);
     report = std::make_shared<const RepairReport>(done);
     return std::move(repaired.mesh);
 }
@@ -94,22 +84,30 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
     return {recipe.source, parseCavities(recipe.cavities).inner};
 }
 
+RepairOptions repairOptions(const DomainRecipe& recipe) {
+    RepairOptions options;
+    options.nested = parseCavities(recipe.cavities).fill ? NestedShells::solid : NestedShells::cavity;
+    options.components = recipe.repairComponents;
+    options.voxelSize = recipe.repairVoxel;
+    options.name = recipe.source;
+    return options;
+}
+
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report) {
     const CavityChoice cavities = parseCavities(recipe.cavities);
-    const NestedShells nested = cavities.fill ? NestedShells::solid : NestedShells::cavity;
     const std::string& file = recipe.source;
     if (!cavities.outer.empty() && cavities.outer != file)
         throw ParameterError(
             fmt::format("`cavities` names {} as the outer surface and the domain is {}: "
                         "give one of the two",
                         cavities.outer, file));
-    TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);
+    TriangleMesh mesh = readOne(recipe, file, callbacks, report);
     if (cavities.fill) return outermostOf(std::move(mesh));
     if (cavities.inner.empty()) return mesh;
 
     std::shared_ptr<const RepairReport> innerReport;
-    const TriangleMesh inner = readOne(recipe, cavities.inner, nested, callbacks, innerReport);
+    const TriangleMesh inner = readOne(recipe, cavities.inner, callbacks, innerReport);
     const Vec<3>* stray = strayVertex(inner, mesh, true);
     const bool outside = stray != nullptr;
     if (!stray) stray = strayVertex(mesh, inner, false);

@@ -143,18 +143,22 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     callbacks.stopIfCancelled();
     fileBounds_ = mesh_->bounds();
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
-    const double extent = length(fileBounds_.size());
+    checkSize(fileBounds_, recipe, callbacks);
+    if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
+}
+
+void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
+    const double extent = length(bounds.size());
     if (!(extent > kSmallestExtent))
         throw InputError(fmt::format(
             "{}: is {:.3g} mm across, too small to compute with; the file is read in {}: check "
             "`unit` and `scale`",
-            text, extent, unitName(recipe.unit)));
-    if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
+            recipe.source, extent, unitName(recipe.unit)));
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(
             "{}: is {:.3g} mm across, which is unlikely for a bone; the file is read in {}: give "
             "`unit` m, cm, mm or um if that is wrong",
-            text, extent, unitName(recipe.unit)));
+            recipe.source, extent, unitName(recipe.unit)));
 }
 
 DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize)

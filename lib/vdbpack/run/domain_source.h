@@ -5,6 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/verify/verify.h"
 
@@ -30,6 +31,7 @@ struct DomainRecipe {
     double voxelSize = 0;             ///< mm; 0: chosen
     bool repair = false;              ///< the mesh, by repair/mesh_repair.h
     double repairVoxel = 0;           ///< mm; 0: chosen
+    RepairComponents repairComponents = RepairComponents::together;
     /// What lies inside closed components of the surface that are inside others: "keep" (empty;
     /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
     /// without that of another.
@@ -51,6 +53,13 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe);
 /// @throws ParameterError, InputError, IoError, ResourceError
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report);
+
+/// How a recipe's mesh is repaired.
+RepairOptions repairOptions(const DomainRecipe& recipe);
+
+/// Warns of a size that is unlikely for a bone. @throws InputError if it is too small to compute
+/// with.
+void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks);
 
 /// A field that would be made of a file, and of what.
 struct FieldPlan {

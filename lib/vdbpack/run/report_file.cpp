@@ -67,6 +67,8 @@ public:
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
         if (domain.repair) add("--repair", "yes");
         add("--repair-voxel", domain.repairVoxel, " mm");
+        if (domain.repairComponents == RepairComponents::separate)
+            add("--repair-components", "separate");
         add("--cavities", domain.cavities);
     }
     void add(const char* name, const InputPack& input, const Report& report) {

@@ -19,47 +19,92 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
     checkFiles(recipe.outputs, {}, domainInputs(recipe.domain));
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     MeshResult result;
+    result.source = recipe.domain.source;
     withThreads(recipe.threads, [&] {
         std::shared_ptr<const RepairReport> repair;
         const TriangleMesh mesh = readDomainMesh(recipe.domain, callbacks, repair);
         result.health = checkMesh(mesh);
         if (repair) result.repair = *repair;
+        const DomainRecipe& domain = recipe.domain;
+        result.fitness = repair ? fitnessOf(mesh, *repair, domain, callbacks)
+                                : fitnessOf(mesh, result.health, domain, callbacks);
         for (const auto& output : recipe.outputs) {
             writeStl(mesh, output, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
             result.files.push_back(output);
         }
     });
+    using Verdict = MeshFitness::Verdict;
+    const Verdict verdict = result.fitness.verdict;
+    result.passed = !recipe.check || verdict == Verdict::yes ||
+                    (verdict == Verdict::withRepair && result.repair);
     return result;
 }
 
 nlohmann::json toJson(const MeshResult& result) {
     nlohmann::json json = toJson(result.health);
     if (result.repair) json["repair"] = toJson(*result.repair);
+    addJson(json, result.fitness, result.source);
     if (!result.files.empty()) json["files"] = result.files;
     return json;
 }
 
+namespace {
+
+std::string row(const char* name, const std::string& value) {
+    return fmt::format("{:<22}{}\n", name, value);
+}
+
+/// What a repair did, or would do.
+std::string repairRows(const RepairReport& r) {
+    std::string text = row("repair", describe(r));
+    if (r.changes && r.changes->before != r.changes->after)
+        text += row("before and after", describe(*r.changes));
+    text +=
+        row("ambiguous volume", fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume",
+                                            r.doubtfulVolume, 100 * r.doubtfulVolume / r.volume));
+    if (r.overlapVolume > 0)
+        text += row("overlapping volume",
+                    fmt::format("{:.4g} mm³, enclosed more than once", r.overlapVolume));
+    if (r.invertedVolume > 0)
+        text +=
+            row("inverted volume", fmt::format("{:.4g} mm³, treated as outside", r.invertedVolume));
+    return text;
+}
+
+std::string fitnessRows(const MeshResult& result) {
+    const MeshFitness& fitness = result.fitness;
+    using Verdict = MeshFitness::Verdict;
+    std::string text = row("fit to be packed", fitness.verdict == Verdict::yes  ? "yes"
+                                               : fitness.verdict == Verdict::no ? "no"
+                                               : result.repair                  ? "yes, as repaired"
+                                                               : "with `repair`; not as it is");
+    for (const auto& reason : fitness.reasons) text += row("", reason);
+    if (result.repair || fitness.verdict != Verdict::withRepair || !fitness.repair) return text;
+    text += "\nwith `repair`\n" + repairRows(*fitness.repair);
+    for (const auto& warning : repairWarnings(*fitness.repair, result.source))
+        text += row("warning", warning);
+    return text;
+}
+
+}  // namespace
+
 std::string summary(const MeshResult& result) {
-    const auto row = [](const char* name, const std::string& value) {
-        return fmt::format("{:<22}{}\n", name, value);
-    };
     std::string text;
-    if (result.repair) {
-        const RepairReport& r = *result.repair;
-        text += toText(r.before) + "\n" + row("repair", describe(r));
-        text += row("ambiguous volume",
-                    fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume", r.doubtfulVolume,
-                                100 * r.doubtfulVolume / r.volume));
-        if (r.overlapVolume > 0)
-            text += row("overlapping volume",
-                        fmt::format("{:.4g} mm³, enclosed more than once", r.overlapVolume));
-        if (r.invertedVolume > 0)
-            text += row("inverted volume",
-                        fmt::format("{:.4g} mm³, treated as outside", r.invertedVolume));
-        text += "\nrepaired mesh\n";
-    }
-    text += toText(result.health);
+    if (result.repair)
+        text +=
+            toText(result.repair->before) + "\n" + repairRows(*result.repair) + "\nrepaired mesh\n";
+    text += toText(result.health) + fitnessRows(result);
     for (const auto& file : result.files) text += row("written", file);
+    return text;
+}
+
+std::string failures(const MeshResult& result) {
+    if (result.passed) return "";
+    const bool repairable = result.fitness.verdict == MeshFitness::Verdict::withRepair;
+    std::string text =
+        fmt::format("{}: not fit to be packed{}\n", result.source,
+                    repairable ? " as it is. Set `repair`, and check what that changes" : "");
+    for (const auto& reason : result.fitness.reasons) text += "  " + reason + "\n";
     return text;
 }
 

@@ -5,6 +5,7 @@
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/mesh_fitness.h"
 #include "vdbpack/run/settings.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -18,21 +19,29 @@ namespace vdbpack {
 /// Outputs are .stl, in mm.
 struct MeshRecipe : RunSettings {
     DomainRecipe domain;  ///< source, unit, scale, and how to repair
+    bool check = false;   ///< a mesh that cannot be packed with these settings fails
 };
 
 struct MeshResult {
     MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
     std::optional<RepairReport> repair;  ///< contains the health before the repair
+    MeshFitness fitness;
+    bool passed = true;  ///< false: `check` was requested, and the mesh cannot be packed
+    std::string source;  ///< its file
     std::vector<std::string> files;
 };
 
-/// Checks a mesh, repairs it if `domain.repair` is set, and writes it.
+/// Checks a mesh, decides whether it can be packed, repairs it if `domain.repair` is set, and
+/// writes it.
 /// @throws ParameterError (an output that is no .stl, or the input itself), InputError, IoError,
 /// ResourceError
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& callbacks = {});
 
-/// The members of the health, and `repair` and `files` where there are any.
+/// The members of the health, `fit` and `reasons`; `repair` and `files` where there are any;
+/// without a repair `withRepair`, what it would do, null if it is not needed.
 nlohmann::json toJson(const MeshResult& result);
 std::string summary(const MeshResult& result);
+/// Why a mesh did not pass, a line each.
+std::string failures(const MeshResult& result);
 
 }  // namespace vdbpack

@@ -10,6 +10,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 using namespace vdbpack;
@@ -208,6 +209,23 @@ TEST_CASE("what has no inside is refused", "[repair]") {
     RepairOptions options;
     options.voxelSize = -1;
     CHECK_THROWS_AS(repairMesh(test::ballMesh(1, 1), options), ParameterError);
+}
+
+TEST_CASE("loose triangles are refused before they are remeshed", "[repair]") {
+    RandomStream random(3, 1);
+    TriangleMesh mesh;
+    for (std::uint32_t i = 0; i < 3000; ++i) {
+        const Vec<3> at{{random.uniform() * 30, random.uniform() * 30, random.uniform() * 30}};
+        for (int k = 0; k < 3; ++k)
+            mesh.vertices.push_back(at +
+                                    Vec<3>{{random.uniform(), random.uniform(), random.uniform()}});
+        mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    double furthest = 0;  // remeshing reports 0.4 and more
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) { furthest = std::max(furthest, p.fraction); };
+    CHECK_THROWS_AS(repairMesh(mesh, {}, callbacks), InputError);
+    CHECK(furthest == 0);
 }
 
 TEST_CASE("the inside of one mesh without that of another", "[repair]") {

@@ -123,19 +123,71 @@ void balance(const TriangleMesh& mesh, const EdgeTable& edges,
         if (patchTurned[patchOf[i]] != 0) turn[i] = !turn[i];
 }
 
-/// What decides the orientation of a shell.
-struct ShellFacing {
-    double area = 0;
-    double coneArea = 0;   // of cones over its holes
-    bool settled = false;  // nearly closed: its volume decides
-};
-
 /// Orients nearly closed shells by their volumes, and the others by the surface around them.
 void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turned) {
     const ShellAnalysis shells = analyzeShells(mesh);
-    std::vector<ShellFacing> facing(shells.shells.size());
+    const std::vector<char> settled = nearlyClosed(mesh, shells);
+    const std::size_t count = settled.size();
+    std::vector<char> turnShell(count, 0);
+    const auto apply = [&] {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            if (turnShell[shells.shellOfTriangle[i]] == 0) continue;
+            std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
+            turned[i] = !turned[i];
+        }
+        std::fill(turnShell.begin(), turnShell.end(), 0);
+    };
+    for (std::size_t s = 0; s < count; ++s) {
+        turnShell[s] = settled[s] != 0 && shells.shells[s].signedVolume < 0;
+    }
+    apply();
+    if (count == 1) return;
+
+    TriangleMesh closed;
+    closed.vertices = mesh.vertices;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        facing[shells.shellOfTriangle[i]].area += areaOf(mesh, mesh.triangles[i]);
+        if (settled[shells.shellOfTriangle[i]] != 0) closed.triangles.push_back(mesh.triangles[i]);
+    if (closed.triangles.empty()) return;
+    const WindingNumber winding(closed);
+    // Sampled triangles of each shell vote, weighted by area.
+    struct Vote {
+        double area = 0, enclosed = 0, change = 0;
+    };
+    std::vector<Vote> votes(count);
+    std::vector<std::size_t> seen(count, 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const std::uint32_t s = shells.shellOfTriangle[i];
+        const std::size_t step = std::max<std::size_t>(1, shells.shells[s].triangles / kVotes);
+        if (seen[s]++ % step != 0) continue;
+        const auto& t = mesh.triangles[i];
+        const Vec<3>& a = mesh.vertices[t[0]];
+        const Vec<3> n = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
+        const double twice = length(n);
+        if (!(twice > 0)) continue;
+        const Vec<3> center = (a + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3);
+        votes[s].area += twice;
+        if (settled[s] != 0) {
+            // Just behind the triangle, the shell itself adds 1 to the winding number.
+            const double behind = winding(center - n * (1e-3 / std::sqrt(twice)));
+            if (std::lround(behind - 1) % 2 == 1) votes[s].enclosed += twice;
+        } else {
+            const Vec<3> aside = n * (0.5 / std::sqrt(twice));
+            votes[s].change += twice * (winding(center - aside) - winding(center + aside));
+        }
+    }
+    for (std::size_t s = 0; s < count; ++s)
+        turnShell[s] = settled[s] != 0 ? nested == NestedShells::cavity &&
+                                             votes[s].enclosed > kEnclosed * votes[s].area
+                                       : votes[s].change < -kClearChange * votes[s].area;
+    apply();
+}
+
+}  // namespace
+
+std::vector<char> nearlyClosed(const TriangleMesh& mesh, const ShellAnalysis& shells) {
+    std::vector<double> area(shells.shells.size(), 0), coneArea(shells.shells.size(), 0);
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        area[shells.shellOfTriangle[i]] += areaOf(mesh, mesh.triangles[i]);
 
     // The volume of a shell includes a cone from the middle of each hole (mesh_shells.h).
     std::vector<std::array<std::uint32_t, 2>> open;
@@ -163,66 +215,13 @@ void turnShells(TriangleMesh& mesh, NestedShells nested, std::vector<char>& turn
     for (std::size_t i = 0; i < open.size(); ++i) {
         const Vec<3> apex = middle[hole[i]] * (1 / weight[hole[i]]);
         const Vec<3> a = mesh.vertices[open[i][0]] - apex;
-        facing[shellOfEdge[i]].coneArea += 0.5 * length(cross(a, mesh.vertices[open[i][1]] - apex));
+        coneArea[shellOfEdge[i]] += 0.5 * length(cross(a, mesh.vertices[open[i][1]] - apex));
     }
-
-    std::vector<char> turnShell(facing.size(), 0);
-    const auto apply = [&] {
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-            if (turnShell[shells.shellOfTriangle[i]] == 0) continue;
-            std::swap(mesh.triangles[i][1], mesh.triangles[i][2]);
-            turned[i] = !turned[i];
-        }
-        std::fill(turnShell.begin(), turnShell.end(), 0);
-    };
-    for (std::size_t s = 0; s < facing.size(); ++s) {
-        facing[s].settled = facing[s].coneArea < kNearlyClosed * facing[s].area;
-        turnShell[s] = facing[s].settled && shells.shells[s].signedVolume < 0;
-    }
-    apply();
-    if (facing.size() == 1) return;
-
-    TriangleMesh settled;
-    settled.vertices = mesh.vertices;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (facing[shells.shellOfTriangle[i]].settled)
-            settled.triangles.push_back(mesh.triangles[i]);
-    if (settled.triangles.empty()) return;
-    const WindingNumber winding(settled);
-    // Sampled triangles of each shell vote, weighted by area.
-    struct Vote {
-        double area = 0, enclosed = 0, change = 0;
-    };
-    std::vector<Vote> votes(facing.size());
-    std::vector<std::size_t> seen(facing.size(), 0);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
-        const std::uint32_t s = shells.shellOfTriangle[i];
-        const std::size_t step = std::max<std::size_t>(1, shells.shells[s].triangles / kVotes);
-        if (seen[s]++ % step != 0) continue;
-        const auto& t = mesh.triangles[i];
-        const Vec<3>& a = mesh.vertices[t[0]];
-        const Vec<3> n = cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a);
-        const double twice = length(n);
-        if (!(twice > 0)) continue;
-        const Vec<3> center = (a + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3);
-        votes[s].area += twice;
-        if (facing[s].settled) {
-            // Just behind the triangle, the shell itself adds 1 to the winding number.
-            const double behind = winding(center - n * (1e-3 / std::sqrt(twice)));
-            if (std::lround(behind - 1) % 2 == 1) votes[s].enclosed += twice;
-        } else {
-            const Vec<3> aside = n * (0.5 / std::sqrt(twice));
-            votes[s].change += twice * (winding(center - aside) - winding(center + aside));
-        }
-    }
-    for (std::size_t s = 0; s < facing.size(); ++s)
-        turnShell[s] = facing[s].settled ? nested == NestedShells::cavity &&
-                                               votes[s].enclosed > kEnclosed * votes[s].area
-                                         : votes[s].change < -kClearChange * votes[s].area;
-    apply();
+    std::vector<char> closed(area.size(), 0);
+    for (std::size_t s = 0; s < closed.size(); ++s)
+        closed[s] = coneArea[s] < kNearlyClosed * area[s];
+    return closed;
 }
-
-}  // namespace
 
 std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested) {
     const std::size_t n = mesh.triangles.size();

@@ -4,8 +4,11 @@
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <cstddef>
+#include <vector>
 
 namespace vdbpack {
+
+struct ShellAnalysis;
 
 /// The meaning of closed shells inside others.
 enum class NestedShells {
@@ -27,5 +30,10 @@ enum class NestedShells {
 /// Cost: linear in the triangles, plus winding numbers at up to about 64 triangles per shell.
 /// @return number of flipped triangles.
 std::size_t turnOutward(TriangleMesh& mesh, NestedShells nested = NestedShells::cavity);
+
+/// [s] is 1 if shell s has an inside: it is closed, or cones over its holes have less than a
+/// quarter of its area. Then the sign of its volume shows which way it faces. @param shells  of
+/// `mesh`.
+std::vector<char> nearlyClosed(const TriangleMesh& mesh, const ShellAnalysis& shells);
 
 }  // namespace vdbpack

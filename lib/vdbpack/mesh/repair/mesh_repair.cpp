@@ -1,199 +1,19 @@
 #include "vdbpack/mesh/repair/mesh_repair.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/hole_filling.h"
-#include "vdbpack/mesh/repair/resurface.h"
-#include "vdbpack/mesh/repair/sheets.h"
+#include "vdbpack/mesh/repair/component_repair.h"
+#include "vdbpack/mesh/repair/whole_repair.h"
 #include "vdbpack/mesh/repair/winding_number.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
-#include <tbb/parallel_for.h>
 
-#include <algorithm>
-#include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
-#include <vector>
 
 namespace vdbpack {
 
 namespace {
-
-/// About the number of points at which ambiguous and overlapping volumes are counted.
-constexpr double kVolumePoints = 2e5;
-/// The triangles of the file are kept if the winding numbers with and without filled holes agree on
-/// at least this share of the area.
-constexpr double kAgreement = 0.995;
-/// Buried triangles are kept if their share of the area is no more than this: a surface folded in a
-/// few positions has some.
-constexpr double kFolded = 1e-4;
-/// Most triangles of a remeshed surface, estimated as two per voxel.
-constexpr double kMostTriangles = 8e5;
-/// Components of a remeshed surface with a smaller volume are removed, in voxels.
-constexpr double kLeastComponent = 10;
-
-/// Which triangles of a mesh are buried: both their sides are inside, or both outside.
-struct Buried {
-    std::vector<char> is;
-    double area = 0, buriedArea = 0;
-    double agreeing = 0, checked = 0;  // areas; agreeing: as the winding number of the open mesh
-};
-
-/// Computes winding numbers on both sides of each triangle of `filled`. `open` has only the first
-/// `own` triangles; null: it has all.
-Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumber& winding,
-                  const WindingNumber* open) {
-    const std::size_t n = filled.triangles.size();
-    Buried buried;
-    buried.is.resize(n, 0);
-    struct Sum {
-        double area = 0;
-        bool agrees = true;
-    };
-    std::vector<Sum> sums(n);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 256), [&](const auto& range) {
-        for (std::size_t i = range.begin(); i != range.end(); ++i) {
-            const auto& t = filled.triangles[i];
-            const Vec<3>& a = filled.vertices[t[0]];
-            const Vec<3>& b = filled.vertices[t[1]];
-            const Vec<3>& c = filled.vertices[t[2]];
-            const Vec<3> normal = cross(b - a, c - a);
-            const double twice = length(normal);
-            const double longest =
-                std::max({squaredLength(b - a), squaredLength(c - b), squaredLength(a - c)});
-            if (!(twice > 1e-6 * longest)) continue;  // flat: part of its neighbors' edges
-            // Close compared with the triangle's height, far compared with rounding.
-            const Vec<3> aside = normal * (1e-3 / std::sqrt(longest));
-            const Vec<3> center = (a + b + c) * (1.0 / 3);
-            const bool back = winding(center - aside) >= 0.5;
-            const bool front = winding(center + aside) >= 0.5;
-            buried.is[i] = back == front;
-            sums[i].area = 0.5 * twice;
-            if (open != nullptr && i < own)
-                sums[i].agrees = back == ((*open)(center - aside) >= 0.5) &&
-                                 front == ((*open)(center + aside) >= 0.5);
-        }
-    });
-    for (std::size_t i = 0; i < n; ++i) {
-        buried.area += sums[i].area;
-        if (buried.is[i] != 0) buried.buriedArea += sums[i].area;
-        if (i >= own) continue;
-        buried.checked += sums[i].area;
-        if (sums[i].agrees) buried.agreeing += sums[i].area;
-    }
-    return buried;
-}
-
-bool isBalanced(const TriangleMesh& mesh) {
-    bool balanced = true;
-    const EdgeTable edges(mesh);
-    edges.forEach(
-        [&](std::uint32_t, std::uint32_t, const EdgeTable::Use* first, const EdgeTable::Use* last) {
-            balanced = balanced && edges.surplus(first, last) == 0;
-        });
-    return balanced;
-}
-
-/// Removes vertices that no triangle uses.
-void dropUnusedVertices(TriangleMesh& mesh) {
-    constexpr auto kUnused = static_cast<std::uint32_t>(-1);
-    std::vector<std::uint32_t> number(mesh.vertices.size(), kUnused);
-    std::vector<Vec<3>> kept;
-    for (auto& t : mesh.triangles)
-        for (auto& v : t) {
-            if (number[v] == kUnused) {
-                number[v] = static_cast<std::uint32_t>(kept.size());
-                kept.push_back(mesh.vertices[v]);
-            }
-            v = number[v];
-        }
-    mesh.vertices = std::move(kept);
-}
-
-/// The triangles of `filled` that are not buried; nothing if they form no closed surface.
-std::optional<TriangleMesh> wallsOf(const TriangleMesh& filled, const Buried& buried,
-                                    std::size_t& dropped) {
-    TriangleMesh mesh;
-    mesh.vertices = filled.vertices;
-    dropped = 0;
-    const bool folds = buried.buriedArea <= kFolded * buried.area;
-    for (std::size_t i = 0; i < filled.triangles.size(); ++i)
-        if (buried.is[i] != 0 && !folds)
-            ++dropped;
-        else
-            mesh.triangles.push_back(filled.triangles[i]);
-    if (mesh.triangles.empty() || !isBalanced(mesh)) return std::nullopt;
-    partSheets(mesh);
-    dropUnusedVertices(mesh);
-    const MeshHealth health = checkMesh(mesh);
-    if (!health.isWatertight() || health.inconsistentEdges > 0 || !(health.signedVolume > 0) ||
-        std::fabs(health.signedVolume - health.enclosedVolume) > 1e-9 * health.enclosedVolume)
-        return std::nullopt;
-    return mesh;
-}
-
-/// Measures the ambiguous, overlapping and inverted volumes by winding numbers on a lattice.
-void measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, RepairReport& report) {
-    const Box<3> box = mesh.bounds();
-    const Vec<3> size = box.size();
-    const double longest = *std::max_element(size.c.begin(), size.c.end());
-    const double step =
-        std::max(std::cbrt(size[0] * size[1] * size[2] / kVolumePoints), longest * 1e-3);
-    std::array<int, 3> count;
-    for (int d = 0; d < 3; ++d)
-        count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(size[d] / step + 0.5));
-    std::vector<std::array<std::uint64_t, 3>> sums(static_cast<std::size_t>(count[2]), {{0, 0, 0}});
-    tbb::parallel_for(0, count[2], [&](int k) {
-        auto& sum = sums[static_cast<std::size_t>(k)];
-        for (int j = 0; j < count[1]; ++j)
-            for (int i = 0; i < count[0]; ++i) {
-                const Vec<3> x{{box.lo[0] + (i + 0.5) / count[0] * size[0],
-                                box.lo[1] + (j + 0.5) / count[1] * size[1],
-                                box.lo[2] + (k + 0.5) / count[2] * size[2]}};
-                const double w = winding(x);
-                const double off = std::fabs(w - 0.5);
-                sum[0] += off < 0.25;
-                sum[1] += w > 1.5;
-                sum[2] += w < -0.5;
-            }
-    });
-    const double cell =
-        size[0] * size[1] * size[2] / (static_cast<double>(count[0]) * count[1] * count[2]);
-    for (const auto& sum : sums) {
-        report.doubtfulVolume += cell * static_cast<double>(sum[0]);
-        report.overlapVolume += cell * static_cast<double>(sum[1]);
-        report.invertedVolume += cell * static_cast<double>(sum[2]);
-    }
-}
-
-/// Removes components, and cavities, of a few voxels.
-std::size_t dropSmallComponents(TriangleMesh& mesh, double voxelSize) {
-    const ShellAnalysis shells = analyzeShells(mesh);
-    const double least = kLeastComponent * voxelSize * voxelSize * voxelSize;
-    std::size_t dropped = 0;
-    for (const Shell& shell : shells.shells) dropped += std::fabs(shell.signedVolume) < least;
-    if (dropped == 0) return 0;
-    TriangleMesh kept;
-    kept.vertices = std::move(mesh.vertices);
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (std::fabs(shells.shells[shells.shellOfTriangle[i]].signedVolume) >= least)
-            kept.triangles.push_back(mesh.triangles[i]);
-    mesh = std::move(kept);
-    dropUnusedVertices(mesh);
-    return dropped;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) return 0;
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 [[noreturn]] void nothingInside(const std::string& name, const MeshHealth& health) {
     throw InputError(
@@ -202,43 +22,7 @@ double median(std::vector<double> values) {
                     name, health.triangles, health.leak ? "; " : "", health.describeLeak()));
 }
 
-/// Remeshes the surface where the winding number of `mesh` is 1/2.
-void remesh(const TriangleMesh& mesh, const WindingNumber& winding, const RepairOptions& options,
-            const Callbacks& callbacks, RepairedMesh& result) {
-    RepairReport& report = result.report;
-    report.method = RepairReport::Method::resurfaced;
-    report.voxelSize = options.voxelSize > 0 ? options.voxelSize : repairVoxelSize(mesh);
-    Resurfaced made = resurface(mesh, winding, report.voxelSize, callbacks);
-    report.piecesDropped = dropSmallComponents(made.mesh, report.voxelSize);
-    report.thinArea = made.thinArea;
-    report.bridgedShare = made.bridgedShare;
-    if (made.mesh.triangles.empty()) nothingInside(options.name, report.before);
-    result.mesh = std::move(made.mesh);
-}
-
 }  // namespace
-
-double repairVoxelSize(const TriangleMesh& mesh) {
-    std::vector<double> lengths;
-    lengths.reserve(mesh.triangles.size());
-    double area = 0;
-    for (const auto& t : mesh.triangles) {
-        const Vec<3>& a = mesh.vertices[t[0]];
-        const Vec<3> ab = mesh.vertices[t[1]] - a, ac = mesh.vertices[t[2]] - a;
-        const double twice = length(cross(ab, ac));
-        area += 0.5 * twice;
-        // The side of an equilateral triangle of the same area, so that slivers do not count as
-        // small triangles.
-        lengths.push_back(std::sqrt(twice * (2 / std::sqrt(3.0))));
-    }
-    const double wanted = 0.3 * median(std::move(lengths));
-    const double volume = analyzeShells(mesh).enclosedVolume();
-    const double thickness = area > 0 ? 2 * std::fabs(volume) / area : 0;
-    const double finest = std::sqrt(2 * area / kMostTriangles);
-    double size = wanted;
-    if (thickness > 0) size = std::min(size, 0.5 * thickness);
-    return std::max(size, finest);
-}
 
 RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
                         const Callbacks& callbacks) {
@@ -246,44 +30,19 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
         throw ParameterError(fmt::format("{}: voxel size {} for the repair must be positive, in mm",
                                          options.name, options.voxelSize));
     callbacks.report("repair", 0, 0);
-    RepairedMesh result;
-    RepairReport& report = result.report;
-    report.before = checkMesh(mesh);
-    if (!(report.before.area > 0)) nothingInside(options.name, report.before);
-
-    const std::size_t given = mesh.triangles.size();
-    TriangleMesh turned = withoutDuplicates(mesh);
-    report.duplicates = given - turned.triangles.size();
-    report.turned = turnOutward(turned, options.nested);
-    const WindingNumber winding(turned);
+    WholeRepairOptions how;
+    how.nested = options.nested;
+    how.voxelSize = options.voxelSize;
+    WholeRepair done = options.components == RepairComponents::separate
+                           ? repairComponents(std::move(mesh), how, callbacks)
+                           : repairWhole(std::move(mesh), how, callbacks);
+    if (done.mesh.triangles.empty()) nothingInside(options.name, done.report.before);
+    done.report.components = options.components;
     callbacks.stopIfCancelled();
-    measureDoubt(turned, winding, report);
-    callbacks.stopIfCancelled();
-
-    TriangleMesh filled = turned;
-    const HoleFilling holes = fillHoles(filled);
-    const bool wasOpen = filled.triangles.size() > turned.triangles.size();
-    const Buried buried =
-        wasOpen ? findBuried(filled, turned.triangles.size(), WindingNumber(filled), &winding)
-                : findBuried(filled, turned.triangles.size(), winding, nullptr);
-    if (holes.left == 0 && buried.agreeing >= kAgreement * buried.checked) {
-        auto walls = wallsOf(filled, buried, report.dropped);
-        if (walls) {
-            const bool changed = report.duplicates + report.turned + report.dropped > 0 ||
-                                 wasOpen || !report.before.isWatertight();
-            report.method = changed ? RepairReport::Method::triangles : RepairReport::Method::none;
-            report.holesFilled = holes.filled;
-            report.filledArea = holes.area;
-            result.mesh = changed ? std::move(*walls) : std::move(mesh);
-        } else {
-            report.dropped = 0;
-        }
-    }
-    if (result.mesh.triangles.empty()) remesh(turned, winding, options, callbacks, result);
-    report.volume = analyzeShells(result.mesh).enclosedVolume();
-    if (!(report.volume > 0)) nothingInside(options.name, report.before);
-    callbacks.report("repair", 1, static_cast<double>(result.mesh.triangles.size()));
-    return result;
+    // A new vertex lies in a voxel that the surface crosses.
+    done.report.changes = compareSurfaces(done.oriented, done.mesh, 2 * done.report.voxelSize);
+    callbacks.report("repair", 1, static_cast<double>(done.mesh.triangles.size()));
+    return {std::move(done.mesh), std::move(done.report)};
 }
 
 TriangleMesh joinedAsCavity(TriangleMesh outer, const TriangleMesh& inner) {
@@ -299,73 +58,12 @@ RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
     RepairedMesh result;
     const TriangleMesh both = joinedAsCavity(outer, inner);
     result.report.before = checkMesh(both);
-    remesh(both, WindingNumber(both), options, callbacks, result);
+    const double voxelSize = options.voxelSize > 0 ? options.voxelSize : repairVoxelSize(both);
+    result.mesh = remesh(both, WindingNumber(both), voxelSize, result.report, callbacks);
+    if (result.mesh.triangles.empty()) nothingInside(options.name, result.report.before);
+    result.report.changes = compareSurfaces(both, result.mesh, 2 * voxelSize);
     result.report.volume = analyzeShells(result.mesh).enclosedVolume();
     return result;
-}
-
-namespace {
-
-const char* nameOf(RepairReport::Method method) {
-    switch (method) {
-        case RepairReport::Method::none:
-            return "none";
-        case RepairReport::Method::triangles:
-            return "triangles";
-        case RepairReport::Method::resurfaced:
-            return "resurfaced";
-    }
-    return "";
-}
-
-}  // namespace
-
-nlohmann::json toJson(const RepairReport& report) {
-    return {
-        {"method", nameOf(report.method)},
-        {"before", toJson(report.before)},
-        {"duplicates", report.duplicates},
-        {"turned", report.turned},
-        {"holesFilled", report.holesFilled},
-        {"filledArea", report.filledArea},
-        {"dropped", report.dropped},
-        {"piecesDropped", report.piecesDropped},
-        {"voxelSize", report.voxelSize > 0 ? nlohmann::json(report.voxelSize) : nlohmann::json()},
-        {"bridgedShare", report.bridgedShare},
-        {"thinArea", report.thinArea},
-        {"volume", report.volume},
-        {"doubtfulVolume", report.doubtfulVolume},
-        {"overlapVolume", report.overlapVolume},
-        {"invertedVolume", report.invertedVolume}};
-}
-
-std::string describe(const RepairReport& report) {
-    if (report.method == RepairReport::Method::none) return "not needed, the mesh is unchanged";
-    std::string text;
-    const auto add = [&](std::size_t count, const char* one, const char* many) {
-        if (count > 0)
-            text +=
-                fmt::format("{}{} {}", text.empty() ? "" : ", ", count, count == 1 ? one : many);
-    };
-    add(report.duplicates, "duplicate triangle removed", "duplicate triangles removed");
-    add(report.turned, "triangle flipped", "triangles flipped");
-    if (report.method == RepairReport::Method::triangles) {
-        add(report.holesFilled, "hole filled", "holes filled");
-        if (report.holesFilled > 0) text += fmt::format(" ({:.3g} mm²)", report.filledArea);
-        add(report.dropped, "triangle inside the solid removed",
-            "triangles inside the solid removed");
-        return text.empty() ? "surface split at edges with more than two triangles" : text;
-    }
-    text += fmt::format("{}surface remeshed with voxels of {:.3g} mm", text.empty() ? "" : ", ",
-                        report.voxelSize);
-    if (report.bridgedShare > 0)
-        text += fmt::format(", {:.2g} % of it over holes", 100 * report.bridgedShare);
-    add(report.piecesDropped, "component below ten voxels removed",
-        "components below ten voxels removed");
-    if (report.thinArea > 0)
-        text +=
-            fmt::format(", walls thinner than a voxel lost (about {:.3g} mm²)", report.thinArea);
-    return text;
 }
 
 }  // namespace vdbpack

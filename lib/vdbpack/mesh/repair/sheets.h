@@ -13,4 +13,9 @@ namespace vdbpack {
 /// @return number of split edges.
 std::size_t partSheets(TriangleMesh& mesh);
 
+/// The surface split like that, and also at vertices where it only touches itself, so that it is a
+/// manifold. Triangles keep their order. Any mesh is allowed: at an edge where the triangles do not
+/// cancel, those without a partner get a border.
+TriangleMesh manifoldOf(const TriangleMesh& mesh);
+
 }  // namespace vdbpack
