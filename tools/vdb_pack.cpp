@@ -26,6 +26,7 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <type_traits>
 #include <variant>
 
 using namespace vdbpack;
@@ -140,9 +141,11 @@ int dryRun(const PackJob& job, const PrintOptions& how, const Callbacks& callbac
     return kDone;
 }
 
-/// A pack for each of several seeds.
-int study(const PackJob& job, const PrintOptions& how, const Callbacks& callbacks) {
-    const StudyResult result = runStudy(job, job.seeds, job.table, callbacks);
+/// A run for each of several seeds.
+template <class Job>
+int study(const Job& job, const PrintOptions& how, const Callbacks& callbacks) {
+    const std::string& table = job.study.table;
+    const StudyResult result = runStudy(job, job.study.seeds, table, callbacks);
     clearProgressLine();
     if (how.json) {
         auto all = nlohmann::ordered_json::array();
@@ -150,7 +153,7 @@ int study(const PackJob& job, const PrintOptions& how, const Callbacks& callback
         printJson(all);
     } else if (!how.quiet) {
         printText(summary(result));
-        if (!job.table.empty() && !result.reports.empty()) fmt::print("written    {}\n", job.table);
+        if (!table.empty() && !result.reports.empty()) fmt::print("written    {}\n", table);
     }
     if (result.interrupted) return kInterrupted;
     if (result.passed) return kDone;
@@ -165,8 +168,8 @@ struct Perform {
 
     int operator()(const PackJob& job) const {
         if (job.dryRun) return dryRun(job, how, callbacks);
-        if (job.seeds.size() > 1 || !job.table.empty()) return study(job, how, callbacks);
-        const RunResult run = runPack(recipeForSeed(job, job.seeds.front()), callbacks);
+        if (!job.study.isOne()) return study(job, how, callbacks);
+        const RunResult run = runPack(recipeForSeed(job, job.study.seeds.front()), callbacks);
         print(run, how);
         return judged(run);
     }
@@ -175,7 +178,10 @@ struct Perform {
         print(run, how);
         return judged(run);
     }
-    int operator()(const VoidsRecipe& recipe) const { return printed(runVoids(recipe, callbacks)); }
+    int operator()(const VoidsJob& job) const {
+        if (!job.study.isOne()) return study(job, how, callbacks);
+        return printed(runVoids(recipeForSeed(job, job.study.seeds.front()), callbacks));
+    }
     int operator()(const CarveRecipe& recipe) const { return printed(runCarve(recipe, callbacks)); }
     int operator()(const VerifyRecipe& recipe) const {
         const RunResult run = runVerify(recipe, callbacks);
@@ -200,11 +206,15 @@ struct Perform {
 /// The file that options were read from is an input like others.
 void keepConfig(const CliOptions& options) {
     if (options.config.empty()) return;
-    const RunSettings& settings =
-        std::visit([](const auto& job) -> const RunSettings& { return job; }, options.job);
-    const auto* pack = std::get_if<PackJob>(&options.job);
-    checkFiles(settings.outputs, settings.reportFile, {options.config},
-               {settings.preview.file, pack ? pack->table : std::string()});
+    std::visit(
+        [&](const auto& job) {
+            std::string table;
+            if constexpr (std::is_same_v<decltype(job), const PackJob&> ||
+                          std::is_same_v<decltype(job), const VoidsJob&>)
+                table = job.study.table;
+            checkFiles(job.outputs, job.reportFile, {options.config}, {job.preview.file, table});
+        },
+        options.job);
 }
 
 int runCommand(const CliOptions& options) {

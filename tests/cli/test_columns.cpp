@@ -131,8 +131,9 @@ TEST_CASE("existing spheres keep their labels and columns, with a shell and void
     REQUIRE((trabecular > 0) == cut);
 }
 
-TEST_CASE("carved spheres keep their labels and columns; a shell sets the regions anew",
-          "[cli][columns]") {
+TEST_CASE(
+    "carved spheres keep their labels and columns; with a shell the regions are those of the run",
+    "[cli][columns]") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
     CAPTURE(given.file);
     CarveRecipe recipe;

@@ -11,6 +11,7 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -258,6 +259,71 @@ TEST_CASE("a study makes the packs that single runs make", "[run]") {
     };
     CHECK_THROWS_AS(runStudy(recipe, seeds, folder.file("kept.csv"), spoiling), IoError);
     CHECK(rowsOf(folder.file("kept.csv")).size() == 3);
+}
+
+namespace {
+
+/// The cell of a row under a name of the first row.
+std::string cellOf(const std::vector<std::vector<std::string>>& rows, std::size_t row,
+                   const std::string& name) {
+    CAPTURE(name);
+    const auto found = std::find(rows[0].begin(), rows[0].end(), name);
+    REQUIRE(found != rows[0].end());
+    return rows[row].at(static_cast<std::size_t>(found - rows[0].begin()));
+}
+
+}  // namespace
+
+TEST_CASE("the table of a study has BV/TV, regions and connectivity", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("ball:6", "uniform:0.5,1");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1";
+    recipe.voids.targetBvtv = 0.6;
+    recipe.voids.shell = 2;
+    const StudyResult study = runStudy(recipe, {1, 2}, folder.file("t.csv"));
+    const auto rows = rowsOf(folder.file("t.csv"));
+    for (std::size_t k = 0; k < 2; ++k) {
+        const Report& report = study.reports[k];
+        CHECK(std::stod(cellOf(rows, k + 1, "bvtv")) == Approx(*report.voids->bvtv));
+        const auto cortical = std::stoull(cellOf(rows, k + 1, "cortical"));
+        CHECK(cortical == report.voids->cortical);
+        CHECK(cortical + std::stoull(cellOf(rows, k + 1, "trabecular")) == report.count);
+        CHECK(std::stod(cellOf(rows, k + 1, "largest_component")) ==
+              Approx(report.contacts->largestComponent));
+    }
+    CHECK_THAT(summary(study), Catch::Contains("BV/TV") && Catch::Contains("cortical"));
+    // Without voids there are none.
+    runStudy(recipeFor("ball:4", "constant:1"), {1}, folder.file("p.csv"));
+    CHECK(cellOf(rowsOf(folder.file("p.csv")), 1, "bvtv").empty());
+}
+
+TEST_CASE("voids of several seeds are those of single runs, a row each", "[run][voids]") {
+    const TemporaryFolder folder;
+    test::writeObj(test::ballMesh(6, 3), folder.file("b.obj"));
+    VoidsRecipe recipe;
+    recipe.domain.source = folder.file("b.obj");
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1";
+    recipe.voids.count = 20;
+    recipe.outputs = {"list:" + folder.file("v{seed}.csv")};
+    const StudyResult study = runStudy(recipe, {5, 9}, folder.file("t.csv"));
+    const auto rows = rowsOf(folder.file("t.csv"));
+    REQUIRE(rows.size() == 3);
+    for (std::size_t k = 0; k < 2; ++k) {
+        VoidsRecipe alone = recipe;
+        alone.seed = k == 0 ? 5 : 9;
+        alone.outputs = {"list:" + folder.file("alone.csv")};
+        const RunResult run = runVoids(alone);
+        CHECK(rows[k + 1][0] == std::to_string(alone.seed));
+        CHECK(std::stod(cellOf(rows, k + 1, "bvtv")) == Approx(*run.report.voids->bvtv));
+        CHECK(cellOf(rows, k + 1, "count").empty());
+        CHECK(rowsOf(folder.file("v" + rows[k + 1][0] + ".csv")) ==
+              rowsOf(folder.file("alone.csv")));
+    }
+    CHECK_THAT(summary(study), Catch::Contains("BV/TV") && !Catch::Contains("spheres"));
+    recipe.outputs = {"list:" + folder.file("v.csv")};
+    CHECK_THROWS_WITH(runStudy(recipe, {5, 9}, ""), Catch::Contains("{seed}"));
 }
 
 TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {

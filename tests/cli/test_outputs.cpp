@@ -5,6 +5,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/run/outputs.h"
+#include "vdbpack/run/sphere_density.h"
 
 #include <catch2/catch.hpp>
 
@@ -55,11 +56,14 @@ TEST_CASE("outputs that a run has nothing for are refused with what it has", "[o
 }
 
 TEST_CASE("a bulk density is that of the spheres times their solid fraction", "[outputs]") {
-    REQUIRE(particleDensity("", std::nullopt) == 0);
-    REQUIRE(particleDensity("1900", std::nullopt) == 1900);
-    REQUIRE(particleDensity("bulk:1200", 0.6) == 2000);
+    REQUIRE(particleDensity("", std::nullopt).all == 0);
+    REQUIRE(particleDensity("1900", std::nullopt).all == 1900);
+    REQUIRE(particleDensity("bulk:1200", 0.6).all == 2000);
+    REQUIRE(particleDensity("1=1100,0=1900", std::nullopt).ofRegions ==
+            std::map<std::int32_t, double>{{0, 1900}, {1, 1100}});
     REQUIRE_THROWS_WITH(particleDensity("bulk:1200", std::nullopt), Contains("`domain`"));
-    for (const char* bad : {"bulk:", "-3", "0", "heavy", "1900kg", "inf", "bulk:nan"}) {
+    for (const char* bad : {"bulk:", "-3", "0", "heavy", "1900kg", "inf", "bulk:nan", "0=", "0=1,",
+                            "0=1,0=2", "a=1", "0=1;1=2", "0=-1", "0=bulk:3", "9e9=1"}) {
         CAPTURE(bad);
         REQUIRE_THROWS_AS(checkDensity(bad), ParameterError);
     }

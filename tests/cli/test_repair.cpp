@@ -1,4 +1,4 @@
-// --repair and --shells through the program: packed, written, verified against the same surface.
+// --repair and --cavities through the program: packed, written, verified against the same surface.
 #include "support/generators.h"
 #include "support/mesh_file.h"
 #include "support/temporary_folder.h"
@@ -97,11 +97,15 @@ TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
     const double outside = volume(file("outer.obj"));
     const double hollow = volume(file("both.obj"));
     CHECK(hollow < outside - 500);
+    CHECK(volume(file("both.obj") + " --cavities keep") == Approx(hollow));
     CHECK(volume(file("both.obj") + " --shells cavity") == Approx(hollow));
+    CHECK(volume(file("both.obj") + " --cavities fill") == Approx(outside));
+    // The names of former recipes.
     CHECK(volume(file("both.obj") + " --shells solid") == Approx(outside));
-    CHECK(volume(file("both.obj") + " --repair --shells solid") == Approx(outside));
-    CHECK(volume(file("outer.obj") + " --shells inner=" + file("inner.obj")) == Approx(hollow));
-    const std::string both = " --shells outer=" + file("outer.obj") + ",inner=" + file("inner.obj");
+    CHECK(volume(file("both.obj") + " --repair --cavities fill") == Approx(outside));
+    CHECK(volume(file("outer.obj") + " --cavities inner=" + file("inner.obj")) == Approx(hollow));
+    const std::string both =
+        " --cavities outer=" + file("outer.obj") + ",inner=" + file("inner.obj");
     CHECK(volume(both) == Approx(hollow));
     CHECK(vdbPack("verify " + file("p.csv") + both).code == 0);
     CHECK(vdbPack("densify " + file("p.csv") + both + " -o " + file("d.csv")).code == 0);
@@ -110,18 +114,18 @@ TEST_CASE("shells say what lies between two surfaces", "[cli][repair]") {
               .code == 0);
 
     const auto aside = vdbPack("pack " + file("outer.obj") +
-                               " --shells inner=" + file("aside.obj") + " -o " + file("p.csv"));
+                               " --cavities inner=" + file("aside.obj") + " -o " + file("p.csv"));
     CHECK(aside.code == 3);
     CHECK_THAT(aside.text, Contains("inner surface") && Contains("--repair"));
-    CHECK(volume(file("outer.obj") + " --repair --shells inner=" + file("aside.obj")) < outside);
+    CHECK(volume(file("outer.obj") + " --repair --cavities inner=" + file("aside.obj")) < outside);
 
     const auto garbled =
-        vdbPack("pack " + file("outer.obj") + " --shells hollow -o " + file("p.csv"));
+        vdbPack("pack " + file("outer.obj") + " --cavities hollow -o " + file("p.csv"));
     CHECK(garbled.code == 2);
-    CHECK_THAT(garbled.text, Contains("cavity, solid"));
-    const auto two = vdbPack("pack " + file("both.obj") + " --shells outer=" + file("outer.obj") +
+    CHECK_THAT(garbled.text, Contains("keep, fill"));
+    const auto two = vdbPack("pack " + file("both.obj") + " --cavities outer=" + file("outer.obj") +
                              ",inner=" + file("inner.obj") + " -o " + file("p.csv"));
     CHECK(two.code == 2);
-    CHECK_THAT(two.text, Contains("--shells"));
+    CHECK_THAT(two.text, Contains("--cavities"));
     CHECK(vdbPack("pack -o " + file("p.csv")).code == 2);
 }

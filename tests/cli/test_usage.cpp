@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <sstream>
@@ -75,6 +76,9 @@ TEST_CASE("misuse is reported with what was meant", "[cli]") {
         {"pack ball:3 --effort quick", {"--effort", "'quick'", "fast, normal, dense"}},
         {"pack ball:3 --report a.json --report b.json", {"--report", "2 times"}},
         {"pack ball:3 rest", {"pack", "rest"}},
+        {"pack ball:3 --periodic xyz", {"--periodic", "no periodic cells"}},
+        {"pack ball:3 --material=bone", {"--material", "region", "--density"}},
+        {"pack ball:3 --porosity 0.4", {"--densify F", "--target-bvtv F"}},
         {"mesh", {"FILE", "vdb_pack mesh --help"}}};
     for (const Misuse& misuse : misuses) {
         CAPTURE(misuse.arguments);
@@ -246,6 +250,11 @@ TEST_CASE("options without effect are reported", "[cli]") {
                Contains("--grid solid has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json --voxel 0.5").text,
                Contains("--voxel 0.5 has no effect") && Contains("ball:5"));
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n2.5,0,0,1\n";
+    CHECK_THAT(
+        vdbPack("densify " + folder.file("p.csv") + " --domain ball:5 --json --voxel 0.5").text,
+        Contains("--voxel 0.5 has no effect"));
     CHECK_THAT(vdbPack("pack ball:5 --radius constant:1 --json").text, !Contains("no effect"));
 }
 
@@ -291,5 +300,58 @@ TEST_CASE("a run that would leave nothing is refused at once, with the command t
           "--seed 1..2 --table " + folder.file("t.csv")}) {
         CAPTURE(result);
         CHECK(vdbPack(pack + result).code == 0);
+    }
+}
+
+TEST_CASE("a recipe runs from any folder", "[cli]") {
+    const TemporaryFolder folder;
+    const auto in = [&folder](const std::string& where, const std::string& command) {
+        return vdbpack::test::shell("cd " + folder.file(where) + " && " + kTool + " " + command);
+    };
+    const auto hashOf = [](const Output& run) {
+        CAPTURE(run.text);
+        REQUIRE(run.code == 0);
+        return nlohmann::json::parse(run.text.substr(run.text.find('{')))["hash"]
+            .get<std::string>();
+    };
+    for (const char* name : {"given", "out", "elsewhere"})
+        std::filesystem::create_directory(folder.file(name));
+    std::ofstream(folder.file("given/sizes.txt")) << "1 0.5\n1.5 0.5\n";
+    std::ofstream(folder.file("given/stand.csv")) << "x,y,z,radius\n0,0,0,2\n";
+    std::ofstream(folder.file("given/holes.csv")) << "x,y,z,a,b\n4,0,0,1,1\n";
+    vdbPack("voids ball:8 --voids boolean --void-count 1 --void-radius constant:1 -o surface:" +
+            folder.file("given/ball.stl"));
+
+    SECTION("one that somebody wrote") {
+        std::ofstream(folder.file("given/r.toml"))
+            << "DOMAIN = 'ball.stl'\nradius = 'table:sizes.txt'\nexisting = 'stand.csv'\n"
+               "voids = 'list:holes.csv'\noutput = ['../out/p.csv', 'yade:../out/p.txt']\n";
+        const std::string hash = hashOf(in("given", "pack --json --config r.toml"));
+        for (const char* name : {"out/p.csv", "out/p.txt"})
+            CHECK(std::filesystem::remove(folder.file(name)));
+        CHECK(hashOf(in("elsewhere", "pack --json --config ../given/r.toml")) == hash);
+        for (const char* name : {"out/p.csv", "out/p.txt"})
+            CHECK(std::filesystem::exists(folder.file(name)));
+        CHECK(std::filesystem::is_empty(folder.file("elsewhere")));
+        // A name on the command line is that of the working folder.
+        CHECK(hashOf(in("elsewhere", "pack --json --config ../given/r.toml -o q.csv")) == hash);
+        CHECK(std::filesystem::exists(folder.file("elsewhere/q.csv")));
+    }
+    SECTION("the one that a run leaves") {
+        const std::string run =
+            "pack ball.stl --radius table:sizes.txt --existing csv:stand.csv --voids "
+            "list:holes.csv --report ../out/p.json --json -o ../out/p.csv -o contacts:c.csv";
+        const std::string hash = hashOf(in("given", run));
+        CHECK(std::filesystem::remove(folder.file("out/p.csv")));
+        CHECK(std::filesystem::remove(folder.file("given/c.csv")));
+        CHECK(hashOf(in("elsewhere", "pack --json --config ../out/p.recipe.toml")) == hash);
+        CHECK(std::filesystem::exists(folder.file("out/p.csv")));
+        CHECK(std::filesystem::exists(folder.file("given/c.csv")));
+        CHECK(std::filesystem::is_empty(folder.file("elsewhere")));
+        // With its files, it may move.
+        std::filesystem::create_directory(folder.file("elsewhere/deep"));
+        for (const char* name : {"given", "out"})
+            std::filesystem::rename(folder.file(name), folder.file("elsewhere/deep") + "/" + name);
+        CHECK(hashOf(in("elsewhere", "pack --json --config deep/out/p.recipe.toml")) == hash);
     }
 }

@@ -424,6 +424,22 @@ TEST_CASE("densities go with the unit of length", "[formats]") {
     REQUIRE_THAT(text, Contains("density in " + name + ";") && Contains(number));
 }
 
+TEST_CASE("densities may go by region", "[formats]") {
+    PackWriteOptions options;
+    options.unit = Unit::meter;
+    options.regionDensity = {{0, 1900}, {1, 1100}};
+    auto pack = touchingRow();
+    pack.region = {0, 1, 0, 2};
+    pack.columns.push_back({"density", {7, 7, 7, 7}, {}});
+    const auto read = readText("p.data", written(pack, options));
+    const auto found = std::find_if(read.columns.begin(), read.columns.end(),
+                                    [](const Column& c) { return c.name == "density"; });
+    REQUIRE(found != read.columns.end());
+    REQUIRE(found->numbers == std::vector<double>{1900, 1100, 1900, kDefaultDensity});
+    options.regionDensity = {{0, -1}};
+    REQUIRE_THROWS_AS(written(pack, options), ParameterError);
+}
+
 TEST_CASE("LAMMPS data files give back spheres, ids and regions, with bonds or without",
           "[formats]") {
     const std::string prefix = GENERATE(as<std::string>{}, "lammps:", "liggghts:", "lammps-bonds:");

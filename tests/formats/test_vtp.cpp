@@ -207,7 +207,7 @@ TEST_CASE("a .vtp without its last tags is refused as cut short", "[formats]") {
     REQUIRE_THAT(errorOf("p.vtp", whole + "more"), Contains("cut short"));
 }
 
-TEST_CASE("an array without a name is told by the tag that it is in", "[formats]") {
+TEST_CASE("messages name an array without a name by the tag around it", "[formats]") {
     const std::string message = errorOf(
         "p.vtp",
         "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"2\"><PointData><DataArray "

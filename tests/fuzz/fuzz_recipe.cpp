@@ -32,7 +32,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                words[3].c_str()};
     try {
         app.parse(4, arguments);
-        recipeText(*pack);
+        recipeText(*pack, "a/b");
     } catch (const CLI::ParseError& e) {
         if (*e.what() == '\0') fuzz::report("an error without a message");
     }

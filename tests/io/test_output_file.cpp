@@ -3,7 +3,9 @@
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/input_file.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/run/outputs.h"
 
 #include <catch2/catch.hpp>
 #include <sys/stat.h>
@@ -138,5 +140,16 @@ TEST_CASE("of several that write one file at once, one leaves its own whole", "[
     }
     for (auto& thread : threads) thread.join();
     CHECK(contentOf(file).size() == 300000);
+    CHECK(filesIn(folder.path()) == 1);
+}
+
+TEST_CASE("a name with a NUL is refused where it would name another file", "[output]") {
+    const TemporaryFolder folder;
+    putContent(folder.file("a.vdb"), "former");
+    const std::string name = folder.file("a.vdb") + std::string(1, '\0') + ".csv";
+    CHECK_THROWS_AS(writeWhole(name, "other"), IoError);
+    CHECK_THROWS_AS(InputFile(name), IoError);
+    CHECK_THROWS_AS(checkFiles({name}, "", {}), IoError);
+    CHECK(contentOf(folder.file("a.vdb")) == "former");
     CHECK(filesIn(folder.path()) == 1);
 }

@@ -23,6 +23,8 @@ const char* const kOutputHelp =
     "solid:FILE.stl selects one), levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that "
     "shows the spheres. Lists: contacts:FILE.csv (pairs in contact), list:FILE.csv (voids)";
 
+const char* const kReportHelp = "write the report as JSON, or as a page for the browser";
+
 const char* const kPackHelp =
     ".vdb (point grid), .csv, .vtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), LAMMPS or "
     "LIGGGHTS data "
@@ -222,13 +224,24 @@ void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("H [automatic]")
         ->check(positive())
         ->group("Domain");
+    auto* cavities =
+        command
+            .add_option("--cavities", domain.cavities,
+                        "closed surface components inside others: keep leaves the cavities in them "
+                        "empty, fill fills them. inner=FILE removes the inside of a second mesh "
+                        "from DOMAIN; outer=FILE,inner=FILE replaces DOMAIN")
+            ->option_text("keep|fill|[outer=FILE,]inner=FILE [keep]")
+            ->group("Domain");
+    // The name and the words of former recipes.
     command
-        .add_option("--shells", domain.shells,
-                    "closed surface components inside others: cavity keeps them empty, solid fills "
-                    "them. inner=FILE removes the inside of a second mesh from DOMAIN; "
-                    "outer=FILE,inner=FILE replaces DOMAIN")
-        ->option_text("cavity|solid|[outer=FILE,]inner=FILE [cavity]")
-        ->group("Domain");
+        .add_option_function<std::string>(
+            "--shells",
+            [&domain](const std::string& text) {
+                domain.cavities = text == "cavity" ? "keep" : text == "solid" ? "fill" : text;
+            },
+            "--cavities")
+        ->excludes(cavities)
+        ->group("");
 }
 
 void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
@@ -246,10 +259,11 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
 
 void addDensityOption(CLI::App& command, std::string& density) {
     command
-        .add_option("--density", density,
-                    "density of the spheres in DEM files, kg/m3; bulk:D: all spheres together "
-                    "weigh as much as the domain at density D")
-        ->option_text("D|bulk:D [1000]")
+        .add_option(
+            "--density", density,
+            "density of the spheres in the files of LAMMPS and LIGGGHTS, kg/m3; 0=D,1=D: by "
+            "region; bulk:D: all spheres together weigh as much as the domain at density D")
+        ->option_text("D|0=D,1=D|bulk:D [1000]")
         ->check(notEmpty())
         ->group("Spheres");
 }
@@ -279,13 +293,13 @@ void addPrinting(CLI::App& command, PrintOptions& print) {
     command.add_flag("--quiet", print.quiet, "print warnings and errors only")->group("Run");
 }
 
-void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
-                   PrintOptions& print) {
-    command.add_option("--seed", seed, "seed of the random numbers")
+void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report, PrintOptions& print,
+                   const std::string& random) {
+    command.add_option("--seed", seed, "seed of the random numbers: " + random)
         ->option_text("S [1]")
         ->transform(wholeNumber(0, std::numeric_limits<std::uint64_t>::max()))
         ->group("Run");
-    addReport(command, report, "write the report as JSON, or as a page for the browser");
+    addReport(command, report, kReportHelp);
     addPrinting(command, print);
 }
 

@@ -14,6 +14,8 @@
 extern const char* const kDomainHelp;
 /// What -o of runs with spheres takes.
 extern const char* const kOutputHelp;
+/// What --report of most runs writes.
+extern const char* const kReportHelp;
 /// What there is to read as a pack.
 extern const char* const kPackHelp;
 
@@ -74,9 +76,9 @@ void addInputPack(CLI::App& command, vdbpack::InputPack& input, const char* name
 void addReport(CLI::App& command, std::string& file, const std::string& help);
 /// --json and --quiet.
 void addPrinting(CLI::App& command, PrintOptions& print);
-/// Options of all runs with one seed.
-void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report,
-                   PrintOptions& print);
+/// Options of all runs with one seed. @param random  what it decides: "of the voids".
+void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report, PrintOptions& print,
+                   const std::string& random);
 void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);
 
 /// What there is to cut: spheres while they are packed, those of a file, or none.

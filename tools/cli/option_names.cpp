@@ -12,6 +12,7 @@ struct OptionName {
 
 /// Fields of the library's recipes and options. Names that several of them share are qualified.
 constexpr OptionName kOptionNames[] = {
+    {"cavities", "--cavities"},
     {"cell", "--void-cell"},
     {"clips", "--clip"},
     {"contactTolerance", "--contact-tol"},
@@ -49,7 +50,6 @@ constexpr OptionName kOptionNames[] = {
     {"scale", "--scale"},
     {"seed", "--seed"},
     {"shell", "--shell"},
-    {"shells", "--shells"},
     {"slice", "--slice"},
     {"table", "--table"},
     {"targetBvtv", "--target-bvtv"},

@@ -5,17 +5,20 @@
 #include "cli/option_groups.h"
 #include "cli/option_names.h"
 #include "cli/recipe.h"
+#include "cli/required_result.h"
 #include "cli/terminal.h"
 #include "cli/usage_error.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/library_versions.h"
+#include "vdbpack/run/recipe_file.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <limits>
 #include <memory>
 #include <type_traits>
@@ -49,17 +52,8 @@ std::string versionText() {
     return text + wrapped(libraries + ", CLI11 " CLI11_VERSION, columnsOf(1), 0, 0) + '\n';
 }
 
-/// A word quoted for a shell, so that a command in a report can be run again.
-std::string shellQuoted(const std::string& word) {
-    const char* plain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
-
-/// Says so in the help. CLI11 cannot tell whether the domain comes from --shells: the run refuses.
+/// Says so in the help. CLI11 cannot tell whether the domain comes from --cavities: the run
+/// refuses.
 void requireDomain(CLI::App& command) {
     command.get_option("--domain")->option_text("DOMAIN (required)");
 }
@@ -105,18 +99,23 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
     addUnit(*command, "--pack-unit", job.packUnit, "unit of --existing, if the file states none");
 }
 
-/// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
-void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
+/// --seed with several seeds, and the table of their runs. @param made  by each: "pack".
+void addSeeds(CLI::App& command, Study& study, const std::string& made) {
     command
-        ->add_option_function<std::string>(
-            "--seed", [&job](const std::string& text) { job.seeds = parseSeeds(text); },
-            "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one pack for each "
-            "seed from one field ({seed} in names of outputs)")
+        .add_option_function<std::string>(
+            "--seed", [&study](const std::string& text) { study.seeds = parseSeeds(text); },
+            "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one " + made +
+                " for each seed in one domain ({seed} in names of outputs)")
         ->option_text("S [1]")
         ->group("Run");
-    command->add_option("--table", job.table, "write a table with one row for each seed")
+    command.add_option("--table", study.table, "write a table with one row for each seed")
         ->option_text("FILE.csv")
         ->group("Run");
+}
+
+/// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
+void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
+    addSeeds(*command, job.study, "pack");
     addThreads(*command, job.threads, "number of threads; the pack does not depend on it");
     addMemoryLimit(*command, job.memoryLimit);
     command
@@ -144,7 +143,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     return command;
 }
 
-CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
+CLI::App* addCommand(CLI::App& app, VoidsJob& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("voids", "make voids and the remaining solid, without spheres");
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
@@ -155,7 +154,9 @@ CLI::App* addCommand(CLI::App& app, VoidsRecipe& job, PrintOptions& print) {
     addDomainOptions(*command, job.domain);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addVoidOptions(*command, job.voids, VoidsIn::nothing);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addSeeds(*command, job.study, "set of voids");
+    addReport(*command, job.reportFile, kReportHelp);
+    addPrinting(*command, print);
     addPreviewOptions(*command, job.preview);
     addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
@@ -170,7 +171,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addDensityOption(*command, job.density);
     requireDomain(*command);
     addVoidOptions(*command, job.voids, VoidsIn::file);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addRunOptions(*command, job.seed, job.reportFile, print, "of the voids");
     addPreviewOptions(*command, job.preview);
     return command;
 }
@@ -187,7 +188,8 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
                "without this option, no sphere is added and only overlaps are removed");
     requireDomain(*command);
     addGap(*command, job.gap);
-    addRunOptions(*command, job.seed, job.reportFile, print);
+    addRunOptions(*command, job.seed, job.reportFile, print,
+                  "of the radii and positions of added spheres, and of exchanges between spheres");
     addPreviewOptions(*command, job.preview);
     return command;
 }
@@ -308,7 +310,7 @@ void add(std::vector<Command>& commands, CLI::App& app, PrintOptions& print) {
 std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     std::vector<Command> commands;
     add<PackJob>(commands, app, print);
-    add<VoidsRecipe>(commands, app, print);
+    add<VoidsJob>(commands, app, print);
     add<CarveRecipe>(commands, app, print);
     add<DensifyRecipe>(commands, app, print);
     add<VerifyRecipe>(commands, app, print);
@@ -339,62 +341,18 @@ void describe(CLI::App& app) {
     app.fallthrough();
 }
 
-/// A file that the run could write: NAME of its input, and what it does.
-std::string offeredFile(const std::string& input, const std::string& suffix, bool circles) {
-    const std::string name = input.substr(input.find_last_of('/') + 1);
-    const auto end = name.find_first_of(".:");
-    return (end == 0 || end == std::string::npos ? std::string("pack") : name.substr(0, end)) +
-           suffix + (circles ? ".csv" : ".vdb");
-}
-
-/// The same for a recipe; empty for commands that print their result.
-template <class Recipe>
-std::string offeredFile(const Recipe& recipe) {
-    const std::string& domain = recipe.domain.source;
-    const bool plane =
-        !recipe.domain.slice.empty() || startsWith(domain, "rect:") || startsWith(domain, "disc:");
-    if constexpr (std::is_same_v<Recipe, PackJob>)
-        return offeredFile(domain, extensionOf(domain) == ".vdb" ? "_pack" : "", plane);
-    else if constexpr (std::is_same_v<Recipe, VoidsRecipe>)
-        return plane ? "list:" + offeredFile(domain, "_voids", true)
-                     : offeredFile(domain, "_voids", false);
-    else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
-        return offeredFile(recipe.pack, "_carved", plane);
-    else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)
-        return offeredFile(recipe.pack, "_denser", plane);
-    else
-        return {};
-}
-
-/// Refuses a run that would compute for minutes and leave nothing.
-template <class Recipe>
-void requireResult(const Recipe& recipe, const PrintOptions& print) {
-    const std::string file = offeredFile(recipe);
-    if (file.empty() || !recipe.outputs.empty() || !recipe.reportFile.empty() ||
-        !recipe.preview.file.empty() || print.json)
-        return;
-    if constexpr (std::is_same_v<Recipe, PackJob>)
-        if (recipe.dryRun || !recipe.table.empty()) return;
-    throw ParameterError(fmt::format(
-        "nothing would be written. Name a file: vdb_pack {} -o {}{}; or ask for a picture "
-        "(--preview FILE.png), a report (--report FILE.html) or its numbers (--json)",
-        recipe.command, shellQuoted(file),
-        std::is_same_v<Recipe, PackJob> ? "; or see what to expect (--dry-run)" : ""));
-}
-
 /// What the options alone do not set in the recipe of the command that was parsed.
-void complete(const Command& command, const PrintOptions& print,
-              const std::vector<std::string>& arguments) {
+void complete(const Command& command, const std::vector<std::string>& arguments) {
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
-            if (domain.source.empty()) domain.source = parseShells(domain.shells).outer;
+            if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
             if (domain.source.empty() && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
-            recipe.optionsText = recipeText(*command.app);
+            const std::filesystem::path left = recipeFileFor(recipe.outputs);
+            recipe.optionsText = recipeText(*command.app, left.parent_path().string());
             for (const auto& word : arguments)
                 recipe.command += (recipe.command.empty() ? "" : " ") + shellQuoted(word);
-            requireResult(recipe, print);
         },
         *command.job);
 }
@@ -431,8 +389,9 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         }
         const auto command = std::find_if(commands.begin(), commands.end(),
                                           [](const Command& c) { return c.app->parsed(); });
-        complete(*command, options.print, arguments);
+        complete(*command, arguments);
         options.job = std::move(*command->job);
+        requireResult(options);
         if (app.get_config_ptr()->count() > 0)
             options.config = app.get_config_ptr()->as<std::string>();
         return options;

@@ -11,16 +11,27 @@
 #include <variant>
 #include <vector>
 
-struct PackJob : vdbpack::PackRecipe {
+/// Runs of one recipe.
+struct Study {
     std::vector<std::uint64_t> seeds{1};  ///< one run each
     std::string table;                    ///< .csv with a row a run; empty: none
+
+    bool isOne() const { return seeds.size() == 1 && table.empty(); }
+};
+
+struct PackJob : vdbpack::PackRecipe {
+    Study study;
     bool dryRun = false;
 };
 
+struct VoidsJob : vdbpack::VoidsRecipe {
+    Study study;
+};
+
 /// The recipe of the command. All have `domain` and the fields of RunSettings.
-using Job = std::variant<PackJob, vdbpack::VoidsRecipe, vdbpack::CarveRecipe,
-                         vdbpack::DensifyRecipe, vdbpack::VerifyRecipe, vdbpack::MeasureRecipe,
-                         vdbpack::ConvertRecipe, vdbpack::MeshRecipe>;
+using Job = std::variant<PackJob, VoidsJob, vdbpack::CarveRecipe, vdbpack::DensifyRecipe,
+                         vdbpack::VerifyRecipe, vdbpack::MeasureRecipe, vdbpack::ConvertRecipe,
+                         vdbpack::MeshRecipe>;
 
 /// How the result is printed.
 struct PrintOptions {

@@ -1,5 +1,6 @@
 #include "cli/recipe.h"
 
+#include "cli/recipe_paths.h"
 #include "cli/suggest.h"
 
 #include "vdbpack/io/text.h"
@@ -39,7 +40,11 @@ bool isPlain(const toml::node& node) {
 
 class Reader {
 public:
-    Reader(const CLI::App& command, std::string file) : command_(command), file_(std::move(file)) {}
+    Reader(const CLI::App& command, std::string file) : command_(command), file_(std::move(file)) {
+        std::error_code ignored;
+        if (std::filesystem::is_regular_file(file_, ignored))
+            folder_ = std::filesystem::path(file_).parent_path().string();
+    }
 
     void readTable(const toml::table& table, bool top) {
         for (const auto& [key, value] : table) {
@@ -90,7 +95,7 @@ private:
         std::string text = textOf(value);
         if (text.find('\0') != std::string::npos)
             fail(value, fmt::format("{}: its text contains the character U+0000; remove it", name));
-        return text;
+        return fromRecipe(name, text, folder_);
     }
     [[noreturn]] void failName(const std::string& name, const toml::node& value) const {
         std::vector<std::string> names;
@@ -106,7 +111,7 @@ private:
     }
 
     const CLI::App& command_;
-    std::string file_;
+    std::string file_, folder_;
     std::vector<CLI::ConfigItem> items_;
 };
 
@@ -198,21 +203,24 @@ std::vector<CLI::ConfigItem> RecipeFormat::from_config(std::istream& input) cons
     }
 }
 
-std::string recipeText(const CLI::App& command) {
+std::string recipeText(const CLI::App& command, const std::string& folder) {
     std::string text = '[' + command.get_name() + "]\n";
     for (const auto* option : command.get_options()) {
         const auto& longs = option->get_lnames();
         const std::string name = longs.empty() ? option->get_name(true) : longs.front();
         if (std::find(std::begin(kPassing), std::end(kPassing), name) != std::end(kPassing))
             continue;
-        if (name == "seed")
+        if (name == "seed") {
             text += "seed = \"{seed}\"\n";
-        else if (option->get_expected_max() == 0)
+        } else if (option->get_expected_max() == 0) {
             text += option->count() > 0 ? name + " = true\n" : "";
-        else if (option->count() > 0)
-            text += name + " = " + tomlValue(option->results()) + '\n';
-        else if (!option->get_default_str().empty())
+        } else if (option->count() > 0) {
+            auto values = option->results();
+            for (auto& value : values) value = forRecipe(name, value, folder);
+            text += name + " = " + tomlValue(values) + '\n';
+        } else if (!option->get_default_str().empty()) {
             text += name + " = " + tomlValue(option->get_default_str()) + '\n';
+        }
     }
     return text;
 }

@@ -8,7 +8,8 @@
 #include <vector>
 
 /// Reads TOML: the options of the running command by their long names, under [command] or at the
-/// top; tables of other commands are passed over.
+/// top; tables of other commands are passed over. Names of files are relative to its folder, unless
+/// it comes from a pipe.
 class RecipeFormat : public CLI::ConfigBase {
 public:
     explicit RecipeFormat(const CLI::App& app) : app_(app) {}
@@ -24,4 +25,6 @@ private:
 /// recipe, and the defaults that decide the result. What only concerns what is printed, how fast
 /// and where the options came from is left out. For `seed`, and in names, {seed} stands for that of
 /// each run.
-std::string recipeText(const CLI::App& command);
+/// @param folder  that the recipe will be in, by which names of files are given; empty: the working
+///                folder.
+std::string recipeText(const CLI::App& command, const std::string& folder);

@@ -30,11 +30,42 @@ std::string withoutValue(const std::string& word) {
     return word.substr(0, word.find('='));
 }
 
+/// What other programs have, and what there is here.
+struct ForeignOption {
+    const char* name;
+    const char* instead;
+};
+constexpr ForeignOption kForeignOptions[] = {
+    {"--periodic", "there are no periodic cells; a box:LX,LY,LZ has walls"},
+    {"--boundary", "there are no periodic cells; a box:LX,LY,LZ has walls"},
+    {"--lattice", "there are no lattices; --order and --effort choose how the front fills"},
+    {"--material",
+     "spheres have no material: --shell sets their region, which is the type in LAMMPS, LIGGGHTS "
+     "and YADE, and --density their density"},
+    {"--materials",
+     "spheres have no material: --shell sets their region, which is the type in LAMMPS, LIGGGHTS "
+     "and YADE, and --density their density"},
+    {"--young", "elastic constants belong to the DEM program; --density is written to its files"},
+    {"--friction", "friction belongs to the DEM program; --density is written to its files"},
+    {"--porosity",
+     "--densify F sets the solid fraction of the spheres, --voids METHOD with --target-bvtv F the "
+     "bone volume fraction"},
+    {"--number", "--target-count N scales the radii so that about N spheres fill the domain"},
+    {"--count", "--target-count N scales the radii so that about N spheres fill the domain"},
+    {"--min-radius", "--radius uniform:A,B sets both ends"},
+    {"--max-radius", "--radius uniform:A,B sets both ends"},
+    {"--format", "the extension of -o FILE chooses the format"},
+};
+
 std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word) {
+    for (const ForeignOption& foreign : kForeignOptions)
+        if (word == foreign.name)
+            return fmt::format("{} is not an option of vdb_pack: {}", word, foreign.instead);
     std::vector<std::string> names;
     for (const CLI::App* a : {&command, &app})
         for (const auto* option : a->get_options())
-            for (const auto& name : option->get_lnames()) names.push_back("--" + name);
+            for (const auto& name : option->get_lnames())
+                if (!option->get_group().empty()) names.push_back("--" + name);
     const std::string like = mostLike(word, names);
     std::string others;
     for (const auto* other : app.get_subcommands({}))

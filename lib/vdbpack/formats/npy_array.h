@@ -26,7 +26,7 @@ public:
     static std::uint64_t headerBytes(const std::string& preamble, const std::string& where);
 
     /// An array without its elements.
-    /// @param header  what stands before the elements.
+    /// @param header  all bytes before the elements.
     /// @param bytes  of the header and the elements together.
     /// @return nothing for arrays that a pack has no use for: objects, records, more than two
     /// dimensions.

@@ -164,9 +164,13 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             fmt::format("voxel edge of the point grid is {} mm; give a positive "
                         "length, or 0 to derive it",
                         options.pointVoxel));
-    if (!(options.particleDensity >= 0) || !std::isfinite(options.particleDensity))
-        throw ParameterError(fmt::format("density of the spheres is {} kg/m³; give a positive one",
-                                         options.particleDensity));
+    const auto checkDensity = [](double density) {
+        if (!(density >= 0) || !std::isfinite(density))
+            throw ParameterError(
+                fmt::format("density of the spheres is {} kg/m³; give a positive one", density));
+    };
+    checkDensity(options.particleDensity);
+    for (const auto& [region, density] : options.regionDensity) checkDensity(density);
     if (options.frame) {
         const Vec<2> size = options.frame->size();
         if (!(size[0] > 0 && size[0] < 1e30 && size[1] > 0 && size[1] < 1e30))

@@ -5,6 +5,8 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +37,8 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
+    /// The same by region (0 where a pack has none); for regions that are not in it the above.
+    std::map<std::int32_t, double> regionDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -117,28 +118,54 @@ double densityIn(double density, Unit unit) {
     return density / std::round(1 / densityUnit(unit).factor);
 }
 
+/// The density of each atom, in the unit that is written.
+class AtomDensities {
+public:
+    AtomDensities(const PackView& pack, const PackWriteOptions& options)
+        : pack_(pack),
+          all_(densityIn(options.particleDensity > 0 ? options.particleDensity : kDefaultDensity,
+                         options.unit)) {
+        for (const auto& [region, density] : options.regionDensity)
+            ofRegions_[region] = densityIn(density, options.unit);
+        if (options.particleDensity > 0 || !ofRegions_.empty()) return;
+        // The densities of an input file are kept, unless others are requested.
+        const Column* given = numbersNamed(pack, "density");
+        if (given && std::all_of(given->numbers.begin(), given->numbers.end(),
+                                 [](double v) { return v > 0 && std::isfinite(v); }))
+            given_ = given;
+    }
+    double operator()(std::size_t i) const {
+        if (given_) return given_->numbers[i];
+        if (ofRegions_.empty()) return all_;
+        const auto found = ofRegions_.find(pack_.region().empty() ? 0 : pack_.region()[i]);
+        return found != ofRegions_.end() ? found->second : all_;
+    }
+    bool areGiven() const { return given_ != nullptr; }
+
+private:
+    const PackView& pack_;
+    const Column* given_ = nullptr;
+    double all_;
+    std::map<std::int32_t, double> ofRegions_;
+};
+
 }  // namespace
 
 void writeLammps(const PackView& pack, const PackWriteOptions& options,
                  const std::vector<Contact>* bonds, OutputFile& out) {
     const AtomIds ids(pack);
     const AtomTypes types(pack);
-    // The densities of an input file are kept, unless another density is requested.
-    const Column* densities = options.particleDensity > 0 ? nullptr : numbersNamed(pack, "density");
-    if (densities && !std::all_of(densities->numbers.begin(), densities->numbers.end(),
-                                  [](double v) { return v > 0 && std::isfinite(v); }))
-        densities = nullptr;
-    const double density = densityIn(
-        options.particleDensity > 0 ? options.particleDensity : kDefaultDensity, options.unit);
+    const AtomDensities densities(pack, options);
 
     std::string title = oneLine(options.generator).substr(0, 60);
     if (!title.empty()) title += "; ";
     title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
                          ids.meaning());
     if (types.meaning()) title += fmt::format("; {}", types.meaning());
-    title += fmt::format(
-        "; density {}",
-        densities ? "as it was given" : fmt::format("in {}", densityUnit(options.unit).name));
+    title +=
+        fmt::format("; density {}", densities.areGiven()
+                                        ? "as it was given"
+                                        : fmt::format("in {}", densityUnit(options.unit).name));
     title = title.substr(0, kTitleLength - 30) +
             fmt::format("; {}{}", kUnitComment, unitName(options.unit));
 
@@ -167,7 +194,7 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
         if (bonds)
             for (const double c : p) number(c);
         number(2 * pack.radius(i));
-        number(densities ? densities->numbers[i] : density);
+        number(densities(i));
         if (bonds)
             text += " 0";  // of no molecule
         else

@@ -68,11 +68,11 @@ const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& soli
 
 }  // namespace
 
-ShellChoice parseShells(const std::string& text) {
-    ShellChoice choice;
-    if (text.empty() || text == "cavity") return choice;
-    if (text == "solid") {
-        choice.solid = true;
+CavityChoice parseCavities(const std::string& text) {
+    CavityChoice choice;
+    if (text.empty() || text == "keep") return choice;
+    if (text == "fill") {
+        choice.fill = true;
         return choice;
     }
     const std::string outer = "outer=", inner = "inner=";
@@ -85,31 +85,31 @@ ShellChoice parseShells(const std::string& text) {
     }
     if (rest.rfind(inner, 0) == 0) choice.inner = rest.substr(inner.size());
     if (choice.inner.empty() || (text.rfind(outer, 0) == 0 && choice.outer.empty()))
-        throw ParameterError("`shells` " + text +
-                             ": write cavity, solid, inner=FILE or outer=FILE,inner=FILE");
+        throw ParameterError("`cavities` " + text +
+                             ": write keep, fill, inner=FILE or outer=FILE,inner=FILE");
     return choice;
 }
 
 std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
-    return {recipe.source, parseShells(recipe.shells).inner};
+    return {recipe.source, parseCavities(recipe.cavities).inner};
 }
 
 TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                             std::shared_ptr<const RepairReport>& report) {
-    const ShellChoice shells = parseShells(recipe.shells);
-    const NestedShells nested = shells.solid ? NestedShells::solid : NestedShells::cavity;
+    const CavityChoice cavities = parseCavities(recipe.cavities);
+    const NestedShells nested = cavities.fill ? NestedShells::solid : NestedShells::cavity;
     const std::string& file = recipe.source;
-    if (!shells.outer.empty() && shells.outer != file)
+    if (!cavities.outer.empty() && cavities.outer != file)
         throw ParameterError(
-            fmt::format("`shells` names {} as the outer surface and the domain is {}: "
+            fmt::format("`cavities` names {} as the outer surface and the domain is {}: "
                         "give one of the two",
-                        shells.outer, file));
+                        cavities.outer, file));
     TriangleMesh mesh = readOne(recipe, file, nested, callbacks, report);
-    if (shells.solid) return outermostOf(std::move(mesh));
-    if (shells.inner.empty()) return mesh;
+    if (cavities.fill) return outermostOf(std::move(mesh));
+    if (cavities.inner.empty()) return mesh;
 
     std::shared_ptr<const RepairReport> innerReport;
-    const TriangleMesh inner = readOne(recipe, shells.inner, nested, callbacks, innerReport);
+    const TriangleMesh inner = readOne(recipe, cavities.inner, nested, callbacks, innerReport);
     const Vec<3>* stray = strayVertex(inner, mesh, true);
     const bool outside = stray != nullptr;
     if (!stray) stray = strayVertex(mesh, inner, false);
@@ -118,11 +118,11 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
         throw InputError(fmt::format(
             "{}: protrudes from {}: the {} surface has a point at ({:.6g}, {:.6g}, {:.6g}) {} the "
             "other; set `repair` to subtract the inner volume from the outer one",
-            shells.inner, file, outside ? "inner" : "outer", (*stray)[0], (*stray)[1], (*stray)[2],
-            outside ? "outside" : "inside"));
+            cavities.inner, file, outside ? "inner" : "outer", (*stray)[0], (*stray)[1],
+            (*stray)[2], outside ? "outside" : "inside"));
     RepairOptions options;
     options.voxelSize = recipe.repairVoxel;
-    options.name = shells.inner;
+    options.name = cavities.inner;
     RepairedMesh cut = subtractMesh(mesh, inner, options, callbacks);
     if (report) cut.report.before = report->before;
     report = std::make_shared<const RepairReport>(cut.report);

@@ -165,11 +165,11 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     if (recipe.threshold && !levelSet)
         callbacks.warn(
             fmt::format("`threshold` {:g} has no effect: {} is no .vdb", *recipe.threshold, text));
-    if (levelSet && (recipe.repair || !recipe.shells.empty()))
-        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a level set");
+    if (levelSet && (recipe.repair || !recipe.cavities.empty()))
+        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a level set");
     if (source.isFile()) return;
-    if (recipe.repair || !recipe.shells.empty())
-        callbacks.warn("`repair` and `shells` have no effect: " + text + " is a shape");
+    if (recipe.repair || !recipe.cavities.empty())
+        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
     if (recipe.unit != Unit::millimeter)
         callbacks.warn("`unit` has no effect: " + text + " is a shape, in mm");
     if (recipe.voxelSize > 0)

@@ -30,17 +30,18 @@ struct DomainRecipe {
     double voxelSize = 0;             ///< mm; 0: chosen
     bool repair = false;              ///< the mesh, by repair/mesh_repair.h
     double repairVoxel = 0;           ///< mm; 0: chosen
-    /// "cavity" (closed shells inside others bound cavities; also the meaning of ""), "solid" (they
-    /// mean nothing), or "[outer=FILE,]inner=FILE": the inside of one mesh without that of another.
-    std::string shells;
+    /// What lies inside closed components of the surface that are inside others: "keep" (empty;
+    /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
+    /// without that of another.
+    std::string cavities;
 };
 
-/// The meaning of `DomainRecipe::shells`. @throws ParameterError if malformed.
-struct ShellChoice {
-    bool solid = false;
+/// The meaning of `DomainRecipe::cavities`. @throws ParameterError if malformed.
+struct CavityChoice {
+    bool fill = false;
     std::string outer, inner;  ///< files; empty: none
 };
-ShellChoice parseShells(const std::string& text);
+CavityChoice parseCavities(const std::string& text);
 
 /// The files that a domain is read from; a shape stands for itself.
 std::vector<std::string> domainInputs(const DomainRecipe& recipe);

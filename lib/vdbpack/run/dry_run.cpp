@@ -4,8 +4,8 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/clock.h"
-#include "vdbpack/run/pack_each.h"
 #include "vdbpack/run/pack_plan.h"
+#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>

@@ -5,11 +5,11 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/write_blender.h"
-#include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/run/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
@@ -19,6 +19,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -260,31 +261,6 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
     }
 }
 
-double particleDensity(const std::string& text, std::optional<double> solidFraction) {
-    if (text.empty()) return 0;
-    constexpr std::string_view kBulk = "bulk:";
-    const bool isBulk = startsWith(text, kBulk);
-    const std::string number = isBulk ? text.substr(kBulk.size()) : text;
-    double value = 0;
-    if (!parseReal(number, value) || !(value > 0) || !std::isfinite(value))
-        throw ParameterError(fmt::format(
-            "`density` '{}': write the density of the spheres in kg/m³ (1900), or bulk:D "
-            "with the mass of all spheres divided by the volume of the domain (bulk:1100)",
-            text));
-    if (!isBulk) return value;
-    if (!solidFraction)
-        throw ParameterError(fmt::format(
-            "`density` {}: a bulk density is that of a domain; give one with `domain`", text));
-    if (!(*solidFraction > 0))
-        throw ParameterError(
-            fmt::format("`density` {}: no sphere lies in the domain to carry its mass", text));
-    return value / *solidFraction;
-}
-
-void checkDensity(const std::string& text) {
-    particleDensity(text, 1.0);
-}
-
 template <int Dim>
 std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
     const Target target = targetOf(output);
@@ -361,6 +337,7 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     std::vector<std::string> files;
     RunOutputs<Dim> all = have;
     all.volume = volumeAmong(outputs);
+    if (have.pack) warnOfMissingDensities(*have.pack, have.options.regionDensity, callbacks);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);
         if (have.pack) warnOfIds(targetOf(output), *have.pack, callbacks);

@@ -52,16 +52,6 @@ enum class RunKind {
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
                       int dim = 0);
 
-/// Density of the spheres from the text of `density`, kg/m³: a number, or bulk:D, the mass of all
-/// spheres by the volume of the domain (2D: with area fractions, for discs).
-/// @param solidFraction  of the spheres in the domain; nothing if there is none.
-/// @return 0 for an empty text.
-/// @throws ParameterError for anything else, or bulk:D without a solid fraction.
-double particleDensity(const std::string& text, std::optional<double> solidFraction);
-
-/// The same without knowing the solid fraction yet. @throws ParameterError
-void checkDensity(const std::string& text);
-
 /// What a run has to write.
 template <int Dim>
 struct RunOutputs {

@@ -72,12 +72,11 @@ std::string withSeed(std::string name, std::uint64_t seed) {
     return name;
 }
 
-PackRecipe recipeForSeed(PackRecipe recipe, std::uint64_t seed) {
-    recipe.seed = seed;
-    for (auto& output : recipe.outputs) output = withSeed(output, seed);
-    recipe.reportFile = withSeed(recipe.reportFile, seed);
-    recipe.preview.file = withSeed(recipe.preview.file, seed);
-    return recipe;
+void setSeed(RunSettings& settings, std::uint64_t seed) {
+    settings.seed = seed;
+    for (auto& output : settings.outputs) output = withSeed(output, seed);
+    settings.reportFile = withSeed(settings.reportFile, seed);
+    settings.preview.file = withSeed(settings.preview.file, seed);
 }
 
 double parseDensify(const std::string& text) {

@@ -44,8 +44,15 @@ std::vector<std::uint64_t> parseSeeds(const std::string& text);
 /// `name` with each {seed} replaced.
 std::string withSeed(std::string name, std::uint64_t seed);
 
-/// The recipe of the pack with one of several seeds: {seed} in names of files is replaced.
-PackRecipe recipeForSeed(PackRecipe recipe, std::uint64_t seed);
+/// Sets the seed, and puts it in place of {seed} in names of files.
+void setSeed(RunSettings& settings, std::uint64_t seed);
+
+/// The recipe of a run with one of several seeds.
+template <class Recipe>
+Recipe recipeForSeed(Recipe recipe, std::uint64_t seed) {
+    setSeed(recipe, seed);
+    return recipe;
+}
 
 /// "max" as infinity, or a solid fraction from above 0 to below 1.
 /// @throws ParameterError for anything else.

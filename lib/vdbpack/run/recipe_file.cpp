@@ -66,7 +66,7 @@ std::string recipeFileFor(const std::vector<std::string>& outputs) {
 
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report) {
     std::string text = fmt::format(
-        "{} {}: this repeats the run, from the folder that it was started in\n"
+        "{} {}: this repeats the run; names of files are relative to this one\n"
         "#   vdb_pack {} --config {}\n",
         kMark, report.version, report.task, shellWord(file));
     if (report.interrupted)

@@ -67,7 +67,7 @@ public:
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
         if (domain.repair) add("--repair", "yes");
         add("--repair-voxel", domain.repairVoxel, " mm");
-        add("--shells", domain.shells);
+        add("--cavities", domain.cavities);
     }
     void add(const char* name, const InputPack& input, const Report& report) {
         add(name, input.pack);

@@ -7,6 +7,7 @@
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -68,7 +69,9 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
         requireResources(extent, recipe);
     }
     callbacks.stopIfCancelled();
-    write.particleDensity = particleDensity(recipe.density, solid);
+    const SphereDensity density = particleDensity(recipe.density, solid);
+    write.particleDensity = density.all;
+    write.regionDensity = density.ofRegions;
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();
     result.hash = packHash(pack);

@@ -5,10 +5,10 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/pack_each.h"
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>

@@ -3,6 +3,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 
 #include <utility>
@@ -36,27 +37,44 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
 
 }  // namespace
 
-RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& caller) {
-    checkVoids(recipe.voids, false, false);
-    if (recipe.voids.empty())
+void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& caller,
+               const std::function<bool(RunResult&&)>& done) {
+    const VoidsRecipe& first = recipes.front();
+    checkVoids(first.voids, false, false);
+    if (first.voids.empty())
         throw ParameterError(
             "there are no voids; set how `voids` are made (grid, overlay, boolean or list:FILE)");
-    auto inputs = voidInputs(recipe.voids);
-    for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
-    checkSettings(recipe, RunKind::voids, recipe.voids, inputs);
-    const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
-    Report report = begunReport(recipe, "voids", recipe.domain.source);
-    report.seed = recipe.seed;
-    return withThreads(recipe.threads, [&] {
+    auto inputs = voidInputs(first.voids);
+    for (auto& file : domainInputs(first.domain)) inputs.push_back(std::move(file));
+    for (const auto& recipe : recipes) checkSettings(recipe, RunKind::voids, recipe.voids, inputs);
+    const Callbacks callbacks = withinMemory(caller, first.memoryLimit);
+    Report report = begunReport(first, "voids", first.domain.source);
+    withThreads(first.threads, [&] {
         Clock clock;
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
-        const DomainSource source(recipe.domain, heard);
+        const DomainSource source(first.domain, heard);
         report.seconds.mesh = clock.lap();
-        warnOfUnused(recipe.domain, source, heard);
-        checkOutputKinds(recipe.outputs, RunKind::voids, recipe.voids, source.dim());
-        return source.dim() == 3 ? cutDomain<3>(recipe, source, report, clock, callbacks)
-                                 : cutDomain<2>(recipe, source, report, clock, callbacks);
+        warnOfUnused(first.domain, source, heard);
+        checkOutputKinds(first.outputs, RunKind::voids, first.voids, source.dim());
+        for (const auto& recipe : recipes) {
+            report.seed = recipe.seed;
+            if (!done(source.dim() == 3 ? cutDomain<3>(recipe, source, report, clock, callbacks)
+                                        : cutDomain<2>(recipe, source, report, clock, callbacks)))
+                return;
+            // Seconds spent once are reported once.
+            report.seconds = {};
+            clock = Clock();
+        }
     });
+}
+
+RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks) {
+    RunResult result;
+    voidsEach({recipe}, callbacks, [&result](RunResult&& run) {
+        result = std::move(run);
+        return true;
+    });
+    return result;
 }
 
 }  // namespace vdbpack

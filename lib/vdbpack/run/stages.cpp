@@ -7,6 +7,7 @@
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -170,7 +171,10 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.unit = run.settings.outUnit;
     write.generator =
         "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : "");
-    write.particleDensity = particleDensity(run.settings.density, run.report.solidFractionTotal);
+    const SphereDensity density =
+        particleDensity(run.settings.density, run.report.solidFractionTotal);
+    write.particleDensity = density.all;
+    write.regionDensity = density.ofRegions;
     write.levelSets = run.voids.levelSets();
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&

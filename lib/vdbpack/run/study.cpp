@@ -4,46 +4,62 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/outputs.h"
-#include "vdbpack/run/pack_each.h"
+#include "vdbpack/run/run_each.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace vdbpack {
 
-StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
-                     const std::string& table, const Callbacks& callbacks) {
-    if (seeds.empty()) throw ParameterError("there are no seeds; give at least one");
-    std::vector<PackRecipe> recipes;
-    for (const std::uint64_t seed : seeds) {
-        recipes.push_back(recipeForSeed(recipe, seed));
-    }
-    if (seeds.size() > 1)
-        for (const std::string& name : recipe.outputs)
-            if (withSeed(name, 1) == name)
-                throw ParameterError(name + ": each seed would replace it; name it with {seed}");
-    if (seeds.size() > 1 && !recipe.reportFile.empty() &&
-        withSeed(recipe.reportFile, 1) == recipe.reportFile)
-        throw ParameterError("`reportFile` " + recipe.reportFile +
+namespace {
+
+using Each = std::function<bool(RunResult&&)>;
+
+void requireSeedInNames(const RunSettings& settings) {
+    const auto shared = [](const std::string& name) {
+        return !name.empty() && withSeed(name, 1) == name;
+    };
+    for (const std::string& name : settings.outputs)
+        if (shared(name))
+            throw ParameterError(name + ": each seed would replace it; name it with {seed}");
+    if (shared(settings.reportFile))
+        throw ParameterError("`reportFile` " + settings.reportFile +
                              ": each seed would replace it; name it with {seed}, or set "
                              "`table` FILE.csv");
-    if (seeds.size() > 1 && !recipe.preview.file.empty() &&
-        withSeed(recipe.preview.file, 1) == recipe.preview.file)
-        throw ParameterError("`preview.file` " + recipe.preview.file +
+    if (shared(settings.preview.file))
+        throw ParameterError("`preview.file` " + settings.preview.file +
                              ": each seed would replace it; name it with {seed}");
+}
+
+void checkTable(const std::string& table) {
+    if (extensionOf(table) != ".csv")
+        throw ParameterError("`table` " + table + ": tables are CSV; name it .csv");
+    if (withSeed(table, 1) != table)
+        throw ParameterError("`table` " + table + ": one table holds all seeds; leave {seed}");
+}
+
+/// @param inputs  that neither the outputs nor the table may replace.
+/// @param runEach  makes the runs of all recipes.
+template <class Recipe, class RunEach>
+StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds,
+                   const std::string& table, const std::vector<std::string>& inputs,
+                   const RunEach& runEach) {
+    if (seeds.empty()) throw ParameterError("there are no seeds; give at least one");
+    std::vector<Recipe> recipes;
+    for (const std::uint64_t seed : seeds) recipes.push_back(recipeForSeed(recipe, seed));
+    if (seeds.size() > 1) requireSeedInNames(recipe);
     std::optional<OutputFile> file;
     if (!table.empty()) {
-        if (extensionOf(table) != ".csv")
-            throw ParameterError("`table` " + table + ": tables are CSV; name it .csv");
-        if (withSeed(table, 1) != table)
-            throw ParameterError("`table` " + table + ": one table holds all seeds; leave {seed}");
+        checkTable(table);
         for (const auto& r : recipes)
-            checkFiles(r.outputs, r.reportFile, {r.domain.source, r.existing},
-                       {r.preview.file, table});
+            checkFiles(r.outputs, r.reportFile, inputs, {r.preview.file, table});
         file.emplace(table);
     }
     StudyResult study;
@@ -53,7 +69,7 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
         file->commit();
     };
     try {
-        packEach(recipes, callbacks, [&](RunResult&& run) {
+        runEach(recipes, [&](RunResult&& run) {
             study.passed = study.passed && run.passed;
             study.interrupted = run.report.interrupted;
             // Of an interrupted run no figure would compare with the others.
@@ -69,69 +85,192 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
     return study;
 }
 
-std::string studyTable(const std::vector<Report>& reports) {
-    std::string text =
-        "seed,hash,count,radius_mean,ks,ks_volume,solid_total,solid_interior,contacts_mean,"
-        "few_contacts_share,largest_component,overlap_max,overlap_pairs,gap_min,protrusion_max,"
-        "protrusion_spheres,seconds_pack,seconds_total\n";
-    const auto number = [](const std::optional<double>& v) {
-        return v ? fmt::format("{:.10g}", *v) : std::string();
+/// A figure of the runs.
+struct Figure {
+    const char* name;
+    std::function<std::optional<double>(const Report&)> of;
+    const char* form = "{:.10g}";
+};
+
+std::function<std::optional<double>(const Report&)> ofContacts(double ContactNetwork::*value) {
+    return [value](const Report& r) {
+        return r.contacts ? std::make_optional((*r.contacts).*value) : std::nullopt;
     };
+}
+
+template <class Value>
+std::function<std::optional<double>(const Report&)> ofVoids(Value VoidReport::*value) {
+    return [value](const Report& r) -> std::optional<double> {
+        if (!r.voids) return std::nullopt;
+        if constexpr (std::is_same_v<Value, std::uint64_t>)
+            return static_cast<double>((*r.voids).*value);
+        else
+            return (*r.voids).*value;
+    };
+}
+
+/// Spheres in the shell, or deeper.
+std::function<std::optional<double>(const Report&)> ofRegion(bool inShell) {
+    return [inShell](const Report& r) -> std::optional<double> {
+        if (!r.voids || !(r.voids->shell > 0) || r.task == "voids") return std::nullopt;
+        const std::uint64_t cortical = r.voids->cortical;
+        return static_cast<double>(inShell ? cortical : r.count - cortical);
+    };
+}
+
+const std::vector<Figure>& figures() {
+    using R = const Report&;
+    using Value = std::optional<double>;
+    const auto ofSpheres = [](const std::function<double(R)>& value) {
+        return [value](R r) { return r.task == "voids" ? Value() : Value(value(r)); };
+    };
+    static const std::vector<Figure> all{
+        {"count", ofSpheres([](R r) { return static_cast<double>(r.count); })},
+        {"radius_mean", ofSpheres([](R r) { return r.radius.mean; })},
+        {"ks", [](R r) { return r.ks; }},
+        {"ks_volume", [](R r) { return r.ksByVolume; }},
+        {"solid_total", [](R r) { return r.solidFractionTotal; }},
+        {"solid_interior", [](R r) { return r.solidFractionInterior; }},
+        {"contacts_mean", ofContacts(&ContactNetwork::mean)},
+        {"few_contacts_share", ofContacts(&ContactNetwork::fewShare)},
+        {"largest_component", ofContacts(&ContactNetwork::largestComponent)},
+        {"overlap_max", [](R r) { return r.overlap ? Value(r.overlap->max) : Value(); }},
+        {"overlap_pairs",
+         [](R r) { return r.overlap ? Value(static_cast<double>(r.overlap->pairs)) : Value(); }},
+        {"gap_min", [](R r) { return r.smallestGap; }},
+        {"protrusion_max", [](R r) { return r.protrusion ? Value(r.protrusion->max) : Value(); }},
+        {"protrusion_spheres",
+         [](R r) {
+             return r.protrusion ? Value(static_cast<double>(r.protrusion->spheres)) : Value();
+         }},
+        {"voids", ofVoids(&VoidReport::count)},
+        {"bvtv", ofVoids(&VoidReport::bvtv)},
+        {"culled", ofVoids(&VoidReport::culled)},
+        {"cortical", ofRegion(true)},
+        {"trabecular", ofRegion(false)},
+        {"solid_attached", ofVoids(&VoidReport::solidAttached)},
+        {"spheres_attached", ofVoids(&VoidReport::spheresAttached)},
+        {"seconds_pack", ofSpheres([](R r) { return r.seconds.pack; }), "{:.4f}"},
+        {"seconds_total", [](R r) { return r.seconds.total; }, "{:.4f}"}};
+    return all;
+}
+
+std::optional<double> figureOf(const std::string& name, const Report& report) {
+    for (const Figure& figure : figures())
+        if (name == figure.name) return figure.of(report);
+    return std::nullopt;
+}
+
+}  // namespace
+
+StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks) {
+    return runsOf(
+        recipe, seeds, table, {recipe.domain.source, recipe.existing},
+        [&](const auto& recipes, const Each& done) { packEach(recipes, callbacks, done); });
+}
+
+StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks) {
+    return runsOf(
+        recipe, seeds, table, {recipe.domain.source},
+        [&](const auto& recipes, const Each& done) { voidsEach(recipes, callbacks, done); });
+}
+
+std::string studyTable(const std::vector<Report>& reports) {
+    std::string text = "seed,hash";
+    for (const Figure& figure : figures()) text += std::string(",") + figure.name;
+    text += '\n';
     for (const Report& r : reports) {
-        const auto contacts = [&](double ContactNetwork::*value) {
-            return r.contacts ? std::make_optional((*r.contacts).*value) : std::nullopt;
-        };
-        text += fmt::format(
-            "{},{},{},{:.10g},{},{},{},{},{},{},{},{},{},{},{},{},{:.4f},{:.4f}\n", r.seed,
-            hashText(r.hash), r.count, r.radius.mean, number(r.ks), number(r.ksByVolume),
-            number(r.solidFractionTotal), number(r.solidFractionInterior),
-            number(contacts(&ContactNetwork::mean)), number(contacts(&ContactNetwork::fewShare)),
-            number(contacts(&ContactNetwork::largestComponent)),
-            number(r.overlap ? std::make_optional(r.overlap->max) : std::nullopt),
-            r.overlap ? std::to_string(r.overlap->pairs) : "", number(r.smallestGap),
-            number(r.protrusion ? std::make_optional(r.protrusion->max) : std::nullopt),
-            r.protrusion ? std::to_string(r.protrusion->spheres) : "", r.seconds.pack,
-            r.seconds.total);
+        text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
+        for (const Figure& figure : figures()) {
+            const auto value = figure.of(r);
+            text += ',' + (value ? fmt::format(fmt::runtime(figure.form), *value) : "");
+        }
+        text += '\n';
     }
     return text;
 }
 
-std::string summary(const StudyResult& study) {
-    const char* form = "{:>8} {:>9} {:>7} {:>8} {:>8} {:>8} {:>7} {:>17}\n";
-    std::string text = fmt::format(fmt::runtime(form), "seed", "spheres", "solid", "interior", "ks",
-                                   "contacts", "pack, s", "hash");
-    struct Sum {
-        double n = 0, sum = 0, squares = 0;
-        void add(double v) { n += 1, sum += v, squares += v * v; }
-        std::string mean(const char* number) const {
-            return n > 0 ? fmt::format(fmt::runtime(number), sum / n) : "-";
-        }
-        std::string sd(const char* number) const {
-            if (n < 2) return "-";
-            const double variance = std::max(0.0, (squares - sum * sum / n) / (n - 1));
-            return fmt::format(fmt::runtime(number), std::sqrt(variance));
-        }
-    } count, total, interior, ks, contacts;
-    for (const Report& r : study.reports) {
-        const auto cell = [](const std::optional<double>& v, Sum& sum, const char* number) {
-            if (v) sum.add(*v);
-            return v ? fmt::format(fmt::runtime(number), *v) : std::string("-");
-        };
-        count.add(static_cast<double>(r.count));
-        const auto mean = r.contacts ? std::make_optional(r.contacts->mean) : std::nullopt;
-        text += fmt::format(fmt::runtime(form), r.seed, r.count,
-                            cell(r.solidFractionTotal, total, "{:.4f}"),
-                            cell(r.solidFractionInterior, interior, "{:.4f}"),
-                            cell(r.ks, ks, "{:.5f}"), cell(mean, contacts, "{:.3f}"),
-                            fmt::format("{:.2f}", r.seconds.pack), hashText(r.hash));
-    }
-    const auto row = [&](const char* name, std::string (Sum::*value)(const char*) const) {
-        text += fmt::format(fmt::runtime(form), name, (count.*value)("{:.1f}"),
-                            (total.*value)("{:.4f}"), (interior.*value)("{:.4f}"),
-                            (ks.*value)("{:.5f}"), (contacts.*value)("{:.3f}"), "", "");
+namespace {
+
+/// A column of the summary.
+struct SummaryColumn {
+    const char* title;
+    const char* figure;  ///< its name
+    const char* form;
+    int width;
+};
+
+std::vector<SummaryColumn> summaryColumns(const std::vector<Report>& reports) {
+    const auto any = [&](const char* figure) {
+        return std::any_of(reports.begin(), reports.end(),
+                           [&](const Report& r) { return figureOf(figure, r).has_value(); });
     };
-    row("mean", &Sum::mean);
-    row("sd", &Sum::sd);
+    const bool spheres = reports.empty() || any("count"), voids = any("bvtv");
+    if (!spheres)
+        return {{"voids", "voids", "{:.0f}", 9},
+                {"BV/TV", "bvtv", "{:.4f}", 8},
+                {"attached", "solid_attached", "{:.4f}", 9},
+                {"total, s", "seconds_total", "{:.2f}", 9}};
+    std::vector<SummaryColumn> columns{{"spheres", "count", "{:.0f}", 9},
+                                       {"solid", "solid_total", "{:.4f}", 7}};
+    if (voids)
+        columns.push_back({"BV/TV", "bvtv", "{:.4f}", 8});
+    else
+        columns.push_back({"interior", "solid_interior", "{:.4f}", 8});
+    if (any("cortical"))
+        columns.push_back({"cortical", "cortical", "{:.0f}", 8});
+    else
+        columns.push_back({"ks", "ks", "{:.5f}", 8});
+    if (voids)
+        columns.push_back({"connected", "largest_component", "{:.4f}", 9});
+    else
+        columns.push_back({"contacts", "contacts_mean", "{:.3f}", 8});
+    columns.push_back({"pack, s", "seconds_pack", "{:.2f}", 7});
+    return columns;
+}
+
+/// Mean and standard deviation, where there is any value.
+std::array<std::optional<double>, 2> spreadOf(const char* figure,
+                                              const std::vector<Report>& reports) {
+    double n = 0, sum = 0, squares = 0;
+    for (const Report& r : reports)
+        if (const auto value = figureOf(figure, r)) {
+            n += 1;
+            sum += *value;
+            squares += *value * *value;
+        }
+    std::array<std::optional<double>, 2> spread;
+    if (n > 0) spread[0] = sum / n;
+    if (n > 1) spread[1] = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)));
+    return spread;
+}
+
+}  // namespace
+
+std::string summary(const StudyResult& study) {
+    const auto columns = summaryColumns(study.reports);
+    const auto cell = [](const SummaryColumn& c, const std::optional<double>& value) {
+        return fmt::format(" {:>{}}", value ? fmt::format(fmt::runtime(c.form), *value) : "-",
+                           c.width);
+    };
+    std::string text = fmt::format("{:>8}", "seed");
+    const bool spheres = columns.front().figure == std::string("count");
+    for (const auto& c : columns) text += fmt::format(" {:>{}}", c.title, c.width);
+    text += spheres ? fmt::format(" {:>17}\n", "hash") : "\n";
+    for (const Report& r : study.reports) {
+        text += fmt::format("{:>8}", r.seed);
+        for (const auto& c : columns) text += cell(c, figureOf(c.figure, r));
+        text += spheres ? fmt::format(" {:>17}\n", hashText(r.hash)) : "\n";
+    }
+    std::string means = fmt::format("{:>8}", "mean"), deviations = fmt::format("{:>8}", "sd");
+    for (const auto& c : columns) {
+        const auto [mean, deviation] = spreadOf(c.figure, study.reports);
+        means += cell(c, mean);
+        deviations += cell(c, deviation);
+    }
+    text += means + '\n' + deviations + '\n';
     if (study.interrupted) text += fmt::format("interrupted after {} runs\n", study.reports.size());
     return text;
 }

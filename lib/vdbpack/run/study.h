@@ -1,4 +1,4 @@
-// Packs of one recipe with several seeds, and what they have in common.
+// Runs of one recipe with several seeds, and what they have in common.
 #pragma once
 
 #include "vdbpack/run/run.h"
@@ -21,6 +21,9 @@ struct StudyResult {
 /// @param table   .csv with a row a run (`studyTable`); empty: none.
 /// @throws as runPack; ParameterError for names that runs would share.
 StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
+                     const std::string& table, const Callbacks& callbacks = {});
+/// The same of voids, as `runVoids` makes them; the domain is read once.
+StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks = {});
 
 /// CSV: a line of names, then a line a report; cells without a value are empty.

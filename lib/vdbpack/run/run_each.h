@@ -1,4 +1,4 @@
-// Private to runs: packs in one domain.
+// Private to runs: several runs in one domain.
 #pragma once
 
 #include "vdbpack/run/run.h"
@@ -14,6 +14,12 @@ namespace vdbpack {
 /// @throws as runPack.
 void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks,
               const std::function<bool(RunResult&&)>& done);
+
+/// Voids for each of the recipes, which differ in seed and outputs alone; the domain is read once.
+/// @param done  receives each result and returns whether to continue.
+/// @throws as runVoids.
+void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& callbacks,
+               const std::function<bool(RunResult&&)>& done);
 
 /// Packs for one recipe, in its domain as it was read. @throws as runPack; Interrupted.
 RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks);

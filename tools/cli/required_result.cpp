@@ -1,0 +1,72 @@
+#include "cli/required_result.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <type_traits>
+#include <variant>
+
+using namespace vdbpack;
+
+std::string shellQuoted(const std::string& word) {
+    const char* plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
+    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
+    std::string quoted = "'";
+    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return quoted + "'";
+}
+
+namespace {
+
+/// A file that the run could write: NAME of its input, and what it does.
+std::string offeredFile(const std::string& input, const std::string& suffix, bool circles) {
+    const std::string name = input.substr(input.find_last_of('/') + 1);
+    const auto end = name.find_first_of(".:");
+    return (end == 0 || end == std::string::npos ? std::string("pack") : name.substr(0, end)) +
+           suffix + (circles ? ".csv" : ".vdb");
+}
+
+/// The same for a recipe; empty for commands that print their result.
+template <class Recipe>
+std::string offeredFile(const Recipe& recipe) {
+    const std::string& domain = recipe.domain.source;
+    const bool plane =
+        !recipe.domain.slice.empty() || startsWith(domain, "rect:") || startsWith(domain, "disc:");
+    if constexpr (std::is_same_v<Recipe, PackJob>)
+        return offeredFile(domain, extensionOf(domain) == ".vdb" ? "_pack" : "", plane);
+    else if constexpr (std::is_same_v<Recipe, VoidsJob>)
+        return plane ? "list:" + offeredFile(domain, "_voids", true)
+                     : offeredFile(domain, "_voids", false);
+    else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
+        return offeredFile(recipe.pack, "_carved", plane);
+    else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)
+        return offeredFile(recipe.pack, "_denser", plane);
+    else
+        return {};
+}
+
+template <class Recipe>
+void requireResult(const Recipe& recipe, const PrintOptions& print) {
+    const std::string file = offeredFile(recipe);
+    if (file.empty() || !recipe.outputs.empty() || !recipe.reportFile.empty() ||
+        !recipe.preview.file.empty() || print.json)
+        return;
+    if constexpr (std::is_same_v<Recipe, PackJob>)
+        if (recipe.dryRun) return;
+    if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VoidsJob>)
+        if (!recipe.study.table.empty()) return;
+    throw ParameterError(fmt::format(
+        "nothing would be written. Name a file: vdb_pack {} -o {}{}; or ask for a picture "
+        "(--preview FILE.png), a report (--report FILE.html) or its numbers (--json)",
+        recipe.command, shellQuoted(file),
+        std::is_same_v<Recipe, PackJob> ? "; or see what to expect (--dry-run)" : ""));
+}
+
+}  // namespace
+
+void requireResult(const CliOptions& options) {
+    std::visit([&](const auto& job) { requireResult(job, options.print); }, options.job);
+}
