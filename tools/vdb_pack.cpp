@@ -198,7 +198,7 @@ struct Perform {
         const MeshResult result = runMesh(recipe, callbacks);
         print(result, how);
         if (result.passed) return kDone;
-        tell(withOptionNames(failures(result)));
+        fmt::print(stderr, "{}", printable(withOptionNames(failures(result))));
         return kCheckFailed;
     }
 

@@ -86,7 +86,8 @@ std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
 
 RepairOptions repairOptions(const DomainRecipe& recipe) {
     RepairOptions options;
-    options.nested = parseCavities(recipe.cavities).fill ? NestedShells::solid : NestedShells::cavity;
+    options.nested =
+        parseCavities(recipe.cavities).fill ? NestedShells::solid : NestedShells::cavity;
     options.components = recipe.repairComponents;
     options.voxelSize = recipe.repairVoxel;
     options.name = recipe.source;
