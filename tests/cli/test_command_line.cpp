@@ -138,7 +138,7 @@ TEST_CASE("a dry run tells what to expect and writes nothing", "[cli]") {
 
 TEST_CASE("mesh reports the health of a file", "[cli]") {
     const TemporaryFolder folder;
-    std::ofstream(folder.file("t.obj")) << "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+    std::ofstream(folder.file("t.obj")) << "v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\n"
                                            "f 1 3 2\nf 1 2 4\nf 2 3 4\n";
     const auto out = vdbPack("mesh " + folder.file("t.obj"));
     CHECK(out.code == 0);
@@ -166,7 +166,8 @@ TEST_CASE("voids and carve end with the code that fits", "[cli][voids]") {
     CHECK(carved.code == 0);
     CHECK(std::ifstream(folder.file("c.csv")).good());
     CHECK(carve("--voids mixed --json").code == 2);
-    CHECK(carve("--voids boolean --void-radius constant:1 --void-probability 0.2 --json").code == 2);
+    CHECK(carve("--voids boolean --void-radius constant:1 --void-probability 0.2 --json").code ==
+          2);
     CHECK(carve("--shell 7 --json").code == 3);
     CHECK(carve("--json --voids list:" + folder.file("none.csv")).code == 4);
     std::ofstream(folder.file("bad.csv")) << "x,y,z,a,b\n0,0,0,-1,1\n";

@@ -209,7 +209,7 @@ public:
     /// Refuses a mesh whose field cannot agree with it, before anything is made of it.
     /// @param levelSet  whose contour the mesh is; null: none.
     void check(const VdbGrid* levelSet) const {
-        if (!fits(levelSet)) requireVolume(options_.name, health_, voxelSize);
+        if (!fits(levelSet) && !options_.sound) requireVolume(options_.name, health_, voxelSize);
     }
 
     void build(const VdbGrid* levelSet) {
@@ -244,6 +244,7 @@ private:
         field = std::make_unique<VdbField>(mesh_, nesting_, size, options_.depth, callbacks_);
         volume = field->volumeDeeperThan(0);
         if (!(volume > 0)) return false;
+        if (options_.sound) return true;
         const double difference =
             std::abs(volume - health_.enclosedVolume) / std::abs(health_.enclosedVolume);
         return difference <= kVolumeTolerance;

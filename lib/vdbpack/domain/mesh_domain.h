@@ -34,6 +34,9 @@ struct FieldOptions {
     double detail = 0;
     /// Name of the mesh in messages (its file).
     std::string name = "mesh";
+    /// Whether the mesh is known to be sound, such as a contour of our own: its thickness and the
+    /// volume of its field are not checked.
+    bool sound = false;
     /// Of this mesh, if the caller has it already; null: made.
     std::shared_ptr<const MeshAnalysis> analysis;
     /// What was done to the mesh before, for `facts`.

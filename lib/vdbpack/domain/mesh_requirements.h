@@ -1,4 +1,5 @@
-// Private to domain and run: requirements of a mesh and its voxels, and the messages if they are not met.
+// Private to domain and run: requirements of a mesh and its voxels, and the messages if they are
+// not met.
 #pragma once
 
 #include "vdbpack/domain/mesh_domain.h"

@@ -11,9 +11,8 @@ namespace vdbpack {
 
 namespace {
 
-/// How often the radii of a trial are reduced, and by what factor.
-constexpr int kSmallerTrials = 20;
-constexpr double kSmaller = 0.7;
+/// Factor on the radii of a trial that do not fit, and the least part of those that are sought.
+constexpr double kSmaller = 0.7, kSmallest = 0.5;
 
 }  // namespace
 
@@ -64,11 +63,12 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     double fine = scaleFor(room, std::max(count / 5, 100.0));
     // A domain may be too thin for the spheres of a trial, or for those that would fill it.
     const auto tryOut = [&](double& scale) {
-        for (int attempt = 0;; ++attempt) {
+        const double least = kSmallest * scaleFor(room, count);
+        for (;;) {
             try {
                 return fractionAt(scale);
             } catch (const InputError&) {
-                if (attempt == kSmallerTrials || callbacks.isCancelled()) throw;
+                if (!(kSmaller * scale > least) || callbacks.isCancelled()) throw;
                 scale *= kSmaller;
             }
         }

@@ -162,7 +162,7 @@ void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks
 }
 
 DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize)
-    : mesh_(std::move(mesh)) {
+    : mesh_(std::move(mesh)), sound_(true) {
     recipe_.source = name;
     recipe_.voxelSize = voxelSize;
     fileBounds_ = mesh_->bounds();
@@ -217,6 +217,7 @@ FieldOptions DomainSource::fieldOptions(double minRadius, double maxRadius,
     // A pivot must know its clearance up to its reach, and so must the interior fraction.
     options.depth = 3 * maxRadius;
     options.name = recipe_.source;
+    options.sound = sound_;
     options.analysis = analysis_;
     options.repair = repair_;
     return options;

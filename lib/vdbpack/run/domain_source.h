@@ -77,7 +77,7 @@ public:
     /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
     explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
 
-    /// A closed mesh of the program's own, mm, whose field gets voxels of `voxelSize` mm.
+    /// A contour of the program's own, mm, whose field gets voxels of `voxelSize` mm.
     DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize);
 
     int dim() const;        ///< 2 for rect, disc and slices
@@ -124,6 +124,7 @@ public:
 private:
     DomainRecipe recipe_;
     std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
+    bool sound_ = false;                ///< `mesh_` needs no checks
     std::shared_ptr<const RepairReport> repair_;
     std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
     std::shared_ptr<const Domain<3>> space_;   ///< of a shape

@@ -13,8 +13,8 @@ constexpr double kLeastShare = 0.01;
 /// A void that removes all spheres that meet it removes those about its wall, too.
 constexpr double kTouchShare = 0.8;
 
-/// Whether the voids of one trial serve for the next. Their default sizes follow from the spheres of
-/// the first, which hardly differ.
+/// Whether the voids of one trial serve for the next. Their default sizes follow from the spheres
+/// of the first, which hardly differ.
 bool serveAll(const VoidRecipe& recipe) {
     const VoidMethod method = methodOf(recipe);
     return recipe.cull == Cull::center && !isThinning(method) && !needsFront(method);

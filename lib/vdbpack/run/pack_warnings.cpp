@@ -31,7 +31,9 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
         (report.densified && tolerance < kDensifiedTolerance))
         return;
     const char* spheres = Measure<Dim>::kSpheres;
-    if (const auto attached = run.cuts() ? run.voids.report.spheresAttached : std::nullopt) {
+    const VoidReport& voids = run.voids.report;
+    const bool anchored = run.cuts() && (voids.shell == 0 || voids.cortical > 0);
+    if (const auto attached = anchored ? voids.spheresAttached : std::nullopt) {
         if (*attached < kConnected && !run.voidRecipe->keepConnected)
             run.callbacks.warn(fmt::format(
                 "only {} of the {} are connected to the {} by contacts. Set `keepConnected` to "
