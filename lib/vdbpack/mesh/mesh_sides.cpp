@@ -13,8 +13,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Cells a triangle, on average, above which triangles go to a tree; bones have about 6.
-constexpr double kMostCells = 24;
+/// Cells a triangle, on average, above which triangles go to a tree; a plain bone has about 6, a
+/// skull of many folds more than 24.
+constexpr double kMostCells = 100;
 /// Meshes with fewer places in cells never do.
 constexpr double kSmall = 65536;
 
