@@ -229,6 +229,7 @@ FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSiz
     const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
     plan.triangles = mesh_->triangles.size();
     plan.vertices = mesh_->vertices.size();
+    plan.watertight = !levelSet_ && analysis_->health.isWatertight();
     plan.area = analysis_->health.area;
     plan.volume = fileVolume();
     plan.voxelSize =

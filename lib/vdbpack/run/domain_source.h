@@ -64,6 +64,7 @@ void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks
 /// A field that would be made of a file, and of what.
 struct FieldPlan {
     std::uint64_t triangles = 0, vertices = 0;  ///< 0: no field is made, the domain is a shape
+    bool watertight = false;                    ///< so that it is a narrow band of our own
     double area = 0, volume = 0;                ///< of the mesh, mm² and mm³
     double voxelSize = 0, depth = 0;            ///< mm
 

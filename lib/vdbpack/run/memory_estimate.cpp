@@ -20,8 +20,9 @@ namespace {
 // MiB, hip.ply with 1,000,676 found by a target count 430 MiB, mandible.ply in voxels of 0.07 mm
 // (338 million) 3180 MiB, box:180 densified to 237,621 spheres 142 MiB.
 constexpr double kProgram = 50e6, kTriangle = 730, kDrawnSphere = 75, kImageVoxel = 23;
-/// A voxel while the field is built; half of that stays.
-constexpr double kFieldVoxel = 8.6;
+/// A voxel while the field is built, or copied to be written; half of that stays. In a narrow band
+/// of our own that is not written.
+constexpr double kFieldVoxel = 8.6, kBandVoxel = 5.2;
 /// A sphere that is placed or read, and measured; one that is moved; what triangles beside it, a
 /// second pack and a list of pairs add.
 constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 100, kPairs = 140;
@@ -100,7 +101,11 @@ std::string Estimate::memoryText() const {
 
 Estimate estimate(const Extent& e, const RunSettings& settings) {
     Estimate all;
-    const double built = kFieldVoxel * e.field.voxels(), spheres = sphereBytes(e, settings);
+    const bool written =
+        std::any_of(settings.outputs.begin(), settings.outputs.end(), usesLevelSets);
+    const double built =
+        (e.field.watertight && !written ? kBandVoxel : kFieldVoxel) * e.field.voxels();
+    const double spheres = sphereBytes(e, settings);
     double voids = stampBytes(e);
     for (const auto& output : settings.outputs) all.files.push_back({output, fileBytes(output, e)});
     // Contours are complete in memory before they are written.
