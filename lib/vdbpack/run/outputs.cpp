@@ -9,6 +9,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -25,57 +26,10 @@ namespace vdbpack {
 
 namespace {
 
-enum class OutputKind { pack, contacts, voidList, contour, levelSets, fog, blender };
-
-constexpr const char* kSurface = "surface";
-constexpr const char* kVoids = "voids";
-constexpr const char* kSolid = "solid";
-
-struct Prefix {
-    const char* text;
-    OutputKind kind;
-    const char* extension;  ///< that its files have; null: any
-    const char* grid;       ///< level set that it names; empty: the one left, of several
-};
-constexpr Prefix kPrefixes[] = {
-    {"contacts:", OutputKind::contacts, nullptr, ""},
-    {"list:", OutputKind::voidList, nullptr, ""},
-    {"surface:", OutputKind::contour, ".stl", kSurface},
-    {"voids:", OutputKind::contour, ".stl", kVoids},
-    {"solid:", OutputKind::contour, ".stl", kSolid},
-    {"levelsets:", OutputKind::levelSets, ".vdb", ""},
-    {"fog:", OutputKind::fog, ".vdb", ""},
-    {"blender:", OutputKind::blender, ".py", ""},
-};
-
-struct Target {
-    OutputKind kind;
-    std::string file;
-    std::string grid;
-};
-
-/// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
-/// question.
-Target targetOf(const std::string& output) {
-    for (const Prefix& p : kPrefixes) {
-        if (output.rfind(p.text, 0) != 0) continue;
-        const std::string file = output.substr(std::string(p.text).size());
-        if (file.empty())
-            throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
-                                 (p.extension ? p.extension : ".csv"));
-        if (p.extension && extensionOf(file) != p.extension)
-            throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
-                                             p.extension, p.text, p.extension));
-        return {p.kind, file, p.grid};
-    }
-    if (extensionOf(output) == ".stl") return {OutputKind::contour, output, ""};
-    return {OutputKind::pack, packPath(output), ""};
-}
-
 /// The .vdb among some outputs that level sets are to be found in; empty: none.
 std::string volumeAmong(const std::vector<std::string>& outputs) {
     for (const auto& output : outputs) {
-        const Target target = targetOf(output);
+        const OutputTarget target = targetOf(output);
         if (target.kind == OutputKind::pack && extensionOf(target.file) == ".vdb" &&
             output.rfind("points:", 0) != 0)
             return target.file;
@@ -141,10 +95,6 @@ bool isSame(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string filePart(const std::string& name) {
-    return targetOf(name).file;
-}
-
 std::string interruptedName(const std::string& name) {
     const std::string file = filePart(name);
     const std::string extension = std::filesystem::path(file).extension().string();
@@ -153,7 +103,7 @@ std::string interruptedName(const std::string& name) {
 }
 
 bool isSolidOutput(const std::string& output) {
-    const Target target = targetOf(output);
+    const OutputTarget target = targetOf(output);
     switch (target.kind) {
         case OutputKind::contour:
         case OutputKind::levelSets:
@@ -175,7 +125,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     namespace fs = std::filesystem;
     std::vector<std::string> files;
     for (const auto& output : outputs) {
-        const Target target = targetOf(output);
+        const OutputTarget target = targetOf(output);
         if (target.kind == OutputKind::pack) checkPackFormat(output);
         if (target.kind == OutputKind::blender) {
             // Whether there are level sets is not known yet.
@@ -218,7 +168,7 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
                       int dim) {
     for (const std::string& output : outputs) {
-        const Target target = targetOf(output);
+        const OutputTarget target = targetOf(output);
         if (run == RunKind::measure && target.kind != OutputKind::contacts)
             throw ParameterError(output +
                                  ": measure writes contact lists alone; name it contacts:FILE.csv");
@@ -263,7 +213,7 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
 
 template <int Dim>
 std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
-    const Target target = targetOf(output);
+    const OutputTarget target = targetOf(output);
     const auto need = [&](bool there, const char* what) {
         if (!there)
             throw ParameterError(
@@ -316,7 +266,7 @@ namespace {
 
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.
 template <int Dim>
-void warnOfIds(const Target& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
     if (target.kind != OutputKind::pack || extensionOf(target.file) != ".ply") return;
     const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
         return id < std::numeric_limits<std::int32_t>::min() ||

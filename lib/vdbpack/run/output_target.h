@@ -1,0 +1,25 @@
+// Private to runs: what the name of an output says.
+#pragma once
+
+#include <string>
+
+namespace vdbpack {
+
+enum class OutputKind { pack, contacts, voidList, contour, levelSets, fog, blender };
+
+/// Level sets by name.
+inline constexpr const char* kSurface = "surface";
+inline constexpr const char* kVoids = "voids";
+inline constexpr const char* kSolid = "solid";
+
+struct OutputTarget {
+    OutputKind kind;
+    std::string file;
+    std::string grid;  ///< level set that it names; empty: the one left, of several
+};
+
+/// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
+/// question.
+OutputTarget targetOf(const std::string& output);
+
+}  // namespace vdbpack
