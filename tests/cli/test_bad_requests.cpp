@@ -198,8 +198,9 @@ TEST_CASE("meshes without an inside are refused", "[cli][bad]") {
 
 TEST_CASE("a fog volume as domain asks for a threshold and takes one", "[cli][bad]") {
     const TemporaryFolder folder;
-    const auto made =
-        asked({"pack", "ball:6", "--target-count", "40", "-o", "fog:" + folder.file("fog.vdb")});
+    writeObj(ballMesh(6, 2), folder.file("ball.obj"));
+    const auto made = asked({"convert", folder.file("ball.obj"), "--voxel", "0.5", "-o",
+                             "fog:" + folder.file("fog.vdb")});
     REQUIRE(made.code == 0);
     check({{"pack @fog.vdb --target-count 40", 3, "@fog.vdb density --threshold"},
            {"pack @fog.vdb --target-count 40 --threshold 7", 3, "@fog.vdb density --threshold 7"},
