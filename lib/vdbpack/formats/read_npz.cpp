@@ -24,7 +24,7 @@ namespace {
 
 /// Further arrays of more columns are no attributes of spheres.
 constexpr std::uint64_t kMostComponents = 100;
-/// What stands before the elements of an array that a pack has a use for, bytes.
+/// Bytes before the elements of an array that a pack can use.
 constexpr std::uint64_t kLongestHeader = 1 << 17;
 
 /// The name of the array in a member, or an empty text for other members.

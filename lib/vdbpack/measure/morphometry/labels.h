@@ -9,7 +9,7 @@
 
 namespace vdbpack {
 
-/// Stands for the total volume: all labels but 0.
+/// The total volume: all labels but 0.
 inline constexpr int kAllLabels = -1;
 
 /// Of a voxel; 1 in an image without labels.
