@@ -56,6 +56,17 @@ FloatGrid::Ptr sealedBands(const LatticeMesh& lattice,
     return grid;
 }
 
+/// Calls `visit(value, voxels)` for all values of a tree above its leaves; the tree's own iterator
+/// takes as long for them as all leaves do.
+template <class Node, class Visit>
+void forEachTile(const Node& node, const Visit& visit) {
+    using Child = typename Node::ChildNodeType;
+    for (auto tile = node.cbeginValueAll(); tile; ++tile)
+        visit(*tile, static_cast<double>(Child::NUM_VOXELS));
+    if constexpr (Child::LEVEL > 0)
+        for (auto child = node.cbeginChildOn(); child; ++child) forEachTile(*child, visit);
+}
+
 }  // namespace
 
 struct VdbField::Impl {
@@ -86,10 +97,9 @@ struct VdbField::Impl {
                           });
         double total = 0;
         for (const double sum : sums) total += sum;
-        auto tile = grid->tree().cbeginValueAll();
-        tile.setMaxDepth(FloatGrid::TreeType::ValueAllCIter::LEAF_DEPTH - 1);
-        for (; tile; ++tile)
-            if (*tile < 0) total += static_cast<double>(tile.getVoxelCount()) * share(*tile);
+        forEachTile(grid->tree().root(), [&](float value, double voxels) {
+            if (value < 0) total += voxels * share(value);
+        });
         return total;
     }
 };
