@@ -91,11 +91,13 @@ void SizeShape::finish() {
     }
     // Moments by the midpoint rule over shares: the error of 2^16 strata is near 1e-9.
     constexpr int kStrata = 1 << 16;
-    for (int d = 0; d <= 3; ++d) {
-        double sum = 0;
-        for (int i = 0; i < kStrata; ++i) sum += std::pow(invert((i + 0.5) / kStrata), d);
-        ballMoment[d] = sum / kStrata;
+    double sums[4] = {};
+    for (int i = 0; i < kStrata; ++i) {
+        const double r = invert((i + 0.5) / kStrata);
+        const double powers[4] = {1, r, r * r, std::pow(r, 3)};
+        for (int d = 0; d <= 3; ++d) sums[d] += powers[d];
     }
+    for (int d = 0; d <= 3; ++d) ballMoment[d] = sums[d] / kStrata;
     mean = ballMoment[1];
 }
 
