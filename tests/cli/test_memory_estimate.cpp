@@ -73,7 +73,7 @@ TEST_CASE("the spheres of a pack to come are about as many as estimated", "[esti
     for (const auto& [domain, radius] : packs) {
         CAPTURE(domain, radius);
         const PackRecipe recipe = test::recipeFor(domain, radius);
-        const double estimated = extentOf(recipe, DomainSource(recipe.domain)).count;
+        const double estimated = planPack(recipe, DomainSource(recipe.domain)).extent.count;
         const auto count = static_cast<double>(runPack(recipe).report.count);
         CHECK(estimated > 0.9 * count);
         CHECK(estimated < 1.4 * count);
@@ -191,7 +191,8 @@ TEST_CASE("files are about as large as estimated", "[estimate]") {
     recipe.outputs.push_back("yade:" + folder.file("p.txt"));
     recipe.outputs.push_back("contacts:" + folder.file("c.csv"));
     recipe.outputs.push_back("surface:" + folder.file("s.stl"));
-    const Estimate estimated = estimate(extentOf(recipe, DomainSource(recipe.domain)), recipe);
+    const Estimate estimated =
+        estimate(planPack(recipe, DomainSource(recipe.domain)).extent, recipe);
     const auto run = runPack(recipe);
     REQUIRE(run.report.files.size() >= recipe.outputs.size());
     REQUIRE(estimated.files.size() == recipe.outputs.size());

@@ -72,7 +72,7 @@ Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale, const 
     trial.solid =
         std::visit([&](const auto& p) { return ballsFrom(p, run.report.existing); }, run.pack) /
         run.report.volume;
-    const Extent extent = extentOf(recipe, source);
+    const Extent extent = planPack(recipe, source).extent;
     trial.voxels = extent.field.voxels();
     trial.stamped = stampBytes(extent);
     trial.report = std::move(run.report);
@@ -87,15 +87,13 @@ double line(double x1, double y1, double x2, double y2, double x) {
 
 DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callbacks& callbacks) {
     const int dim = source.dim();
-    const RequestedSizes requested = requestedSizes(recipe, dim);
-    Extent extent = extentOf(recipe, source);
+    auto [requested, radii, extent] = planPack(recipe, source);
     const double most = recipe.existing.empty() ? kTrial : kTrialBesides;
     const double scale = std::max(1.0, std::pow(extent.count / most, 1.0 / dim));
     // Voids keep the sizes that follow from the radii of the pack to come.
     PackRecipe sized = recipe;
     if (!recipe.voids.empty() && recipe.voids.radius.empty())
-        sized.voids.radius =
-            defaultVoidRadius(requested.sizes.max() * fieldRadii(recipe, requested, source).scale);
+        sized.voids.radius = defaultVoidRadius(requested.sizes.max() * radii.scale);
     const Trial large = tryOut(sized, source, scale, extent.voids, callbacks);
     const Trial small = scale > 1 ? tryOut(sized, source, scale * std::pow(kRatio, 1.0 / dim),
                                            extent.voids, callbacks)

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
@@ -12,8 +13,6 @@ namespace {
 
 /// Solid fraction of a front in space and in a plane.
 constexpr double kSolid = 0.65, kSolidInPlane = 0.85;
-
-}  // namespace
 
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
                       const DomainSource& source) {
@@ -38,9 +37,11 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
     return radii;
 }
 
-Extent extentOf(const PackRecipe& recipe, const DomainSource& source) {
+}  // namespace
+
+PackPlan planPack(const PackRecipe& recipe, const DomainSource& source) {
     const int dim = source.dim();
-    const RequestedSizes requested = requestedSizes(recipe, dim);
+    RequestedSizes requested = requestedSizes(recipe, dim);
     const FieldRadii radii = fieldRadii(recipe, requested, source);
     Extent e = extentOf(source, radii.detail, radii.reach, plannedVoxel(recipe.voids, dim));
     e.searching = requested.targetCount > 0;
@@ -54,7 +55,7 @@ Extent extentOf(const PackRecipe& recipe, const DomainSource& source) {
                           : (dim == 3 ? kSolid : kSolidInPlane) * filled / ball;
     if (recipe.maxCount > 0) e.count = std::min(e.count, static_cast<double>(recipe.maxCount));
     e.voids = planVoids(recipe.voids, e, requested.sizes.max() * radii.scale);
-    return e;
+    return {std::move(requested), radii, e};
 }
 
 }  // namespace vdbpack

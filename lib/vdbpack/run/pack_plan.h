@@ -11,10 +11,12 @@ struct FieldRadii {
     double scale = 1, detail = 0, reach = 0;
     double share = 1;  ///< of the domain (`Fill::solid`) or of the spheres that voids leave, about
 };
-FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
-                      const DomainSource& source);
 
-/// The field, and as many spheres and voids as usually fit into such a domain.
-Extent extentOf(const PackRecipe& recipe, const DomainSource& source);
+struct PackPlan {
+    RequestedSizes requested;
+    FieldRadii radii;
+    Extent extent;  ///< the field, and as many spheres and voids as usually fit into such a domain
+};
+PackPlan planPack(const PackRecipe& recipe, const DomainSource& source);
 
 }  // namespace vdbpack

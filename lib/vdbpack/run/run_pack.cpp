@@ -62,13 +62,13 @@ template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(recipe.voids.shell, source);
-    requireResources(extentOf(recipe, source), recipe);
+    PackPlan plan = planPack(recipe, source);
+    requireResources(plan.extent, recipe);
     if (Dim == 2 && recipe.voids.fill == Fill::solid)
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
-    RequestedSizes requested = requestedSizes(recipe, Dim);
-    const FieldRadii radii = fieldRadii(recipe, requested, source);
-    Prepared<Dim> prepared{std::move(requested), radii, {}, {}};
+    const FieldRadii& radii = plan.radii;
+    Prepared<Dim> prepared{std::move(plan.requested), radii, {}, {}};
     prepared.built =
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
