@@ -50,6 +50,8 @@ const Names<Cull> kCulls{
 const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::together},
                                                 {"separate", RepairComponents::separate}};
 
+const Names<ShellFrom> kShellFrom{{"walls", ShellFrom::walls}, {"outer", ShellFrom::outer}};
+
 /// More gain nothing anywhere, and each takes memory.
 constexpr std::uint64_t kMostThreads = 4096;
 
@@ -254,6 +256,14 @@ void addRepairOptions(CLI::App& command, DomainRecipe& domain) {
         ->group("");
 }
 
+void addShellFrom(CLI::App& command, DomainRecipe& domain, const std::string& group) {
+    addChoice(command, "--shell-from", domain.shellFrom, kShellFrom,
+              "what --shell is measured from. walls: all walls; outer: the outer surface alone, "
+              "not the walls of cavities nor the planes of --clip")
+        ->option_text("walls|outer [walls]")
+        ->group(group);
+}
+
 void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
                     const std::string& note) {
     command.add_option("--radius", radius, kRadiusSpec + ", in mm" + note)
@@ -350,6 +360,7 @@ namespace {
 struct VoidOptions {
     CLI::App& command;
     VoidRecipe& voids;
+    DomainRecipe& domain;
     bool front;    ///< spheres are packed, so that voids may be packed with them
     bool spheres;  ///< there are spheres to cut, packed or read
 
@@ -381,6 +392,7 @@ void VoidOptions::addMethod() const {
                orElse(spheres, "; without --voids it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
+    addShellFrom(command, domain, "Voids");
     auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
                            "spheres that voids remove. centre: those with centers in a void; "
                            "touch: all that reach into one")
@@ -469,8 +481,8 @@ void VoidOptions::addDirections() const {
 
 }  // namespace
 
-void addVoidOptions(CLI::App& command, VoidRecipe& voids, VoidsIn in) {
-    const VoidOptions options{command, voids, in == VoidsIn::pack, in != VoidsIn::nothing};
+void addVoidOptions(CLI::App& command, VoidRecipe& voids, DomainRecipe& domain, VoidsIn in) {
+    const VoidOptions options{command, voids, domain, in == VoidsIn::pack, in != VoidsIn::nothing};
     options.addMethod();
     options.addTargets();
     options.addShapes();

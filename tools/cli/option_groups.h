@@ -66,6 +66,8 @@ void addThreads(CLI::App& command, int& threads, const std::string& help);
 void addRepairOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addMemoryLimit(CLI::App& command, double& bytes);
 void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
+/// --shell-from.
+void addShellFrom(CLI::App& command, vdbpack::DomainRecipe& domain, const std::string& group);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);
 void addDensityOption(CLI::App& command, std::string& density);
@@ -84,4 +86,6 @@ void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);
 /// What there is to cut: spheres while they are packed, those of a file, or none.
 enum class VoidsIn { pack, file, nothing };
 
-void addVoidOptions(CLI::App& command, vdbpack::VoidRecipe& voids, VoidsIn in);
+/// @param domain  that the shell lies in.
+void addVoidOptions(CLI::App& command, vdbpack::VoidRecipe& voids, vdbpack::DomainRecipe& domain,
+                    VoidsIn in);

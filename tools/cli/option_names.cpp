@@ -53,6 +53,7 @@ constexpr OptionName kOptionNames[] = {
     {"scale", "--scale"},
     {"seed", "--seed"},
     {"shell", "--shell"},
+    {"shellFrom", "--shell-from"},
     {"slice", "--slice"},
     {"sphereMorphometry", "--morphometry"},
     {"table", "--table"},

@@ -139,7 +139,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
-    addVoidOptions(*command, job.voids, VoidsIn::pack);
+    addVoidOptions(*command, job.voids, job.domain, VoidsIn::pack);
     addChoice(*command, "--fill", job.voids.fill, kFills,
               "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
               "first, then fill what they leave")
@@ -159,7 +159,7 @@ CLI::App* addCommand(CLI::App& app, VoidsJob& job, PrintOptions& print) {
         "surface:FILE.stl or voids:FILE.stl selects another), fog:FILE.vdb, list:FILE.csv (voids)");
     addDomainOptions(*command, job.domain);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
-    addVoidOptions(*command, job.voids, VoidsIn::nothing);
+    addVoidOptions(*command, job.voids, job.domain, VoidsIn::nothing);
     addSeeds(*command, job.study, "set of voids");
     addReport(*command, job.reportFile, kReportHelp);
     addPrinting(*command, print);
@@ -176,7 +176,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
     requireDomain(*command);
-    addVoidOptions(*command, job.voids, VoidsIn::file);
+    addVoidOptions(*command, job.voids, job.domain, VoidsIn::file);
     addRunOptions(*command, job.seed, job.reportFile, print, "of the voids");
     addPreviewOptions(*command, job.preview);
     return command;
@@ -235,6 +235,7 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
         ->option_text("T")
         ->check(notNegative())
         ->group("Domain");
+    addShellFrom(*command, job.domain, "Domain");
     command
         ->add_flag("--morphometry", job.sphereMorphometry,
                    "of a pack: measure the union of its spheres as a solid, too")

@@ -89,8 +89,10 @@ private:
 template <int Dim>
 class ClippedDomain : public Domain<Dim> {
 public:
-    ClippedDomain(std::shared_ptr<const Domain<Dim>> base, std::vector<HalfSpace<Dim>> planes)
+    ClippedDomain(std::shared_ptr<const Domain<Dim>> base, std::vector<HalfSpace<Dim>> planes,
+                  std::shared_ptr<const Domain<Dim>> envelope)
         : base_(std::move(base)),
+          envelope_(std::move(envelope)),
           convex_(dynamic_cast<const ConvexShape<Dim>*>(base_.get())),
           planes_(std::move(planes)),
           bounds_(cutBounds(base_->bounds(), planes_)),
@@ -126,9 +128,14 @@ public:
         return std::make_unique<ClippedSampler<Dim>>(base_->sampler(), planes_);
     }
     DomainFacts facts() const override { return base_->facts(); }
+    const Domain<Dim>& envelope() const override {
+        return envelope_ ? *envelope_ : static_cast<const Domain<Dim>&>(*this);
+    }
+
+protected:
+    std::shared_ptr<const Domain<Dim>> base_, envelope_;  // no envelope: the domain itself
 
 private:
-    std::shared_ptr<const Domain<Dim>> base_;
     const ConvexShape<Dim>* convex_;
     std::vector<HalfSpace<Dim>> planes_;
     Box<Dim> bounds_;
@@ -153,7 +160,8 @@ public:
             }
         }
         const auto slice = sliceDomain(base(), height);
-        return lines.empty() ? slice : clippedDomain<2>(slice, lines);
+        auto envelope = envelope_ ? sliceDomain(envelope_, height) : nullptr;
+        return lines.empty() ? slice : clippedDomain<2>(slice, lines, std::move(envelope));
     }
 };
 
@@ -199,7 +207,8 @@ InputError nothingLeft() {
 
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Dim>> domain,
-                                                 const std::vector<HalfSpace<Dim>>& planes) {
+                                                 const std::vector<HalfSpace<Dim>>& planes,
+                                                 std::shared_ptr<const Domain<Dim>> envelope) {
     std::vector<HalfSpace<Dim>> unit = unitNormals(planes);
     if (unit.empty()) return domain;
     Box<Dim> box = domain->bounds();
@@ -208,7 +217,7 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
     const auto* clipped = dynamic_cast<const ClippedDomain<Dim>*>(domain.get());
     const std::string kind = domain->facts().kind;
     // A box cut along its axes is a box: every figure stays exact.
-    if (axisAligned && clipped == nullptr && (kind == "box" || kind == "rect"))
+    if (axisAligned && clipped == nullptr && !envelope && (kind == "box" || kind == "rect"))
         return boxDomain<Dim>(box);
     if (clipped != nullptr) {
         unit.insert(unit.end(), clipped->planes().begin(), clipped->planes().end());
@@ -217,16 +226,20 @@ std::shared_ptr<const Domain<Dim>> clippedDomain(std::shared_ptr<const Domain<Di
     }
     std::shared_ptr<const ClippedDomain<Dim>> result;
     if constexpr (Dim == 3)
-        result = std::make_shared<SliceableClipped>(std::move(domain), std::move(unit));
+        result = std::make_shared<SliceableClipped>(std::move(domain), std::move(unit),
+                                                    std::move(envelope));
     else
-        result = std::make_shared<ClippedDomain<Dim>>(std::move(domain), std::move(unit));
+        result = std::make_shared<ClippedDomain<Dim>>(std::move(domain), std::move(unit),
+                                                      std::move(envelope));
     if (!(result->volume() > 0)) throw nothingLeft();
     return result;
 }
 
 template std::shared_ptr<const Domain<2>> clippedDomain<2>(std::shared_ptr<const Domain<2>>,
-                                                           const std::vector<HalfSpace<2>>&);
+                                                           const std::vector<HalfSpace<2>>&,
+                                                           std::shared_ptr<const Domain<2>>);
 template std::shared_ptr<const Domain<3>> clippedDomain<3>(std::shared_ptr<const Domain<3>>,
-                                                           const std::vector<HalfSpace<3>>&);
+                                                           const std::vector<HalfSpace<3>>&,
+                                                           std::shared_ptr<const Domain<3>>);
 
 }  // namespace vdbpack

@@ -97,6 +97,9 @@ public:
     virtual double fieldDepth() const = 0;
     virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;
     virtual DomainFacts facts() const = 0;
+    /// The domain whose wall a shell is measured from: this one, or a larger one around it, such
+    /// as the same with its cavities filled. Lives as long as this one.
+    virtual const Domain& envelope() const { return *this; }
 
     /// `signedDistance` of many points, in parallel. @return one value per point, mm.
     std::vector<double> signedDistances(const std::vector<Vec<Dim>>& points) const;

@@ -15,6 +15,8 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool 
     const auto row = static_cast<std::size_t>(image.size[0]);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
         const auto sampler = domain.sampler();
+        const auto envelope =
+            shell > 0 && &domain.envelope() != &domain ? domain.envelope().sampler() : nullptr;
         for (std::size_t r = block.begin(); r < block.end(); ++r)
             for (std::size_t i = 0; i < row; ++i) {
                 std::uint8_t& label = image.label[r * row + i];
@@ -29,7 +31,8 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool 
                     image.depth[r * row + i] =
                         static_cast<float>(std::clamp(depth, -deepest, deepest));
                 if (label == 0) continue;
-                label = depth <= 0 ? 0 : depth >= shell && shell > 0 ? 2 : 1;
+                const double below = envelope ? -envelope->signedDistance(x) : depth;
+                label = depth <= 0 ? 0 : below >= shell && shell > 0 ? 2 : 1;
             }
     });
 }

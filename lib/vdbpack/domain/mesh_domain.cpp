@@ -107,6 +107,7 @@ struct Parts {
     std::unique_ptr<const FacetBins<3>> bins;
     std::unique_ptr<const MeshSides> sides;
     MeshNesting nesting;
+    std::shared_ptr<const MeshDomain> envelope;  // null: the domain itself
     std::string name;
     bool contour = false;  // the mesh is the contour of the field
     double volume = 0;
@@ -140,6 +141,9 @@ public:
                                                    parts_.contour);
     }
     DomainFacts facts() const override { return parts_.facts; }
+    const Domain<3>& envelope() const override {
+        return parts_.envelope ? *parts_.envelope : static_cast<const Domain<3>&>(*this);
+    }
     std::shared_ptr<const VdbGrid> grid() const override { return parts_.field->surface(); }
     std::shared_ptr<const VdbGrid> gridOf(double voxelSize) const override {
         if (std::abs(voxelSize - parts_.field->voxelSize()) < 1e-9 * voxelSize) return grid();
@@ -148,7 +152,8 @@ public:
     }
     const TriangleMesh& wall() const override { return parts_.mesh; }
     std::shared_ptr<const Domain<2>> slice(double height) const override {
-        return meshSlice(shared_from_this(), parts_.nesting.facing, height);
+        auto envelope = parts_.envelope ? sliceDomain(parts_.envelope, height) : nullptr;
+        return meshSlice(shared_from_this(), parts_.nesting.facing, height, std::move(envelope));
     }
 
 private:
@@ -321,6 +326,7 @@ Parts makeParts(TriangleMesh mesh, const VdbGrid* levelSet, const FieldOptions& 
     parts.facts.activeVoxels = builder.field->activeVoxels();
     parts.field = std::move(builder.field);
     parts.contour = builder.contour;
+    parts.envelope = options.envelope;
     parts.mesh = std::move(mesh);
     parts.name = options.name;
     return parts;

@@ -24,6 +24,8 @@ inline double fieldDetail(double smallest, double mean) {
 /// average).
 inline constexpr double kVoxelPerDetail = 1.1;
 
+class MeshDomain;
+
 struct FieldOptions {
     /// Edge of a voxel, mm; 0: chosen by `defaultVoxelSize`.
     double voxelSize = 0;
@@ -39,6 +41,8 @@ struct FieldOptions {
     bool sound = false;
     /// Of this mesh, if the caller has it already; null: made.
     std::shared_ptr<const MeshAnalysis> analysis;
+    /// What `Domain::envelope` is to be; null: the domain itself.
+    std::shared_ptr<const MeshDomain> envelope;
     /// What was done to the mesh before, for `facts`.
     std::shared_ptr<const RepairReport> repair;
 

@@ -59,8 +59,11 @@ std::vector<Facet<2>> cut(const TriangleMesh& mesh, const std::vector<std::int8_
 class SliceDomain : public Domain<2> {
 public:
     SliceDomain(const MeshDomain& domain, std::vector<Facet<2>> segments, bool oriented,
-                double height)
-        : facts_(domain.facts()), depth_(domain.fieldDepth()), bins_(std::move(segments)) {
+                double height, std::shared_ptr<const Domain<2>> envelope)
+        : facts_(domain.facts()),
+          depth_(domain.fieldDepth()),
+          bins_(std::move(segments)),
+          envelope_(std::move(envelope)) {
         facts_.kind = "slice";
         bounds_ = bins_.bounds();
         spacing_ = std::max(0.5 * facts_.voxelSize, std::sqrt(bounds_.volume() / kMostNodes));
@@ -94,6 +97,9 @@ public:
     double fieldDepth() const override { return depth_; }
     std::unique_ptr<DomainSampler<2>> sampler() const override;
     DomainFacts facts() const override { return facts_; }
+    const Domain<2>& envelope() const override {
+        return envelope_ ? *envelope_ : static_cast<const Domain<2>&>(*this);
+    }
 
     double signedDistance(const Vec<2>& x) const {
         double w[2];
@@ -207,6 +213,7 @@ private:
     DomainFacts facts_;
     double depth_;
     FacetBins<2> bins_;
+    std::shared_ptr<const Domain<2>> envelope_;  // null: the slice itself
     Box<2> bounds_;
     double spacing_ = 0;
     Vec<2> lo_;
@@ -239,12 +246,13 @@ std::unique_ptr<DomainSampler<2>> SliceDomain::sampler() const {
 }  // namespace
 
 std::shared_ptr<const Domain<2>> meshSlice(std::shared_ptr<const MeshDomain> domain,
-                                           const std::vector<std::int8_t>& facing, double height) {
+                                           const std::vector<std::int8_t>& facing, double height,
+                                           std::shared_ptr<const Domain<2>> envelope) {
     std::vector<Facet<2>> segments = cut(domain->wall(), facing, height);
     std::shared_ptr<const SliceDomain> slice;
     if (!segments.empty())
-        slice =
-            std::make_shared<SliceDomain>(*domain, std::move(segments), !facing.empty(), height);
+        slice = std::make_shared<SliceDomain>(*domain, std::move(segments), !facing.empty(), height,
+                                              std::move(envelope));
     if (!slice || !(slice->volume() > 0)) {
         const Box<3> bounds = domain->bounds();
         throw InputError(

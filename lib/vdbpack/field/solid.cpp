@@ -30,16 +30,20 @@ FloatGrid::Ptr difference(const FloatGrid& surface, const FloatGrid& voids) {
 }
 
 /// For each component whether it contains a part of the wall, that is voxels with the distances of
-/// `surface`.
-std::vector<bool> touchingWall(InteriorComponents& components, const FloatGrid& surface) {
+/// `surface`, in the shell.
+std::vector<bool> touchingWall(InteriorComponents& components, const FloatGrid& surface,
+                               const std::function<bool(const Vec<3>&)>& inShell) {
     std::vector<bool> touches(components.sizes().size());
     const auto wall = surface.getConstAccessor();
     const float background = surface.background();
     components.forEachVoxel(
         [&](InteriorComponents::Leaf& leaf, openvdb::Index v, std::uint32_t component) {
             if (touches[component]) return;
-            const float here = wall.getValue(leaf.offsetToGlobalCoord(v));
-            touches[component] = here > -background && here == leaf.getValue(v);
+            const openvdb::Coord at = leaf.offsetToGlobalCoord(v);
+            const float here = wall.getValue(at);
+            if (!(here > -background && here == leaf.getValue(v))) return;
+            const openvdb::Vec3d x = surface.indexToWorld(at);
+            touches[component] = !inShell || inShell({{x[0], x[1], x[2]}});
         });
     return touches;
 }
@@ -56,14 +60,15 @@ std::vector<bool> largestOf(const InteriorComponents& components) {
 
 }  // namespace
 
-Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected) {
+Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected,
+               const std::function<bool(const Vec<3>&)>& inShell) {
     if (surface.grid->transform() != voids.grid->transform())
         throw ParameterError("surface and voids lie on different lattices; stamp on the surface's");
     try {
         const FloatGrid::Ptr grid = difference(*surface.grid, *voids.grid);
         InteriorComponents components(grid->tree());
         const auto attached =
-            shell > 0 ? touchingWall(components, *surface.grid) : largestOf(components);
+            shell > 0 ? touchingWall(components, *surface.grid, inShell) : largestOf(components);
         Solid solid;
         std::uint64_t all = 0, kept = 0;
         for (std::size_t i = 0; i < attached.size(); ++i) {

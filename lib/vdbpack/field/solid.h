@@ -1,7 +1,10 @@
 // What voids leave of a bone: surface minus voids, as a level set.
 #pragma once
 
+#include "vdbpack/core/vec.h"
+
 #include <cstdint>
+#include <functional>
 #include <memory>
 
 namespace vdbpack {
@@ -21,8 +24,10 @@ struct Solid {
 /// Cuts `voids` out of `surface` by CSG; both on the same lattice and three voxels wide.
 ///
 /// @param shell          thickness of the layer along the wall that voids leave alone, mm.
+/// @param inShell        whether a point (mm) of the wall belongs to the shell; empty: all do.
 /// @param keepConnected  remove the components that are not attached.
 /// @throws ParameterError if the lattices differ, ResourceError if memory does not suffice.
-Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected);
+Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected,
+               const std::function<bool(const Vec<3>&)>& inShell = {});
 
 }  // namespace vdbpack

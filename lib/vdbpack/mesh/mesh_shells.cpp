@@ -333,4 +333,13 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh) {
     return analyzeShells(mesh, EdgeTable(mesh));
 }
 
+TriangleMesh outermostShells(const TriangleMesh& mesh, const ShellAnalysis& shells) {
+    TriangleMesh outermost;
+    outermost.vertices = mesh.vertices;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        if (shells.shells[shells.shellOfTriangle[i]].depth == 0)
+            outermost.triangles.push_back(mesh.triangles[i]);
+    return outermost;
+}
+
 }  // namespace vdbpack

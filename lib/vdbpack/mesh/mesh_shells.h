@@ -46,4 +46,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh);
 /// The same with an existing table of the edges of `mesh`.
 ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges);
 
+/// The shells of a mesh that lie in no other closed one.
+TriangleMesh outermostShells(const TriangleMesh& mesh, const ShellAnalysis& shells);
+
 }  // namespace vdbpack

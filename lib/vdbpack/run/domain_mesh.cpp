@@ -36,17 +36,6 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
     return std::move(repaired.mesh);
 }
 
-/// Removes the shells that lie inside other closed shells.
-TriangleMesh outermostOf(TriangleMesh mesh) {
-    const ShellAnalysis shells = analyzeShells(mesh);
-    TriangleMesh kept;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (shells.shells[shells.shellOfTriangle[i]].depth == 0)
-            kept.triangles.push_back(mesh.triangles[i]);
-    kept.vertices = std::move(mesh.vertices);
-    return kept;
-}
-
 /// A vertex of one mesh that lies on the wrong side of the other, if any.
 const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& solid, bool inside) {
     const MeshSides sides(solid, false);
@@ -104,7 +93,7 @@ TriangleMesh readDomainMesh(const DomainRecipe& recipe, const Callbacks& callbac
                         "give one of the two",
                         cavities.outer, file));
     TriangleMesh mesh = readOne(recipe, file, callbacks, report);
-    if (cavities.fill) return outermostOf(std::move(mesh));
+    if (cavities.fill) return outermostShells(mesh, analyzeShells(mesh));
     if (cavities.inner.empty()) return mesh;
 
     std::shared_ptr<const RepairReport> innerReport;

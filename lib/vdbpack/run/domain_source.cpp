@@ -180,6 +180,9 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
             fmt::format("`threshold` {:g} has no effect: {} is no .vdb", *recipe.threshold, text));
     if (levelSet && (recipe.repair || !recipe.cavities.empty()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a level set");
+    if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
+        callbacks.warn("`shellFrom` outer changes nothing: " + text +
+                       " has neither cavities nor clips");
     if (source.isFile()) return;
     if (recipe.repair || !recipe.cavities.empty())
         callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a shape");
@@ -235,6 +238,7 @@ FieldPlan DomainSource::plan(double minRadius, double maxRadius, double voxelSiz
     plan.voxelSize =
         options.voxelSize > 0 ? options.voxelSize : defaultVoxelSize(*mesh_, options.detail);
     plan.depth = options.depth;
+    if (recipe_.shellFrom == ShellFrom::outer && hasCavities()) plan.fields = 2;
     return plan;
 }
 
@@ -242,7 +246,8 @@ double FieldPlan::voxels() const {
     if (triangles == 0) return 0;
     // Layers of voxels in leaves that the band enters, measured.
     constexpr double kBeyond = 14;
-    return (std::min(volume, area * depth) / voxelSize + kBeyond * area) / (voxelSize * voxelSize);
+    return fields * (std::min(volume, area * depth) / voxelSize + kBeyond * area) /
+           (voxelSize * voxelSize);
 }
 
 double DomainSource::clippedVolume() const {
@@ -277,15 +282,41 @@ double DomainSource::clippedVolume() const {
     return box.volume() * static_cast<double>(inside) / static_cast<double>(kVolumePoints);
 }
 
+bool DomainSource::hasCavities() const {
+    if (!analysis_) return false;
+    const auto& shells = analysis_->shells.shells;
+    return std::any_of(shells.begin(), shells.end(),
+                       [](const Shell& shell) { return shell.depth > 0; });
+}
+
+std::shared_ptr<const MeshDomain> DomainSource::meshEnvelope(FieldOptions options,
+                                                             const Callbacks& callbacks) const {
+    options.analysis = nullptr;
+    Callbacks quiet;
+    quiet.cancelled = callbacks.cancelled;
+    return meshDomain(outermostShells(*mesh_, analysis_->shells), options, quiet);
+}
+
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> DomainSource::envelopeOf(
+    const std::shared_ptr<const Domain<Dim>>& domain) const {
+    if (recipe_.shellFrom == ShellFrom::walls) return nullptr;
+    return {domain, &domain->envelope()};
+}
+
 DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
                                         const Callbacks& callbacks, double voxelSize) const {
     Built built;
     if (plane_) {
-        built.plane = clips_.empty() ? plane_ : clippedDomain<2>(plane_, inPlane(clips_, 0));
+        built.plane = clips_.empty()
+                          ? plane_
+                          : clippedDomain<2>(plane_, inPlane(clips_, 0), envelopeOf(plane_));
         return built;
     }
+    const bool fromOuter = recipe_.shellFrom == ShellFrom::outer;
     if (mesh_) {
-        const FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
+        FieldOptions options = fieldOptions(minRadius, maxRadius, voxelSize);
+        if (fromOuter && hasCavities()) options.envelope = meshEnvelope(options, callbacks);
         built.mesh = levelSet_ ? levelSetDomain(levelSet_, *mesh_, options, callbacks)
                                : meshDomain(*mesh_, options, callbacks);
     }
@@ -293,10 +324,12 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
     if (slice_) {
         built.sliceHeight = *slice_;
         built.plane = sliceDomain(built.space, *slice_);
-        if (!clips_.empty()) built.plane = clippedDomain<2>(built.plane, inPlane(clips_, *slice_));
+        if (!clips_.empty())
+            built.plane =
+                clippedDomain<2>(built.plane, inPlane(clips_, *slice_), envelopeOf(built.plane));
         built.space = nullptr;
     } else if (!clips_.empty()) {
-        built.space = clippedDomain<3>(built.space, clips_);
+        built.space = clippedDomain<3>(built.space, clips_, envelopeOf(built.space));
     }
     return built;
 }

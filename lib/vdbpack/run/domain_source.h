@@ -18,6 +18,10 @@
 namespace vdbpack {
 
 /// What DOMAIN and the options about it say.
+/// What the thickness of a shell is measured from: all walls of the domain, or the outer surface
+/// alone, without the walls of cavities and clips.
+enum class ShellFrom { walls, outer };
+
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .vtp .vtk .vdb) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1
     /// ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R (mm, centered at the origin).
@@ -36,6 +40,7 @@ struct DomainRecipe {
     /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
     /// without that of another.
     std::string cavities;
+    ShellFrom shellFrom = ShellFrom::walls;
 };
 
 /// The meaning of `DomainRecipe::cavities`. @throws ParameterError if malformed.
@@ -67,6 +72,7 @@ struct FieldPlan {
     bool watertight = false;                    ///< so that it is a narrow band of our own
     double area = 0, volume = 0;                ///< of the mesh, mm² and mm³
     double voxelSize = 0, depth = 0;            ///< mm
+    int fields = 1;                             ///< of about that size
 
     /// About the voxels in the leaves of its tree, which reach beyond the wall and the depth.
     double voxels() const;
@@ -84,6 +90,7 @@ public:
     int dim() const;        ///< 2 for rect, disc and slices
     double volume() const;  ///< estimate before the field is made, mm^dim
     bool isFile() const { return mesh_.has_value(); }
+    bool hasCavities() const;  ///< closed components of the surface inside others
     const Box<3>& fileBounds() const { return fileBounds_; }
 
     /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).
@@ -135,6 +142,13 @@ private:
     std::vector<HalfSpace<3>> clips_;
     std::optional<double> slice_;
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
+    /// `mesh_` with its cavities filled.
+    std::shared_ptr<const MeshDomain> meshEnvelope(FieldOptions options,
+                                                   const Callbacks& callbacks) const;
+    /// That of a domain which clips are to cut; null: what they leave.
+    template <int Dim>
+    std::shared_ptr<const Domain<Dim>> envelopeOf(
+        const std::shared_ptr<const Domain<Dim>>& domain) const;
 
     Box<3> fileBounds_;
     std::shared_ptr<const MeshAnalysis> analysis_;  ///< of `mesh_`

@@ -1,8 +1,10 @@
 #include "vdbpack/run/measure_stage.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/core_volume.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
+#include "vdbpack/voids/cull.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_sort.h>
@@ -72,24 +74,27 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
 template <int Dim>
 std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& domain,
                                       double shell, double solidFraction) {
-    const double all = domain.volume(), core = domain.volumeDeeperThan(shell);
-    const auto inner = interiorFraction(pack.spheres, domain, shell);
-    const double coreSolid = inner ? *inner * core : 0;
+    const Domain<Dim>& envelope = domain.envelope();
+    const double all = domain.volume(), core = coreVolume(domain, shell);
+    // Spheres lie in the domain: those below the shell of the envelope are in the core.
+    const auto inner = interiorFraction(pack.spheres, envelope, shell);
+    const double coreSolid = inner && core > 0 ? *inner * envelope.volumeDeeperThan(shell) : 0;
     RegionFraction outside, inside;
     outside.name = "cortical";
     outside.volume = all - core;
     outside.solidFraction = (solidFraction * all - coreSolid) / (all - core);
     inside.name = "trabecular";
     inside.volume = core;
-    inside.solidFraction = inner.value_or(0);
+    inside.solidFraction = core > 0 ? coreSolid / core : 0;
+    const auto deep = deeperThan(pack.spheres, domain, shell);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        RegionFraction& region = static_cast<double>(pack.depth[i]) < shell ? outside : inside;
+        RegionFraction& region = deep[i] ? inside : outside;
         ++region.count;
         region.meanRadius += pack.spheres[i].radius;
     }
     for (RegionFraction* region : {&outside, &inside})
         if (region->count > 0) region->meanRadius /= static_cast<double>(region->count);
-    if (!inner) return {outside};
+    if (!(core > 1e-9 * all)) return {outside};
     return {outside, inside};
 }
 

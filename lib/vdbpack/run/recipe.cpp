@@ -126,6 +126,10 @@ void checkRecipe(const PackRecipe& recipe) {
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
                              recipe.voids.method +
                              "; use voids that are cut afterwards, such as boolean");
+    if (recipe.domain.shellFrom == ShellFrom::outer && needsFront(methodOf(recipe.voids)))
+        throw ParameterError("`shellFrom` outer: `voids` " + recipe.voids.method +
+                             " keep the thickness of the shell from all walls; use voids that are "
+                             "cut afterwards, such as boolean");
     if (recipe.voids.fill == Fill::solid) checkSolidFill(recipe);
     if (recipe.targetCount > 0 && recipe.targetCount != std::floor(recipe.targetCount))
         throw ParameterError(

@@ -70,6 +70,7 @@ public:
         if (domain.repairComponents == RepairComponents::separate)
             add("--repair-components", "separate");
         add("--cavities", domain.cavities);
+        if (domain.shellFrom == ShellFrom::outer) add("--shell-from", "outer");
     }
     void add(const char* name, const InputPack& input, const Report& report) {
         add(name, input.pack);

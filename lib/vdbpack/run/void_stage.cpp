@@ -72,7 +72,15 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
         made.surface = surfaceLevelSet(s.domain, made.report.voxelSize);
     s.callbacks.stopIfCancelled();
     made.voids = made.stamped->grid();
-    made.solid = cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected);
+    const Domain<3>& envelope = s.domain.envelope();
+    std::function<bool(const Vec<3>&)> inShell;
+    if (&envelope != &s.domain)
+        inShell = [sampler = std::shared_ptr<DomainSampler<3>>(envelope.sampler()),
+                   shell = s.recipe.shell](const Vec<3>& x) {
+            return sampler->signedDistance(x) > -shell;
+        };
+    made.solid =
+        cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected, inShell);
     made.report.solidAttached = made.solid.attached;
     made.report.solidPieces = made.solid.components;
     made.report.bvtv =

@@ -67,9 +67,10 @@ std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
                                      const Domain<Dim>& domain, double shell) {
     std::vector<std::int32_t> deep(spheres.size(), 1);
     if (!(shell > 0)) return deep;
-    const double error = domain.facts().voxelSize;
+    const Domain<Dim>& envelope = domain.envelope();
+    const double error = envelope.facts().voxelSize;
     forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
-        const auto sampler = domain.sampler();
+        const auto sampler = envelope.sampler();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const double depth = -sampler->signedDistance(spheres[i].center);
             WallPoint<Dim> wall;

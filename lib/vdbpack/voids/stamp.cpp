@@ -46,7 +46,8 @@ template <int Dim>
 class Core {
 public:
     Core(const Domain<Dim>& domain, const StampOptions<Dim>& options)
-        : sampler_(domain.sampler()),
+        : sampler_((options.shell > 0 ? domain.envelope() : domain).sampler()),
+          domain_(options.shell > 0 && &domain.envelope() != &domain ? domain.sampler() : nullptr),
           shell_(options.shell),
           h_(options.voxelSize),
           error_(domain.facts().voxelSize),
@@ -65,7 +66,10 @@ public:
         // Below the field, ask the wall.
         cut = deep ? sampler_->isWallCloser(middle, shell_ + radius + inside)
                    : field + shell_ + radius + error_ > -inside;
+        if (domain_) cut |= domain_->signedDistance(middle) + radius + error_ > 0;
     }
+    /// Whether a point that the shell encloses is in the domain, and not in one of its cavities.
+    bool inDomain(const Vec<Dim>& x) { return !domain_ || domain_->signedDistance(x) < 0; }
     /// Distance to the core, negative inside; by the exact distance to the wall below the field,
     /// and where a void may come closer to the wall than the field can resolve.
     double operator()(const Vec<Dim>& x, double toVoid) {
@@ -88,7 +92,8 @@ public:
     }
 
 private:
-    std::unique_ptr<DomainSampler<Dim>> sampler_;
+    std::unique_ptr<DomainSampler<Dim>> sampler_;  // of what the shell is measured in
+    std::unique_ptr<DomainSampler<Dim>> domain_;   // null: the same
     double shell_, h_, error_, deepest_;
 };
 
@@ -159,17 +164,18 @@ LevelSetTile makeLeaf(const VoxelIndex& at, const Tile<Dim>& tile, float outside
     return leaf;
 }
 
-/// Counts the voxels in voids and in the core; `takeOut` removes the others from the voids.
+/// Counts the voxels in voids and in the core; `takeOut` removes from the voids what the core's
+/// boundary cuts off.
 template <int Dim>
 std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
     std::uint32_t voxels = 0;
     for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
         float& v = tile.values()[i];
         if (v >= (takeOut ? tile.outside() : 0)) continue;
-        const auto depth =
-            std::max(v, static_cast<float>(core(tile.centerOf(i), static_cast<double>(v))));
+        const Vec<Dim> x = tile.centerOf(i);
+        const auto depth = std::max(v, static_cast<float>(core(x, static_cast<double>(v))));
         if (takeOut) v = std::min(depth, tile.outside());
-        voxels += depth < 0;
+        voxels += depth < 0 && core.inDomain(x);
     }
     return voxels;
 }

@@ -20,8 +20,8 @@ struct StampOptions {
     Vec<Dim> origin;       ///< center of a voxel, mm; positions the lattice
     /// Distances outside of voids are computed up to this, mm; at least three voxels.
     double reach = 0;
-    /// Thickness of the layer below the wall that is kept free of voids, mm; 0: voids may cut the
-    /// wall.
+    /// Thickness of the layer below the wall of the envelope that is kept free of voids, mm; 0:
+    /// voids may cut the wall.
     double shell = 0;
 };
 
@@ -75,7 +75,8 @@ private:
 ///
 /// Outside of all voids the error of the distances is below 4e-4 of the shorter half-axis up to
 /// ratios of 10; inside overlapping voids they are the distances to the farther surface. With a
-/// shell, the exact distance to the wall decides which voxels lie deeper.
+/// shell, the exact distance to the wall decides which voxels lie deeper. They may reach into
+/// cavities that the shell does not line (`Domain::envelope`).
 ///
 /// @param domain  the domain that voids are cut into; tiles beyond it are skipped. Faster if its
 ///                field is deeper than the shell plus ten voxels: below the field the distance to

@@ -1,7 +1,7 @@
 #include "vdbpack/voids/void_families.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/inset_domain.h"
+#include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_list.h"
@@ -96,14 +96,13 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
     // The ellipsoids lie in balls that touch one another and stay clear of the shell.
     PackOptions options(shape.radius.scaled(std::max(1.0, shape.aspect.mean())));
     options.seed = s.seed;
-    std::unique_ptr<Domain<Dim>> inset;
-    if (s.recipe.shell > 0) inset = insetDomain(s.domain, s.recipe.shell);
+    const auto core = coreDomain(s.domain, s.recipe.shell);
     const double expected = 0.6 * regionOf(s).volume() / options.sizes.meanBall(Dim);
     options.pending = static_cast<std::size_t>(
         std::clamp(kPendingShare * expected, kPendingVoids[0], kPendingVoids[1]));
     Callbacks quiet;
     quiet.cancelled = s.callbacks.cancelled;
-    const auto result = packSpheres(inset ? *inset : s.domain, options, quiet);
+    const auto result = packSpheres(core ? *core : s.domain, options, quiet);
     if (result.interrupted) throw Interrupted();
     auto voids = voidsAtSpheres(result.pack.spheres, true, shape, s.seed);
     shuffle(voids, s.seed);

@@ -28,7 +28,7 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
     std::vector<std::uint8_t> reaches(voids.size());
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), kBatch),
                       [&](const tbb::blocked_range<std::size_t>& range) {
-                          const auto sampler = region.domain.sampler();
+                          const auto sampler = region.domain.envelope().sampler();
                           const double error = region.domain.facts().voxelSize;
                           WallPoint<Dim> wall;
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {

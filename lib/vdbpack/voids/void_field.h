@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
-#include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_matrix.h"
@@ -31,8 +31,8 @@ struct VoidShape {
 template <int Dim>
 struct VoidRegion {
     const Domain<Dim>& domain;
-    double shell = 0;  ///< mm
-    double volume() const { return shell > 0 ? domain.volumeDeeperThan(shell) : domain.volume(); }
+    double shell = 0;  ///< mm, below the wall of `domain.envelope()`
+    double volume() const { return coreVolume(domain, shell); }
 };
 
 /// Ellipsoids at independent random positions, uniform over the box around the domain grown by the

@@ -1,0 +1,180 @@
+// Shells measured from the outer surface alone.
+#include "cli/recipes.h"
+#include "support/generators.h"
+#include "support/mesh_file.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/sphere.h"
+#include "vdbpack/domain/core_volume.h"
+#include "vdbpack/run/run.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <fstream>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+constexpr double kOuter = 10, kInner = 4, kShell = 2;
+
+double ball(double radius) {
+    return 4 * kPi / 3 * std::pow(radius, 3);
+}
+
+/// A ball around the origin with a cavity.
+std::string hollowBall(const TemporaryFolder& folder, double cavity = kInner) {
+    const std::string file = folder.file("hollow.obj");
+    writeObj(hollowBallMesh(kOuter, cavity, 4), file);
+    return file;
+}
+
+DomainRecipe fromOuter(const std::string& file) {
+    DomainRecipe recipe;
+    recipe.source = file;
+    recipe.shellFrom = ShellFrom::outer;
+    return recipe;
+}
+
+PackRecipe porous(const std::string& file) {
+    PackRecipe recipe = recipeFor(file, "uniform:0.3,0.6");
+    recipe.domain = fromOuter(file);
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:0.9";
+    recipe.voids.targetBvtv = 0.5;
+    recipe.voids.shell = kShell;
+    return recipe;
+}
+
+/// Spheres at most `below` the outer surface whose region is not 0, and deeper ones whose is.
+std::size_t wronglyLabelled(const RunResult& run, double below) {
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    std::size_t wrong = 0;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const double depth = kOuter - length(pack.spheres[i].center);
+        // The mesh lies within the ball.
+        if (std::fabs(depth - below) > 0.05) wrong += (depth > below) != (pack.region[i] == 1);
+    }
+    return wrong;
+}
+
+}  // namespace
+
+TEST_CASE("a shell measured from the outer surface encloses a core that ends at the cavity",
+          "[domain]") {
+    const TemporaryFolder folder;
+    // The cavity lies in the core; it reaches into the shell.
+    for (const double cavity : {kInner, 9.0}) {
+        const auto built = DomainSource(fromOuter(hollowBall(folder, cavity))).build(0.3, kShell);
+        const Domain<3>& domain = *built.space;
+        const double walls = domain.volumeDeeperThan(kShell);
+        const double expected = std::max(0.0, ball(kOuter - kShell) - ball(cavity));
+        CHECK(coreVolume(domain, kShell) == Approx(expected).epsilon(0.015).margin(2));
+        CHECK(walls < coreVolume(domain, kShell) + 2);
+        CHECK(coreVolume(domain, 0) == domain.volume());
+    }
+}
+
+TEST_CASE("clips do not count as surface where a shell is measured from the outer surface",
+          "[domain]") {
+    const TemporaryFolder folder;
+    DomainRecipe recipe = fromOuter(hollowBall(folder));
+    recipe.clips = {"plane:0,0,1,0"};
+    const auto built = DomainSource(recipe).build(0.3, kShell);
+    const double expected = 0.5 * (ball(kOuter - kShell) - ball(kInner));
+    CHECK(coreVolume(*built.space, kShell) == Approx(expected).epsilon(0.015));
+
+    DomainRecipe shape;
+    shape.source = "cylinder:5,20";
+    shape.shellFrom = ShellFrom::outer;
+    shape.clips = {"plane:0,0,1,0"};
+    const auto half = DomainSource(shape).build(0.3, 1);
+    CHECK(coreVolume(*half.space, 1) == Approx(kPi * 16 * 9).epsilon(0.01));
+
+    recipe.clips.clear();
+    recipe.slice = "z=0";
+    const auto plane = DomainSource(recipe).build(0.3, kShell);
+    CHECK(coreVolume(*plane.plane, kShell) ==
+          Approx(kPi * (std::pow(kOuter - kShell, 2) - kInner * kInner)).epsilon(0.015));
+}
+
+TEST_CASE("voids reach the walls of cavities where the shell is measured from the outer surface",
+          "[voids][cli]") {
+    const TemporaryFolder folder;
+    const PackRecipe recipe = porous(hollowBall(folder));
+    for (const Fill fill : {Fill::domain, Fill::solid}) {
+        PackRecipe filled = recipe;
+        filled.voids.fill = fill;
+        const RunResult run = runPack(filled);
+        REQUIRE(run.passed);
+        REQUIRE(run.report.count > 1000);
+        CHECK(run.report.voids->bvtv.value() == Approx(0.5).margin(0.01));
+        CHECK(run.report.voids->totalVolume ==
+              Approx(ball(kOuter - kShell) - ball(kInner)).epsilon(0.015));
+        CHECK(wronglyLabelled(run, kShell) == 0);
+    }
+}
+
+TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of a cavity",
+          "[voids]") {
+    const TemporaryFolder folder;
+    // Balls side by side on a sphere part the solid around the cavity from the rest.
+    const std::string list = folder.file("voids.csv");
+    std::ofstream out(list);
+    out << "x,y,z,a,b,ux,uy,uz\n";
+    constexpr int kVoids = 400;
+    for (int i = 0; i < kVoids; ++i) {
+        const double z = 1 - (2 * i + 1.0) / kVoids, turn = i * kPi * (3 - std::sqrt(5.0));
+        const double across = 6.5 * std::sqrt(1 - z * z);
+        out << across * std::cos(turn) << ',' << across * std::sin(turn) << ',' << 6.5 * z
+            << ",1.4,1.4,1,0,0\n";
+    }
+    out.close();
+    VoidsRecipe recipe;
+    recipe.domain = fromOuter(hollowBall(folder));
+    recipe.voids.method = "list:" + list;
+    recipe.voids.shell = 1;
+    recipe.voids.voxelSize = 0.2;
+    const VoidReport outer = *runVoids(recipe).report.voids;
+    CHECK(outer.solidAttached.value() < 0.95);
+    recipe.domain.shellFrom = ShellFrom::walls;
+    CHECK(runVoids(recipe).report.voids->solidAttached.value() == Approx(1).margin(0.005));
+}
+
+TEST_CASE("measures by region take the shell from the outer surface", "[measure][cli]") {
+    const TemporaryFolder folder;
+    const std::string bone = hollowBall(folder);
+    PackRecipe recipe = recipeFor(bone, "uniform:0.3,0.6");
+    recipe.outputs = {folder.file("pack.csv")};
+    runPack(recipe);
+    MeasureRecipe measure;
+    measure.pack = recipe.outputs.front();
+    measure.domain = fromOuter(bone);
+    measure.shell = kShell;
+    const auto structure = runMeasure(measure).structure;
+    REQUIRE(structure.regions.size() == 2);
+    CHECK(structure.regions[1].volume ==
+          Approx(ball(kOuter - kShell) - ball(kInner)).epsilon(0.015));
+    // Spheres lie as densely on either side of the shell's inner face.
+    CHECK(structure.regions[1].solidFraction > 0.45);
+    CHECK(structure.regions[1].solidFraction < 0.66);
+}
+
+TEST_CASE("a shell from the outer surface is refused or warned of where it means nothing",
+          "[cli]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = porous(hollowBall(folder));
+    recipe.voids.targetBvtv.reset();
+    recipe.voids.method = "mixed";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+
+    PackRecipe plain = recipeFor("box:10,10,10", "uniform:0.5,1");
+    plain.domain.shellFrom = ShellFrom::outer;
+    plain.voids.shell = 1;
+    const auto warnings = runPack(plain).report.warnings;
+    REQUIRE_FALSE(warnings.empty());
+    CHECK(warnings.front().find("`shellFrom`") != std::string::npos);
+}
