@@ -17,6 +17,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <utility>
 
 namespace vdbpack {
@@ -75,6 +76,8 @@ public:
         result_.spheres = spheres;
         result_.regions = options.regions;
         result_.before = fractionOf(result_.spheres);
+        places_.resize(spheres.size());
+        std::iota(places_.begin(), places_.end(), 0u);
     }
 
     DensifyResult<Dim> run() {
@@ -89,6 +92,7 @@ public:
         }
         result_.after = reachedFraction();
         result_.reached = result_.apart && result_.after >= options_.fraction - kRounding;
+        sortByPlace();
         return std::move(result_);
     }
 
@@ -209,7 +213,23 @@ private:
         if (!outcome.apart) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
+        for (std::size_t i = places_.size(); i < moved.size(); ++i)
+            places_.push_back(static_cast<std::uint32_t>(i));
+        std::vector<std::uint32_t> places = relaxation.places();
+        for (std::uint32_t& place : places) place = places_[place];
+        places_ = std::move(places);
         return true;
+    }
+
+    /// Orders the result such that each sphere is near where the one of its number was: it is the
+    /// sizes that are exchanged.
+    void sortByPlace() {
+        const std::vector<Sphere<Dim>> spheres = result_.spheres;
+        const std::vector<std::int32_t> regions = result_.regions;
+        for (std::size_t i = 0; i < places_.size(); ++i) {
+            result_.spheres[places_[i]] = spheres[i];
+            if (!regions.empty()) result_.regions[places_[i]] = regions[i];
+        }
     }
 
     const DensifyOptions& options_;
@@ -222,6 +242,7 @@ private:
     Paces paces_;
     std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
+    std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first
 };
 
 }  // namespace

@@ -29,7 +29,8 @@ struct DensifyOptions {
 
 template <int Dim>
 struct DensifyResult {
-    /// The input pack in its order, then the added spheres. If `apart`, no two overlap and none
+    /// The input pack in its order, then the added spheres; near where they were, since it is the
+    /// radii that spheres of nearly equal size exchange. If `apart`, no two overlap and none
     /// protrudes from the domain, except for the fixed ones.
     std::vector<Sphere<Dim>> spheres;
     std::vector<std::int32_t> regions;  ///< of all spheres, if the options have regions
@@ -42,7 +43,7 @@ struct DensifyResult {
 };
 
 /// Makes a pack denser: further spheres are added where there is most room, and all of them are
-/// relaxed (`Relaxation`) until none overlap. Radii are kept.
+/// relaxed (`Relaxation`) until none overlap. The radii as a whole are kept.
 ///
 /// Where the requested fraction is not reached, the densest pack without overlaps is returned. The
 /// same for any number of threads. Cost: 15 to 30 µs of processor time per sphere for 0.01 to 0.03

@@ -47,6 +47,7 @@ void Relaxation<Dim>::sort() {
         sorted_.motions[to] = now_.motions[i];
         sorted_.homes[to] = now_.homes[i];
         sorted_.labels[to] = now_.labels[i];
+        sorted_.places[to] = now_.places[i];
         sorted_.vicinities[to] = now_.vicinities[i];
         listedRadii_[to] = now_.bodies[i].radius;
     });

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 namespace vdbpack {
@@ -66,6 +67,7 @@ void Relaxation<Dim>::Slots::resize(std::size_t n) {
     motions.resize(n);
     homes.resize(n);
     labels.resize(n);
+    places.resize(n);
     vicinities.resize(n);
 }
 
@@ -124,7 +126,7 @@ void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
         now_.bodies[i] = {lowBits(home[0]), lowBits(home[1]), lowBits(home[2]),
                           static_cast<float>(spheres[i].radius / quantum_)};
         now_.motions[i] = {};
-        now_.labels[i] = static_cast<std::uint32_t>(i);
+        now_.labels[i] = now_.places[i] = static_cast<std::uint32_t>(i);
         now_.vicinities[i] = {};
         if (i < fixed_) now_.vicinities[i].roam = std::numeric_limits<float>::infinity();
     });
@@ -143,6 +145,16 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
             spheres[label].center = walls_.position(whereIs(now_.homes[i], now_.bodies[i]));
     });
     return spheres;
+}
+
+template <int Dim>
+std::vector<std::uint32_t> Relaxation<Dim>::places() const {
+    std::vector<std::uint32_t> places(given_.size());
+    std::iota(places.begin(), places.end(), 0u);
+    if (ready_)
+        for (std::size_t i = 0; i < now_.labels.size(); ++i)
+            places[now_.labels[i]] = now_.places[i];
+    return places;
 }
 
 template <int Dim>

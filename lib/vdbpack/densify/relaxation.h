@@ -69,6 +69,8 @@ public:
     /// The spheres in the order of the constructor, at their current positions: whole multiples of
     /// `quantum` except for the fixed ones.
     std::vector<Sphere<Dim>> spheres() const;
+    /// For each of them, the number of the sphere that was at first where exchanges have put it.
+    std::vector<std::uint32_t> places() const;
     double quantum() const { return quantum_; }
 
 private:
@@ -86,6 +88,7 @@ private:
         std::vector<Motion> motions;
         std::vector<Home> homes;            ///< positions when lists were made, in quanta
         std::vector<std::uint32_t> labels;  ///< number of the sphere in the constructor's order
+        std::vector<std::uint32_t> places;  ///< number of the sphere that was there at first
         std::vector<typename WallPlanes<Dim>::Vicinity> vicinities;
 
         void resize(std::size_t n);
