@@ -257,6 +257,22 @@ TEST_CASE("loose triangles are refused before anything is made of them, thin one
     CHECK(reports == 0);
 }
 
+TEST_CASE("two layers that cancel are refused before a field is made", "[domain]") {
+    // Triangles of a ball and, at the same vertices, of its copy that faces inward.
+    TriangleMesh mesh = ballMesh(5, 3);
+    const std::size_t n = mesh.triangles.size();
+    for (std::size_t i = 0; i < n; ++i) {
+        auto t = mesh.triangles[i];
+        std::swap(t[0], t[1]);
+        mesh.triangles.push_back(t);
+    }
+    Callbacks callbacks;
+    bool begun = false;
+    callbacks.progress = [&](const Progress&) { begun = true; };
+    CHECK_THROWS_AS(meshDomain(mesh, options(0.5), callbacks), InputError);
+    CHECK_FALSE(begun);
+}
+
 TEST_CASE("a hole wider than a voxel is refused and named", "[domain]") {
     const auto mesh = withoutTriangle(test::ballMesh(10, 3), 100);
     REQUIRE_THROWS_AS(meshDomain(mesh, options(0.3)), InputError);

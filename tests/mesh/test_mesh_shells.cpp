@@ -66,6 +66,24 @@ TEST_CASE("a cavity is taken off, whichever way its triangles face", "[mesh]") {
     CHECK(analysis.enclosedVolume() == Approx(ball * (1000 - 125)).epsilon(1e-12));
 }
 
+TEST_CASE("closed components that intersect are counted by pairs", "[mesh]") {
+    const auto count = [](const TriangleMesh& mesh) { return analyzeShells(mesh).intersections; };
+    const TriangleMesh ball = ballMesh(10, 4);
+    CHECK(count(ball) == 0);
+    CHECK(count(merged(ball, ballMesh(10, 4, {{20.1, 0, 0}}))) == 0);
+    CHECK(count(hollowBallMesh(10, 5, 3)) == 0);
+    // 0.7 % of the volume, and a cavity that pokes out.
+    CHECK(count(merged(ball, ballMesh(10, 4, {{18, 0, 0}}))) == 1);
+    CHECK(count(merged(ball, ballMesh(5, 3, {{6, 0, 0}}))) == 1);
+    CHECK(count(merged(merged(ball, ballMesh(10, 4, {{18, 0, 0}})),
+                       ballMesh(10, 4, {{-18, 0, 0}}))) == 2);
+    // A spike of the larger one, far from most of its triangles.
+    TriangleMesh spiked = ball;
+    spiked.vertices[0] = spiked.vertices[0] * 1.6;
+    const Vec<3> tip = spiked.vertices[0] * (1 / length(spiked.vertices[0]));
+    CHECK(count(merged(spiked, ballMesh(2, 3, tip * 12.2))) == 1);
+}
+
 TEST_CASE("nesting is found at any depth and for any order of the triangles", "[mesh]") {
     const auto seed = GENERATE(range(1u, 6u));
     CAPTURE(seed);

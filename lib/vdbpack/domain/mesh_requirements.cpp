@@ -13,6 +13,8 @@ namespace {
 
 // Half the thickness of a wall, in voxels, below which its volume cannot come out within tolerance.
 constexpr double kThinnestInVoxels = 0.05;
+/// Half of a thickness, as a share of the extent, at which volumes cancel up to rounding.
+constexpr double kCancelled = 1e-12;
 // Triangles of a component, on average, below which they are loose.
 constexpr std::size_t kFewTriangles = 16;
 // More active voxels than this (some 40 GB) result from a wrong unit.
@@ -64,6 +66,19 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
             name, area, longest, voxels, voxelSize));
 }
 
+namespace {
+
+/// Copies of a few triangles are a flaw, of all of them another mistake.
+void refuseCopies(const std::string& name, const MeshHealth& health) {
+    if (20 * health.duplicateTriangles > 9 * health.triangles)
+        throw InputError(fmt::format(
+            "{}: holds the same surface more than once: {} of its {} triangles are copies of "
+            "others. Remove the copy, or set `repair`",
+            name, health.duplicateTriangles, health.triangles));
+}
+
+}  // namespace
+
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize) {
     const double half = health.enclosedVolume / health.area;  // of a plate's thickness
     const bool isThin = !(half > kThinnestInVoxels * voxelSize);
@@ -75,6 +90,14 @@ void requireVolume(const std::string& name, const MeshHealth& health, double vox
             fmt::format("{}: the mesh is not closed: {}. What it encloses is no volume ({:.3g} mm³ "
                         "within {:.6g} mm² of triangles); close the holes, or set `repair`",
                         name, health.describeLeak(), health.enclosedVolume, health.area));
+    if (health.isClosed() && !(half > kCancelled * length(health.bounds.size()))) {
+        refuseCopies(name, health);
+        throw InputError(
+            fmt::format("{}: the surface is closed but encloses no volume ({:.3g} mm³ within "
+                        "{:.6g} mm²): it is folded flat, or two layers of it cancel; correct the "
+                        "mesh, or set `repair`",
+                        name, health.enclosedVolume, health.area));
+    }
     if (!(half > 0) || !isThin || !isClean(health)) return;
     throw InputError(fmt::format(
         "{}: the mesh is about {:.2g} mm thick (twice its volume divided by its area), too thin "
@@ -84,7 +107,7 @@ void requireVolume(const std::string& name, const MeshHealth& health, double vox
 }
 
 bool isClean(const MeshHealth& health) {
-    return health.isWatertight() && health.inconsistentEdges == 0;
+    return health.isWatertight() && health.inconsistentEdges == 0 && health.intersections == 0;
 }
 
 std::string flawsOf(const MeshHealth& health) {
@@ -96,6 +119,8 @@ std::string flawsOf(const MeshHealth& health) {
     add(health.nonManifoldEdges, "edges with more than two triangles");
     add(health.inconsistentEdges, "edges between triangles of opposite orientation");
     add(health.duplicateTriangles, "duplicate triangles");
+    add(health.intersections,
+        "pairs of components that intersect, whose overlap counts as outside");
     return text;
 }
 
@@ -108,12 +133,7 @@ void refuseMesh(const std::string& name, const MeshHealth& health, double fieldV
         throw InputError(
             fmt::format("{}: the mesh is not closed: {}; {}; close the holes, or set `repair`",
                         name, health.describeLeak(), volumes));
-    // Copies of a few triangles are a flaw, of all of them another mistake.
-    if (20 * health.duplicateTriangles > 9 * health.triangles)
-        throw InputError(fmt::format(
-            "{}: holds the same surface more than once: {} of its {} triangles are copies of "
-            "others. Remove the copy, or set `repair`",
-            name, health.duplicateTriangles, health.triangles));
+    refuseCopies(name, health);
     throw InputError(fmt::format(
         "{}: inside and outside are ambiguous: {}{}{}; the likely cause is {}; correct the mesh, "
         "or set `repair`",

@@ -27,7 +27,8 @@ void requireVoxels(const std::string& name, const TriangleMesh& mesh, double are
 /// that is no surface but loose triangles. @throws InputError
 void requireVolume(const std::string& name, const MeshHealth& health, double voxelSize);
 
-/// Whether every edge has two triangles of equal orientation, so that the mesh has a volume.
+/// Whether every edge has two triangles of equal orientation and no components intersect, so that
+/// the mesh has a volume.
 bool isClean(const MeshHealth& health);
 
 /// The defects of a mesh that is not clean, for a message.

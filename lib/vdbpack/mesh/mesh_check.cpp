@@ -168,6 +168,7 @@ void countEdges(const TriangleMesh& mesh, const EdgeTable& edges, MeshHealth& he
 void countShells(const ShellAnalysis& analysis, MeshHealth& health) {
     health.shells = analysis.shells.size();
     health.enclosedVolume = analysis.enclosedVolume();
+    health.intersections = analysis.intersections;
     for (const auto& shell : analysis.shells) {
         health.signedVolume += shell.signedVolume;
         const auto depth = static_cast<std::size_t>(shell.depth);
@@ -250,6 +251,7 @@ nlohmann::json toJson(const MeshHealth& health) {
             {"enclosedVolume", health.enclosedVolume},
             {"shellsAtDepth", health.shellsAtDepth},
             {"invertedShells", health.invertedShells},
+            {"intersections", health.intersections},
             {"closed", health.isClosed()},
             {"watertight", health.isWatertight()},
             {"leak", leak}};
@@ -285,6 +287,8 @@ std::string toText(const MeshHealth& health) {
                                  d % 2 == 1 ? "bounding a cavity" : "solid in a cavity"));
     if (health.invertedShells > 0)
         row("inverted components", fmt::format("{}", health.invertedShells));
+    if (health.intersections > 0)
+        row("intersections", fmt::format("{} of components", plural(health.intersections, "pair")));
     if (health.isClosed() && health.enclosesNothing())
         row("verdict", "closed, but encloses no volume");
     else if (health.isWatertight())

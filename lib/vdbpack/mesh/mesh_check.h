@@ -50,7 +50,8 @@ struct MeshHealth {
     std::vector<std::size_t> shellsAtDepth;  ///< [d]: shells inside d closed ones
     /// Closed shells of wrong orientation: outer ones that face inward, cavities that face outward.
     std::size_t invertedShells = 0;
-    std::optional<MeshLeak> leak;  ///< none if there is no boundary edge
+    std::size_t intersections = 0;  ///< pairs of closed shells that intersect (mesh_shells.h)
+    std::optional<MeshLeak> leak;   ///< none if there is no boundary edge
 
     /// No boundary edges: every shell has an inside.
     bool isClosed() const { return boundaryEdges == 0; }

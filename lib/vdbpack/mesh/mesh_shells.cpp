@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <set>
 #include <utility>
 
 namespace vdbpack {
@@ -20,6 +21,10 @@ namespace {
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// Triangles of a piece that vote on what encloses it: one or two of them may touch another piece.
 constexpr std::size_t kVotes = 5;
+
+/// Triangles of a shell that are looked up where its box meets those of others, and the shells that
+/// all others are compared with.
+constexpr std::size_t kSamples = 500, kCompared = 64;
 
 /// A point for which the enclosing pieces are determined.
 struct Probe {
@@ -177,6 +182,72 @@ void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     }
 }
 
+/// Triangles of closed shells in boxes around others, up to `kSamples` of each shell, evenly spread
+/// over the order of the file. Shells are compared with the `kCompared` largest.
+std::vector<Probe> probesInOtherBoxes(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
+    const auto& shells = analysis.shells;
+    std::vector<Box<3>> boxes(shells.size());
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+        for (const std::uint32_t v : mesh.triangles[i])
+            boxes[analysis.shellOfTriangle[i]].add(mesh.vertices[v]);
+    std::vector<std::vector<std::uint32_t>> others(shells.size());
+    for (std::uint32_t t = 0; t < std::min(shells.size(), kCompared); ++t)
+        for (std::uint32_t s = t + 1; s < shells.size(); ++s) {
+            if (shells[s].boundaryEdges != 0 || shells[t].boundaryEdges != 0 ||
+                intersection(boxes[s], boxes[t]).empty())
+                continue;
+            others[s].push_back(t);
+            others[t].push_back(s);
+        }
+    std::vector<std::size_t> count(shells.size()), seen(shells.size());
+    std::vector<Probe> probes;
+    const auto forEach = [&](const auto& visit) {
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+            const std::uint32_t s = analysis.shellOfTriangle[i];
+            if (others[s].empty()) continue;
+            const auto& t = mesh.triangles[i];
+            const Vec<3> x =
+                (mesh.vertices[t[0]] + mesh.vertices[t[1]] + mesh.vertices[t[2]]) * (1.0 / 3.0);
+            if (std::any_of(others[s].begin(), others[s].end(),
+                            [&](std::uint32_t o) { return boxes[o].contains(x); }))
+                visit(s, x);
+        }
+    };
+    forEach([&](std::uint32_t s, const Vec<3>&) { ++count[s]; });
+    forEach([&](std::uint32_t s, const Vec<3>& x) {
+        if (seen[s]++ % (count[s] / kSamples + 1) == 0) probes.push_back({x, s});
+    });
+    return probes;
+}
+
+/// The number of pairs of closed shells of which one lies partly inside the other.
+std::size_t countIntersections(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
+    if (analysis.shells.size() < 2) return 0;
+    const std::vector<Probe> probes = probesInOtherBoxes(mesh, analysis);
+    if (probes.empty()) return 0;
+    std::vector<std::size_t> probeCount(analysis.shells.size());
+    for (const Probe& probe : probes) ++probeCount[probe.shell];
+    const std::vector<Hit> hits = findHits(mesh, analysis, probes);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (std::size_t i = 0; i < hits.size();) {
+        const std::uint32_t inner = probes[hits[i].probe].shell, outer = hits[i].shell;
+        std::size_t inside = 0, unclear = 0;
+        while (i < hits.size() && hits[i].shell == outer && probes[hits[i].probe].shell == inner) {
+            const std::uint32_t probe = hits[i].probe;
+            bool odd = false, touches = false;
+            for (; i < hits.size() && hits[i].shell == outer && hits[i].probe == probe; ++i) {
+                odd = !odd;
+                touches = touches || hits[i].unclear;
+            }
+            unclear += touches;
+            inside += odd && !touches;
+        }
+        if (inside > 0 && inside + unclear < probeCount[inner])
+            pairs.insert(std::minmax(inner, outer));
+    }
+    return pairs.size();
+}
+
 /// Joins triangles at shared edges; a piece is named by its first triangle.
 DisjointSets joinPieces(const TriangleMesh& mesh, const EdgeTable& edges) {
     const std::size_t n = mesh.triangles.size();
@@ -326,6 +397,7 @@ ShellAnalysis analyzeShells(const TriangleMesh& mesh, const EdgeTable& edges) {
     measureVolumes(mesh, edges, origins, result);
     sortByVolume(result);
     findNesting(mesh, result);
+    result.intersections = countIntersections(mesh, result);
     return result;
 }
 

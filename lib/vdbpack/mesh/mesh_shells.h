@@ -22,6 +22,9 @@ struct Shell {
 struct ShellAnalysis {
     std::vector<std::uint32_t> shellOfTriangle;  ///< index into `shells`, one per triangle
     std::vector<Shell> shells;                   ///< by decreasing |signedVolume|
+    /// Pairs of closed shells of which one lies partly inside the other, as far as up to 500
+    /// triangles of each show it.
+    std::size_t intersections = 0;
 
     /// Enclosed volume without cavities, for any orientation of the triangles, mm³:
     /// the sum of (-1)^depth |signedVolume|.
@@ -38,7 +41,8 @@ struct ShellAnalysis {
 /// intersect, the smaller counts as enclosed if most of up to five of its triangles lie inside the
 /// larger.
 ///
-/// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell.
+/// Cost: linear in the triangles, except for rays (along z) from five triangles of each shell, and
+/// from up to 500 where the boxes around closed shells overlap.
 /// Volumes are computed relative to a point of the shell, so they lose no digits far from the
 /// origin. The volume of an open shell is computed with every hole closed by a cone from the
 /// centroid of its boundary (exact for plane holes).
