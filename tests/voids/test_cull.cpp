@@ -340,3 +340,17 @@ TEMPLATE_TEST_CASE_SIG("attached spheres are those that a flood from the shell r
     // A shell that nothing reaches.
     CHECK(removed(attachedSpheres(spheres, std::vector<std::int32_t>(n, 1), tolerance)) == n);
 }
+
+TEST_CASE("a small cluster of the shell that touches nothing else is not attached", "[voids]") {
+    std::vector<Sphere<3>> spheres;
+    for (int i = 0; i < 3000; ++i) spheres.push_back({{{2.0 * i, 0, 0}}, 1});
+    spheres.push_back({{{0, 10, 0}}, 1});
+    spheres.push_back({{{2, 10, 0}}, 1});
+    for (int i = 0; i < 4; ++i) spheres.push_back({{{2.0 * i, 20, 0}}, 1});
+    std::vector<std::int32_t> region(spheres.size(), 1);
+    region[0] = region[3000] = region[3002] = 0;
+    const auto attached = attachedSpheres(spheres, region, 0.001);
+    CHECK(attached[2999] == 1);
+    CHECK(attached[3000] == 0);  // 2 of 3000
+    CHECK(attached[3005] == 1);  // 4 of 3000
+}

@@ -7,6 +7,13 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Smaller components of the shell, compared with the largest, are loose.
+constexpr std::uint64_t kFewest = 1000;
+
+}  // namespace
+
 template <int Dim>
 std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& spheres,
                                           const std::vector<std::int32_t>& region,
@@ -15,14 +22,16 @@ std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& sphere
     DisjointSets sets(count);
     for (const Contact& c : listContacts(spheres, tolerance)) sets.join(c.i, c.j);
     std::vector<std::uint8_t> rooted(count);  // by the root of the component
+    std::vector<std::uint32_t> size(count);
+    for (std::uint32_t i = 0; i < count; ++i) ++size[sets.find(i)];
+    const auto largest = std::max_element(size.begin(), size.end());
     if (!region.empty()) {
-        for (std::uint32_t i = 0; i < count; ++i)
-            if (region[i] == 0) rooted[sets.find(i)] = 1;
+        for (std::uint32_t i = 0; i < count; ++i) {
+            const std::uint32_t root = sets.find(i);
+            if (region[i] == 0 && kFewest * size[root] >= *largest) rooted[root] = 1;
+        }
     } else if (count > 0) {
-        std::vector<std::uint32_t> size(count);
-        for (std::uint32_t i = 0; i < count; ++i) ++size[sets.find(i)];
-        rooted[static_cast<std::size_t>(std::max_element(size.begin(), size.end()) -
-                                        size.begin())] = 1;
+        rooted[static_cast<std::size_t>(largest - size.begin())] = 1;
     }
     std::vector<std::uint8_t> attached(count);
     for (std::uint32_t i = 0; i < count; ++i) attached[i] = rooted[sets.find(i)];

@@ -8,8 +8,9 @@
 
 namespace vdbpack {
 
-/// 1 for each sphere in a connected component (by contacts) with a sphere of region 0 (the shell);
-/// without regions, for each sphere of the largest connected component.
+/// 1 for each sphere in a connected component (by contacts) with a sphere of region 0 (the shell)
+/// that has at least a thousandth as many spheres as the largest: smaller ones are loose clusters
+/// of the shell. Without regions, for each sphere of the largest connected component.
 /// @param tolerance  as of `countContacts`.
 /// @throws as `countContacts`.
 template <int Dim>
