@@ -62,8 +62,8 @@ void onSignal(int) {
         ::_exit(kInterrupted);
     }
     sayFromHandler(
-        "\nvdb_pack: interrupted; completed spheres are written to NAME.interrupted.EXT. Interrupt "
-        "again to stop at once.\n");
+        "\nvdb_pack: interrupted; the completed spheres of an unfinished pack are written to "
+        "NAME.interrupted.EXT. Interrupt again to stop at once.\n");
 }
 
 /// Signals that request a stop, and those that would end the process if writing fails: the call
@@ -124,7 +124,7 @@ void print(const Result& result, const PrintOptions& how) {
 
 /// The exit code of a pack that must pass its checks.
 int judged(const RunResult& run) {
-    if (run.report.interrupted) return kInterrupted;
+    if (run.report.interrupted || interrupted) return kInterrupted;
     if (run.passed) return kDone;
     fmt::print(stderr, "{}", failures(run));
     return kCheckFailed;
@@ -153,7 +153,8 @@ int study(const Job& job, const PrintOptions& how, const Callbacks& callbacks) {
         printJson(all);
     } else if (!how.quiet) {
         printText(summary(result));
-        if (!table.empty() && !result.reports.empty()) fmt::print("written    {}\n", table);
+        if (!table.empty() && !result.reports.empty())
+            fmt::print("written    {}\n", result.interrupted ? interruptedName(table) : table);
     }
     if (result.interrupted) return kInterrupted;
     if (result.passed) return kDone;

@@ -142,3 +142,14 @@ TEST_CASE("a conversion that cannot be is refused before anything is written", "
         Contains("v.csv"));
     REQUIRE(scratch.files() == 1);
 }
+
+TEST_CASE("the level set of a long and thin shape resolves its thickness", "[convert]") {
+    const TemporaryFolder scratch;
+    Pack<3> pack;
+    pack.spheres = {{{{1, 1, 1}}, 1}};
+    writePack(pack, scratch.file("p.csv"), {});
+    auto recipe = recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")});
+    recipe.domain.source = "box:2,2,1500";
+    runConvert(recipe);
+    CHECK(checkMesh(readMesh(scratch.file("p.stl"))).enclosedVolume == Approx(6000).epsilon(0.01));
+}

@@ -95,6 +95,27 @@ TEST_CASE("more of the solid is filled when it is filled than when it is cut fro
     CHECK(solidVolume(runPack(recipe)) > 1.2 * cut);
 }
 
+TEST_CASE("spheres that fill little of a solid are warned of", "[voids][cli]") {
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.voids.fill = Fill::solid;
+    CHECK_FALSE(mentions(warningsOf(recipe), "between the voids"));
+    recipe.radius = "uniform:0.4,0.8";
+    recipe.voids.targetBvtv = 0.2;
+    CHECK(mentions(warningsOf(recipe), "between the voids"));
+}
+
+TEST_CASE("densified spheres that nearly touch stay connected, or the count is warned of",
+          "[voids][cli]") {
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.voids.keepConnected = true;
+    recipe.targetCount = 3000;
+    recipe.densify = 0.62;
+    const RunResult run = runPack(recipe);
+    CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.15));
+    if (std::abs(static_cast<double>(run.report.count) - 3000) > 60)
+        CHECK(mentions(run.report.warnings, "`targetCount`"));
+}
+
 TEST_CASE("a solid to fill needs voids that are made before the pack", "[voids][cli]") {
     PackRecipe recipe = recipeFor("ball:8", "uniform:0.5,1");
     recipe.voids.fill = Fill::solid;
@@ -210,6 +231,25 @@ TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli
     CHECK(mentions(run.report.warnings, "keepConnected"));
     recipe.voids.keepConnected = true;
     const RunResult kept = runPack(recipe);
-    CHECK_FALSE(mentions(kept.report.warnings, "keepConnected"));
+    CHECK_FALSE(mentions(kept.report.warnings, "Set `keepConnected`"));
     CHECK(kept.report.contacts->components == 1);
+}
+
+TEST_CASE("existing spheres that reach into voids are kept where the solid is filled",
+          "[voids][cli]") {
+    const TemporaryFolder folder;
+    PackRecipe first = recipeFor("ball:8", "constant:1", folder.file("first.csv"));
+    first.maxCount = 60;
+    runPack(first);
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.voids.fill = Fill::solid;
+    recipe.existing = folder.file("first.csv");
+    const RunResult run = runPack(recipe);
+    CHECK(run.report.inputProtrusions > 0);
+    CHECK(run.passed);
+}
+
+TEST_CASE("a pack whose radii hardly fit is warned of", "[cli]") {
+    CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,20")), "hardly fit"));
+    CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
 }

@@ -9,8 +9,10 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
+#include "vdbpack/run/study.h"
 #include "vdbpack/verify/verify.h"
 
 #include <catch2/catch.hpp>
@@ -88,7 +90,8 @@ TEST_CASE("a pack interrupted in any stage after it is kept, checked and marked"
     PackRecipe recipe = recipeFor("box:40,40,40", "uniform:1,2");
     recipe.voids.method = "boolean";
     recipe.voids.radius = "constant:3";
-    recipe.outputs = {folder.file("p.csv")};
+    recipe.outputs = {"solid:" + folder.file("p.stl"), "list:" + folder.file("l.csv"),
+                      folder.file("p.csv")};
     recipe.reportFile = folder.file("p.html");
     const std::string stage = GENERATE("voids", "measure", "write");
     CAPTURE(stage);
@@ -97,19 +100,56 @@ TEST_CASE("a pack interrupted in any stage after it is kept, checked and marked"
     callbacks.progress = [&](const Progress& p) { stop = stop || p.stage == stage; };
     callbacks.cancelled = [&] { return stop; };
     const auto run = runPack(recipe, callbacks);
-    CHECK(run.report.interrupted);
+    // Once the files are written, they are whole, and so is the report: the picture alone is left
+    // out.
+    const bool whileWriting = stage == "write";
+    CHECK(run.report.interrupted == !whileWriting);
     CHECK(run.passed);
     CHECK(run.report.count > 500);
     CHECK(run.report.overlap->pairs == 0);
     CHECK(run.picture.png.empty());
-    // Once all files are written, they are whole.
-    const char* const pack = stage == "write" ? "p.csv" : "p.interrupted.csv";
-    CHECK(isVerified(folder.file(pack), recipe.domain.source));
-    CHECK(std::filesystem::exists(folder.file("p.interrupted.html")));
-    CHECK(namesIn(folder.path()).size() == 2);
+    const std::string mark = whileWriting ? "" : ".interrupted";
+    CHECK(isVerified(folder.file("p" + mark + ".csv"), recipe.domain.source));
+    CHECK(std::filesystem::exists(folder.file("p" + mark + ".html")));
+    // Voids that are not complete are left out, with a warning, and nothing else is.
+    const auto names = namesIn(folder.path());
+    for (const auto& name : names)
+        CHECK((name.find(".interrupted.") == std::string::npos) == whileWriting);
+    CHECK(names.size() + run.report.warnings.size() >= 4);
     const auto whole = runPack(recipe);
     CHECK_FALSE(whole.report.interrupted);
     if (stage != "voids") CHECK(whole.report.hash == run.report.hash);
+}
+
+TEST_CASE("names for what an interrupt leaves are checked before the run", "[run]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = recipeFor("box:20,20,20", "uniform:1,2");
+    recipe.outputs = {folder.file("p.interrupted.csv")};
+    runPack(recipe);
+    recipe.existing = folder.file("p.interrupted.csv");
+    recipe.radius = "constant:0.5";
+    recipe.outputs = {folder.file("p.csv")};
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    CHECK(namesIn(folder.path()).size() == 1);
+    // Too long a name is cut.
+    const std::string longName = interruptedName(folder.file(std::string(245, 'n') + ".csv"));
+    CHECK(std::filesystem::path(longName).filename().string().size() == 255);
+    CHECK(longName.substr(longName.size() - 16) == ".interrupted.csv");
+}
+
+TEST_CASE("an interrupted study leaves the table of a former one", "[run]") {
+    const TemporaryFolder folder;
+    const std::string table = folder.file("t.csv");
+    const PackRecipe recipe = recipeFor("box:20,20,20", "uniform:1,2");
+    runStudy(recipe, {1, 2, 3}, table);
+    const auto former = std::filesystem::file_size(table);
+    int packs = 0;
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) { packs += p.stage == "measure"; };
+    callbacks.cancelled = [&] { return packs >= 2; };
+    CHECK(runStudy(recipe, {1, 2, 3}, table, callbacks).interrupted);
+    CHECK(std::filesystem::file_size(table) == former);
+    CHECK(std::filesystem::exists(folder.file("t.interrupted.csv")));
 }
 
 TEST_CASE("runs with nothing to keep throw when they are cancelled, and write nothing", "[run]") {

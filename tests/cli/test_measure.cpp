@@ -343,7 +343,7 @@ TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
     const auto study = runStudy(recipe, {1, 2, 3, 4}, folder.file("t.csv"), callbacks);
     CHECK(study.interrupted);
     CHECK(study.reports.size() == 2);
-    CHECK(rowsOf(folder.file("t.csv")).size() == 3);
+    CHECK(rowsOf(folder.file("t.interrupted.csv")).size() == 3);
 }
 
 TEST_CASE("seeds are numbers, ranges and lists", "[run]") {

@@ -280,7 +280,7 @@ TEST_CASE("a run that would leave nothing is refused at once, with the command t
     };
     const Run runs[] = {
         {"pack ball:300 --radius uniform:1,2 --seed 5", "-o ball.vdb"},
-        {"pack ball:300 --seed 1..9", "-o ball.vdb"},
+        {"pack ball:300 --seed 1..9", "-o ball_{seed}.vdb"},
         {"pack rect:9,9", "-o rect.csv"},
         {"pack '" + folder.file("no bone.stl") + "' --unit cm", "--unit cm -o 'no bone.vdb'"},
         {"pack " + folder.file("bone.vdb"), "-o bone_pack.vdb"},

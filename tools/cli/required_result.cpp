@@ -29,6 +29,11 @@ std::string offeredFile(const std::string& input, const std::string& suffix, boo
            suffix + (circles ? ".csv" : ".vdb");
 }
 
+/// What tells the files of the runs of a study apart.
+std::string seedPart(const Study& study) {
+    return study.seeds.size() > 1 ? "_{seed}" : "";
+}
+
 /// The same for a recipe; empty for commands that print their result.
 template <class Recipe>
 std::string offeredFile(const Recipe& recipe) {
@@ -36,10 +41,11 @@ std::string offeredFile(const Recipe& recipe) {
     const bool plane =
         !recipe.domain.slice.empty() || startsWith(domain, "rect:") || startsWith(domain, "disc:");
     if constexpr (std::is_same_v<Recipe, PackJob>)
-        return offeredFile(domain, extensionOf(domain) == ".vdb" ? "_pack" : "", plane);
+        return offeredFile(
+            domain, (extensionOf(domain) == ".vdb" ? "_pack" : "") + seedPart(recipe.study), plane);
     else if constexpr (std::is_same_v<Recipe, VoidsJob>)
-        return plane ? "list:" + offeredFile(domain, "_voids", true)
-                     : offeredFile(domain, "_voids", false);
+        return (plane ? "list:" : "") +
+               offeredFile(domain, "_voids" + seedPart(recipe.study), plane);
     else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
         return offeredFile(recipe.pack, "_carved", plane);
     else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)

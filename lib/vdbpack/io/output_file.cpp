@@ -155,7 +155,8 @@ void OutputFile::createNamed() {
     if (descriptor_ < 0) {
         const int cause = errno;
         throw IoError(path_ + ": cannot create a file in folder '" + folder_ +
-                      "': " + std::strerror(cause) + "; create the folder or choose another one");
+                      "': " + std::strerror(cause) +
+                      "; choose another folder, or create this one if it is missing");
     }
     named_ = true;
 }

@@ -63,7 +63,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                             const CountedSpheres<Dim>& counted) {
     const SizeDistribution sizes = options.sizes;
     PackResult<Dim> best;
-    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1, bestCount = 0;
+    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1;
     ScaleSearch search(target, Dim);
     const double front = std::max(1.0, target / counted.share);
     double scale =
@@ -88,7 +88,6 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
             bestOff = std::fabs(count - target);
             bestScale = scale;
-            bestCount = count;
             best = std::move(result);
         }
         best.interrupted = interrupted;
@@ -96,11 +95,6 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         scale = search.next(scale, count);
     }
     options.sizes = scaledSizes(sizes, bestScale, Dim);
-    if (!best.interrupted && options.maxCount == 0 && !isNear(bestOff, target))
-        callbacks.warn(
-            fmt::format("`targetCount` {:.0f}: the nearest count found is {:.0f} {}; "
-                        "give another number, or the radii themselves",
-                        target, bestCount, Measure<Dim>::kSpheres));
     return best;
 }
 

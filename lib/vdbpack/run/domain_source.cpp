@@ -25,7 +25,7 @@ namespace {
 /// A requested voxel size is used if it is within these factors of the default.
 constexpr double kFinest = 0.6, kCoarsest = 1.3;
 /// Diagonal below which voxels in 32-bit floats have no digits left, mm.
-constexpr double kSmallestExtent = 1e-6;
+constexpr double kSmallestExtent = 1e-4;
 /// Points by which the volume of a clipped mesh is estimated, to about 1 %, and the steps between
 /// them.
 constexpr std::size_t kVolumePoints = 20000;

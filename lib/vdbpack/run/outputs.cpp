@@ -68,11 +68,12 @@ const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name
 template <int Dim>
 std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have) {
     if constexpr (Dim == 3) {
-        constexpr double kVoxelsAcross = 256;
+        constexpr double kVoxelsAcross = 256, kVoxelsThrough = 16;
         if (have.options.levelSets.empty() && have.domain) {
             const Vec<3> size = have.domain->bounds().size();
-            return {surfaceLevelSet(
-                *have.domain, *std::max_element(size.c.begin(), size.c.end()) / kVoxelsAcross)};
+            const auto [thin, longest] = std::minmax_element(size.c.begin(), size.c.end());
+            return {surfaceLevelSet(*have.domain,
+                                    std::min(*longest / kVoxelsAcross, *thin / kVoxelsThrough))};
         }
     }
     return have.options.levelSets;
@@ -98,8 +99,15 @@ bool isSame(const std::string& a, const std::string& b) {
 std::string interruptedName(const std::string& name) {
     const std::string file = filePart(name);
     const std::string extension = std::filesystem::path(file).extension().string();
-    std::string marked = name;
-    return marked.insert(name.size() - extension.size(), ".interrupted");
+    const std::string mark = ".interrupted";
+    // A name of more than 255 bytes is cut, between characters.
+    const std::size_t bytes = std::filesystem::path(file).filename().string().size() + mark.size();
+    std::size_t stem = name.size() - extension.size();
+    if (bytes > 255) {
+        stem -= std::min(bytes - 255, stem);
+        while (stem > 0 && (static_cast<unsigned char>(name[stem]) & 0xc0) == 0x80) --stem;
+    }
+    return name.substr(0, stem) + mark + extension;
 }
 
 bool isSolidOutput(const std::string& output) {
@@ -163,6 +171,20 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     }
     // Refuses before the work what could not be written after it.
     for (const std::string& file : files) const OutputFile unwritten(file);
+}
+
+void checkInterruptedFiles(const std::vector<std::string>& outputs,
+                           const std::vector<std::string>& inputs) {
+    for (const std::string& output : outputs) {
+        const std::string file = filePart(interruptedName(output));
+        for (const std::string& input : inputs)
+            if (!input.empty() && isSame(file, filePart(input)))
+                throw ParameterError(
+                    fmt::format("{}: an interrupted run would be written to {}, which is an input; "
+                                "name another output",
+                                output, file));
+        const OutputFile unwritten(file);
+    }
 }
 
 void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,

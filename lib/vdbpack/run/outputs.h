@@ -32,6 +32,10 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
                 const std::vector<std::string>& inputs,
                 const std::vector<std::string>& further = {});
 
+/// The same for the files of a run that is interrupted.
+void checkInterruptedFiles(const std::vector<std::string>& outputs,
+                           const std::vector<std::string>& inputs);
+
 /// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
 bool isSolidOutput(const std::string& output);
 /// The same, or one that shows level sets beside the spheres (blender:).

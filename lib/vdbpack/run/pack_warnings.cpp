@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace vdbpack {
@@ -14,8 +15,14 @@ namespace {
 
 /// Share of connected spheres below which a pack is called loose.
 constexpr double kConnected = 0.9;
-/// Contact tolerance from which densified spheres count as touching.
-constexpr double kDensifiedTolerance = 0.01;
+/// Share of the spheres above which it is said that they were removed for want of contacts.
+constexpr double kMostDropped = 0.5;
+/// Share of a solid that spheres fill at the least, where it is a few of them thick.
+constexpr double kFilled = 0.4;
+/// How far a count may be from its target.
+constexpr double kCountTolerance = 0.02;
+/// Solid fraction below which a pack is called empty.
+constexpr double kLeastSolid = 0.1;
 
 std::string percent(double share) {
     return fmt::format("{:.3g} %", 100 * share);
@@ -26,15 +33,21 @@ std::string percent(double share) {
 template <int Dim>
 void warnOfLooseSpheres(const Run<Dim>& run) {
     const Report& report = run.report;
-    const double tolerance = run.settings.contactTolerance;
-    if (report.interrupted || report.requestedGap > 0 || !report.contacts || report.count < 2 ||
-        (report.densified && tolerance < kDensifiedTolerance))
+    if (report.interrupted || report.requestedGap > 0 || !report.contacts || report.count < 2)
         return;
     const char* spheres = Measure<Dim>::kSpheres;
     const VoidReport& voids = run.voids.report;
     const bool anchored = run.cuts() && (voids.shell == 0 || voids.cortical > 0);
     if (const auto attached = anchored ? voids.spheresAttached : std::nullopt) {
-        if (*attached < kConnected && !run.voidRecipe->keepConnected)
+        const auto dropped = static_cast<double>(voids.dropped);
+        const double before = dropped + static_cast<double>(report.count);
+        if (run.voidRecipe->keepConnected && dropped > kMostDropped * before)
+            run.callbacks.warn(fmt::format(
+                "`keepConnected` removed {} of the {}, which no contact connects. Give larger "
+                "voids "
+                "or smaller radii, or count wider gaps as contacts by `contactTolerance`",
+                percent(dropped / before), spheres));
+        else if (*attached < kConnected && !run.voidRecipe->keepConnected)
             run.callbacks.warn(fmt::format(
                 "only {} of the {} are connected to the {} by contacts. Set `keepConnected` to "
                 "remove the others, or give larger voids or smaller radii",
@@ -42,11 +55,53 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
                 run.voidRecipe->shell > 0 ? "shell" : "largest component"));
         return;
     }
+    // Contacts are reported at a tolerance at which densified spheres hardly touch.
+    if (run.connectionTolerance() > run.settings.contactTolerance) return;
     if (report.contacts->largestComponent < kConnected)
         run.callbacks.warn(fmt::format(
             "the largest connected component has only {} of the {}, at a contact tolerance of {}. "
             "Give smaller radii, or check whether the domain has several components",
-            percent(report.contacts->largestComponent), spheres, tolerance));
+            percent(report.contacts->largestComponent), spheres, run.settings.contactTolerance));
+}
+
+template <int Dim>
+void warnOfFewSpheres(const Run<Dim>& run, double largest) {
+    const Report& report = run.report;
+    if (report.interrupted || run.cuts() || report.existing > 0 || report.requestedGap > 0 ||
+        !(report.solidFractionTotal.value_or(1) < kLeastSolid))
+        return;
+    run.callbacks.warn(fmt::format(
+        "the {} fill only {} of the domain, since those of up to {:.3g} mm hardly fit. Give a "
+        "smaller largest radius",
+        Measure<Dim>::kSpheres, percent(*report.solidFractionTotal), largest));
+}
+
+template <int Dim>
+void warnOfThinSolid(const Run<Dim>& run) {
+    const VoidReport& voids = run.voids.report;
+    if (!run.solid || !run.hasPack || run.report.interrupted || !voids.bvtv) return;
+    double filled = 0;
+    for (std::size_t i = 0; i < run.pack.spheres.size(); ++i)
+        if (run.pack.region.empty() || run.pack.region[i] != 0)
+            filled += Measure<Dim>::ball(run.pack.spheres[i].radius);
+    const double share = filled / (*voids.bvtv * voids.totalVolume);
+    if (share < kFilled)
+        run.callbacks.warn(fmt::format(
+            "the {} fill only {} of the solid between the voids, which is hardly thicker than "
+            "they are. Give smaller radii, larger voids or a higher BV/TV",
+            Measure<Dim>::kSpheres, percent(share)));
+}
+
+template <int Dim>
+void warnOfCount(const Run<Dim>& run, double target) {
+    const auto count = static_cast<double>(run.report.count - run.report.existing);
+    if (!(target > 0) || run.report.interrupted ||
+        std::fabs(count - target) <= std::max(kCountTolerance * target, 0.5))
+        return;
+    run.callbacks.warn(
+        fmt::format("`targetCount` {:.0f}: the nearest count found is {:.0f} {}; give another "
+                    "number, or the radii themselves",
+                    target, count, Measure<Dim>::kSpheres));
 }
 
 template <int Dim>
@@ -77,9 +132,12 @@ void requireSpheresLeft(const Run<Dim>& run, std::size_t before) {
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                            \
-    template void warnOfLooseSpheres<Dim>(const Run<Dim>&); \
-    template void warnOfSmallVoids<Dim>(const Run<Dim>&);   \
+#define VDBPACK_INSTANTIATE(Dim)                                  \
+    template void warnOfLooseSpheres<Dim>(const Run<Dim>&);       \
+    template void warnOfFewSpheres<Dim>(const Run<Dim>&, double); \
+    template void warnOfThinSolid<Dim>(const Run<Dim>&);          \
+    template void warnOfCount<Dim>(const Run<Dim>&, double);      \
+    template void warnOfSmallVoids<Dim>(const Run<Dim>&);         \
     template void requireSpheresLeft<Dim>(const Run<Dim>&, std::size_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -42,7 +42,10 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
 
 nlohmann::json toJson(const MeshResult& result) {
     nlohmann::json json = toJson(result.health);
-    if (result.repair) json["repair"] = toJson(*result.repair);
+    if (result.repair) {
+        json["repair"] = toJson(*result.repair);
+        json["repair"]["warnings"] = repairWarnings(*result.repair, result.source);
+    }
     addJson(json, result.fitness, result.source);
     if (!result.files.empty()) json["files"] = result.files;
     return json;

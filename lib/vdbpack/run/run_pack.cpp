@@ -7,6 +7,7 @@
 #include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_plan.h"
+#include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
@@ -178,7 +179,9 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         if (!prepared.existing.region.empty()) run.labelled = existing.size();
         run.report.existing = existing.size();
         run.report.inputOverlaps = prepared.inputOverlaps;
-        run.report.inputProtrusions = prepared.inputProtrusions;
+        // Into voids as well, where what they leave is filled.
+        run.report.inputProtrusions =
+            run.solid ? run.filledSource().protrusion(existing).spheres : prepared.inputProtrusions;
         result.pack = joined(prepared.existing, result.pack);
     }
     run.pack = std::move(result.pack);
@@ -210,6 +213,10 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     if (recipe.densify > 0) densifyStage(run, recipe.densify, recipe.gap);
     cutStage(run, voidsMade);
     measureStage(run);
+    if (recipe.maxCount == 0) {
+        warnOfCount(run, prepared.requested.targetCount);
+        warnOfFewSpheres(run, options.sizes.max());
+    }
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {

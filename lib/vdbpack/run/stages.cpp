@@ -5,6 +5,7 @@
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/densify_stage.h"
 #include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/recipe_file.h"
@@ -37,6 +38,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
     checkFiles(settings.outputs, settings.reportFile, inputs, {settings.preview.file});
+    if (kind == RunKind::pack) checkInterruptedFiles(settings.outputs, inputs);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -149,7 +151,7 @@ void cutStage(Run<Dim>& run, bool made) {
     setRegionsAside(run.pack, run.labelled);
     if (run.hasPack) {
         const std::size_t before = run.pack.spheres.size();
-        cullPack(run.voidSetting(), run.settings.contactTolerance, run.fixed, run.voids, run.pack);
+        cullPack(run.voidSetting(), run.connectionTolerance(), run.fixed, run.voids, run.pack);
         if (run.cuts()) requireSpheresLeft(run, before);
     } else if (run.voids.report.bvtv && !(*run.voids.report.bvtv > kLeastBvtv)) {
         run.callbacks.warn(
@@ -177,8 +179,8 @@ void measureStage(Run<Dim>& run) {
     run.callbacks.report("measure", 0, 0);
     if (run.cuts()) {
         run.unlessInterrupted([&] {
-            measureVoids(run.voidSetting(), tolerance, run.hasPack ? &run.pack : nullptr,
-                         run.voids);
+            measureVoids(run.voidSetting(), run.connectionTolerance(),
+                         run.hasPack ? &run.pack : nullptr, run.voids);
         });
         run.report.voids = run.voids.report;
         run.report.seconds.voids += run.clock.lap();
@@ -195,6 +197,7 @@ void measureStage(Run<Dim>& run) {
         run.report.domain.kind = "solid";
     }
     warnOfLooseSpheres(run);
+    warnOfThinSolid(run);
     if (run.report.interrupted && !run.keepsPack) throw Interrupted();
 }
 
@@ -231,6 +234,24 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     return have;
 }
 
+/// Removes those outputs that an interrupted run has not made: voids and what they leave.
+template <int Dim>
+void leaveOutIncomplete(const Run<Dim>& run, std::vector<std::string>& outputs) {
+    if (!run.cuts() || !run.voids.levelSets().empty()) return;
+    const auto isMissing = [&](const std::string& output) {
+        const OutputKind kind = targetOf(output).kind;
+        const bool missing = kind == OutputKind::contour || kind == OutputKind::levelSets ||
+                             kind == OutputKind::fog ||
+                             (kind == OutputKind::voidList && run.voids.list.empty());
+        if (missing)
+            run.callbacks.warn(output +
+                               ": is not written; the run was interrupted before its "
+                               "voids were complete");
+        return missing;
+    };
+    outputs.erase(std::remove_if(outputs.begin(), outputs.end(), isMissing), outputs.end());
+}
+
 /// Writes the outputs and the recipe that repeats the run.
 template <int Dim>
 void write(Run<Dim>& run) {
@@ -240,6 +261,7 @@ void write(Run<Dim>& run) {
     std::vector<std::string> outputs = settings.outputs;
     if (report.interrupted) {
         if (report.count == 0) return;
+        leaveOutIncomplete(run, outputs);
         std::transform(outputs.begin(), outputs.end(), outputs.begin(), interruptedName);
     }
     report.files = writeOutputs(outputs, outputsOf(run), run.callbacks);
@@ -252,12 +274,16 @@ void draw(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     if (settings.preview.file.empty() && !isPage(settings.reportFile)) return;
     if (run.hasPack && run.pack.spheres.empty()) return;
+    if (run.report.interrupted) return;
     run.callbacks.report("write", 0, 0);
-    run.unlessInterrupted([&] {
+    try {
         run.picture = drawPreview(settings.preview, settings.reportFile, run.source, run.built,
                                   run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks);
         if (!settings.preview.file.empty()) run.report.files.push_back(settings.preview.file);
-    });
+    } catch (const Interrupted&) {
+        // All else is complete, and written.
+        run.callbacks.warn("the picture is left out, since the run was interrupted");
+    }
 }
 
 }  // namespace

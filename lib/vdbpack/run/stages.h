@@ -79,6 +79,13 @@ struct Run {
     const Domain<Dim>& filled() const { return solid ? *solid->space : domain(); }
     const DomainSource& filledSource() const { return solid ? solid->source : source; }
     bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->shell > 0); }
+    /// Gap up to which spheres count as connected, as a share of the smaller radius: those that
+    /// were densified nearly touch.
+    double connectionTolerance() const {
+        constexpr double kDensified = 0.01;
+        return report.densified ? std::max(settings.contactTolerance, kDensified)
+                                : settings.contactTolerance;
+    }
     VoidSetting<Dim> voidSetting() const {
         return {*voidRecipe, domain(), built.sliceHeight, settings.seed, largestRadius, callbacks};
     }

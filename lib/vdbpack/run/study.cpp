@@ -65,6 +65,8 @@ StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds
     StudyResult study;
     const auto writeTable = [&] {
         if (!file || study.reports.empty()) return;
+        // The table of a former study that is complete stays.
+        if (study.interrupted) file.emplace(interruptedName(table));
         file->write(studyTable(study.reports));
         file->commit();
     };
