@@ -32,6 +32,8 @@ constexpr double kNothing = 1e-3;
 constexpr double kFolded = 1e-4;
 /// Components of a remeshed surface with a smaller volume are removed, in voxels.
 constexpr double kLeastComponent = 10;
+/// Volumes of components that are flat up to rounding, compared with the cube of the extent.
+constexpr double kFlat = 1e-15;
 
 /// Which triangles of a mesh are buried: both their sides are inside, or both outside.
 struct Buried {
@@ -179,10 +181,9 @@ bool anyNearlyClosed(const TriangleMesh& mesh) {
     return std::find(closed.begin(), closed.end(), char{1}) != closed.end();
 }
 
-/// Removes components, and cavities, of a few voxels.
-std::size_t dropSmallComponents(TriangleMesh& mesh, double voxelSize) {
+/// Removes components, and cavities, of less than `least` mm³.
+std::size_t dropSmallComponents(TriangleMesh& mesh, double least) {
     const ShellAnalysis shells = analyzeShells(mesh);
-    const double least = kLeastComponent * voxelSize * voxelSize * voxelSize;
     std::size_t dropped = 0;
     for (const Shell& shell : shells.shells) dropped += std::fabs(shell.signedVolume) < least;
     if (dropped == 0) return 0;
@@ -232,7 +233,7 @@ TriangleMesh remesh(const TriangleMesh& mesh, const WindingNumber& winding, doub
     report.method = RepairReport::Method::resurfaced;
     report.voxelSize = voxelSize;
     Resurfaced made = resurface(mesh, winding, voxelSize, callbacks);
-    report.piecesDropped = dropSmallComponents(made.mesh, voxelSize);
+    report.piecesDropped = dropSmallComponents(made.mesh, kLeastComponent * std::pow(voxelSize, 3));
     report.thinArea = made.thinArea;
     report.bridgedShare = made.bridgedShare;
     return std::move(made.mesh);
@@ -273,6 +274,10 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
             report.method = changed ? RepairReport::Method::triangles : RepairReport::Method::none;
             report.holesFilled = holes.filled;
             report.filledArea = holes.area;
+            // Two layers that a filled hole left enclose nothing.
+            if (changed)
+                dropSmallComponents(*walls,
+                                    kFlat * std::pow(length(report.before.bounds.size()), 3));
             result.mesh = changed ? std::move(*walls) : std::move(mesh);
         } else {
             report.dropped = 0;
