@@ -29,7 +29,7 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
         count_[static_cast<std::size_t>(d)] = static_cast<int>(blocks);
     }
     // Weight 1 to the axis with most blocks.
-    std::array<std::size_t, Dim> axes;
+    auto& axes = axes_;
     std::iota(axes.begin(), axes.end(), std::size_t{0});
     std::stable_sort(axes.begin(), axes.end(),
                      [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
@@ -157,6 +157,26 @@ std::vector<std::uint32_t> BlockLattice<Dim>::lowerNeighbors(std::uint32_t b) co
         if (other != kNone) lower.push_back(other);
     }
     return lower;
+}
+
+template <int Dim>
+int BlockLattice<Dim>::owner(std::uint32_t b, int ranks) const {
+    const Index i = indexOf(b);
+    if constexpr (Dim == 2) {
+        return i[axes_[1]] % ranks;
+    } else {
+        // The factors of `ranks` that leave fewest without a row, the nearest to a square.
+        int across = 1, used = 0;
+        for (int k = 1; k * k <= ranks; ++k) {
+            if (ranks % k != 0) continue;
+            const int rows = std::min(ranks / k, count_[axes_[1]]) * std::min(k, count_[axes_[2]]);
+            if (rows < used) continue;
+            used = rows;
+            across = k;
+        }
+        const int along = ranks / across;
+        return i[axes_[1]] % along + along * (i[axes_[2]] % across);
+    }
 }
 
 template <int Dim>

@@ -47,6 +47,10 @@ public:
     const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }
     /// Whether the radii pending after `b` go to no other block.
     bool endsPool(std::uint32_t b) const { return endsPool_[b]; }
+    /// Which of `ranks` fills block `b`. A row stays on one of them, and neighboring rows go to
+    /// different ones in turn (as columns of cells in transport sweeps: Koch, Baker, Alcouffe
+    /// 1992).
+    int owner(std::uint32_t b, int ranks) const;
     /// All blocks by rank: an order that meets every dependency.
     const std::vector<std::uint32_t>& order() const { return order_; }
 
@@ -61,6 +65,7 @@ private:
     double lag_ = 0;
     Index count_{};
     Index weight_{};
+    std::array<std::size_t, Dim> axes_{};  // by falling number of blocks
     std::size_t chain_ = 0;
     std::vector<std::uint32_t> order_;
     std::vector<std::vector<std::uint32_t>> donors_;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -44,6 +45,17 @@ public:
     void refill();
     /// Moves the radii pending in `other` into this pool.
     void absorb(RadiusPool& other);
+
+    /// What one rank tells another of a pool that moves there.
+    struct State {
+        std::uint64_t share = 0;    ///< the last draw
+        std::vector<double> radii;  ///< pending, sorted, mm
+    };
+    State state() const { return {share_, radii_}; }
+    void restore(State state) {
+        share_ = state.share;
+        radii_ = std::move(state.radii);
+    }
 
 private:
     void fill();

@@ -43,6 +43,19 @@ public:
     /// Moves the due spheres of `other` to the end of this queue.
     void absorb(SpeciesQueue& other);
 
+    /// What one rank tells another of a queue that moves there.
+    struct State {
+        std::vector<RandomStream> random;   ///< one
+        std::vector<std::uint64_t> shares;  ///< the last draw of each species
+        std::vector<Due> due;
+    };
+    State state() const { return {{random_}, shares_, {due_.begin(), due_.end()}}; }
+    void restore(const State& state) {
+        random_ = state.random.front();
+        shares_ = state.shares;
+        due_.assign(state.due.begin(), state.due.end());
+    }
+
 private:
     std::vector<Species> species_;
     double shell_;

@@ -2,18 +2,24 @@
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/block_lattice.h"
+#include "vdbpack/pack/block_message.h"
 #include "vdbpack/pack/exposed.h"
 #include "vdbpack/pack/front/block_front.h"
 #include "vdbpack/pack/kernel_settings.h"
 #include "vdbpack/pack/radius_pool.h"
 
+#include <tbb/concurrent_queue.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <exception>
+#include <map>
 #include <memory>
 #include <mutex>
+#include <thread>
 
 namespace vdbpack {
 
@@ -24,14 +30,15 @@ template <int Dim>
 class Wavefront {
 public:
     Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks,
-              const std::vector<Sphere<Dim>>& existing)
+              const std::vector<Sphere<Dim>>& existing, BlockExchange* exchange)
         : domain_(domain),
           options_(options),
           callbacks_(callbacks),
           settings_(frontSettings(domain, options)),
           lattice_(domain.bounds(), blockSide(domain, options, settings_), 2 * settings_.maxRadius,
                    settings_.quantum),
-          blocks_(lattice_.size()) {
+          blocks_(lattice_.size()),
+          exchange_(exchange) {
         addExisting(existing);
         for (const Species& species : options.species)
             hasSpecies_ = hasSpecies_ || species.probability > 0;
@@ -41,7 +48,7 @@ public:
 
     PackResult<Dim> run() {
         callbacks_.report("pack", 0, 0);
-        std::vector<std::vector<std::uint32_t>> successors(lattice_.size());
+        successors_.resize(lattice_.size());
         for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
             auto before = lattice_.lowerNeighbors(b);
             const auto& donors = lattice_.poolDonors(b);
@@ -49,21 +56,27 @@ public:
             std::sort(before.begin(), before.end());
             before.erase(std::unique(before.begin(), before.end()), before.end());
             blocks_[b].waiting.store(static_cast<int>(before.size()));
-            for (const std::uint32_t p : before) successors[p].push_back(b);
+            for (const std::uint32_t p : before) successors_[p].push_back(b);
+            if (isOwn(b))
+                for (const std::uint32_t n : lattice_.lowerNeighbors(b)) ++blocks_[n].readers;
         }
-        successors_ = std::move(successors);
-        withThreads(options_.threads, [&] {
-            tbb::task_group group;
-            group_ = &group;
-            group.run([this] { process(lattice_.order().front()); });
-            group.wait();
-        });
+        if (exchange_) {
+            fillWithOthers();
+        } else {
+            withThreads(options_.threads, [&] {
+                tbb::task_group group;
+                begin_ = [&](std::uint32_t b) { group.run([this, b] { process(b); }); };
+                begin_(lattice_.order().front());
+                group.wait();
+            });
+        }
         return collect();
     }
 
 private:
     struct Block {
         std::atomic<int> waiting{0};
+        std::atomic<int> readers{0};  // own blocks that are yet to build on it
         BlockSpheres<Dim> existing;
         BlockSpheres<Dim> placed;
         std::unique_ptr<RadiusPool> pool;
@@ -105,21 +118,175 @@ private:
         return exposedSpheres(std::move(existing), kRounded * (leastRadius(options_) + shell));
     }
 
+    bool isOwn(std::uint32_t b) const { return ownerOf(b) == rank(); }
+    int ownerOf(std::uint32_t b) const {
+        return exchange_ ? lattice_.owner(b, exchange_->ranks()) : 0;
+    }
+    int rank() const { return exchange_ ? exchange_->rank() : 0; }
+
     void process(std::uint32_t b) {
         for (;;) {
-            if (!isStopped()) fillBlock(b);
+            if (exchange_)
+                fillOrFail(b);
+            else if (!isStopped())
+                fillBlock(b);
+            if (exchange_) tellOthers(b);
+            for (const std::uint32_t n : lattice_.lowerNeighbors(b))
+                if (blocks_[n].readers.fetch_sub(1) == 1) forget(n);
             // One successor that became ready continues in this task: its neighborhood is in the
             // cache.
-            std::uint32_t next = BlockLattice<Dim>::kNone;
-            for (const std::uint32_t s : successors_[b])
-                if (blocks_[s].waiting.fetch_sub(1) == 1) {
-                    if (next != BlockLattice<Dim>::kNone)
-                        group_->run([this, next] { process(next); });
-                    next = s;
-                }
+            const std::uint32_t next = release(b);
+            ++filled_;
             if (next == BlockLattice<Dim>::kNone) return;
             b = next;
         }
+    }
+
+    /// Frees what of block `b` no other builds on any more.
+    void forget(std::uint32_t b) {
+        if (isOwn(b))
+            std::vector<HandedSite<Dim>>().swap(blocks_[b].placed.sites);
+        else
+            blocks_[b].placed = {};
+    }
+
+    /// Begins the own blocks that waited for `b` alone, but for one. @return that one, or none
+    std::uint32_t release(std::uint32_t b) {
+        std::uint32_t next = BlockLattice<Dim>::kNone;
+        for (const std::uint32_t s : successors_[b])
+            if (isOwn(s) && blocks_[s].waiting.fetch_sub(1) == 1) {
+                if (next != BlockLattice<Dim>::kNone) begin_(next);
+                next = s;
+            }
+        return next;
+    }
+
+    /// Fills the own blocks while other ranks fill theirs; this thread alone sends and receives.
+    void fillWithOthers() {
+        const int threads =
+            options_.threads > 0 ? options_.threads : tbb::info::default_concurrency();
+        const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(threads) + 1);
+        tbb::task_arena arena(threads, 0);
+        begin_ = [&](std::uint32_t b) { arena.enqueue([this, b] { process(b); }); };
+        std::size_t own = 0;
+        for (std::uint32_t b = 0; b < lattice_.size(); ++b) own += isOwn(b);
+        const std::uint32_t first = lattice_.order().front();
+        if (isOwn(first)) begin_(first);
+        for (;;) {
+            const bool done = filled_ == own;
+            bool busy = false;
+            std::pair<int, std::vector<std::byte>> out;
+            while (outbox_.try_pop(out)) {
+                exchange_->send(out.first, std::move(out.second));
+                busy = true;
+            }
+            if (done && !busy) break;
+            std::vector<std::byte> bytes;
+            while (exchange_->receive(bytes)) {
+                take(blockMessage<Dim>(bytes));
+                busy = true;
+            }
+            if (!busy) std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+        if (failure_) std::rethrow_exception(failure_);
+    }
+
+    /// A block that fails counts as stopped, so that all ranks come to their ends.
+    void fillOrFail(std::uint32_t b) {
+        try {
+            if (!isStopped()) fillBlock(b);
+        } catch (...) {
+            fail(std::current_exception());
+        }
+    }
+
+    void fail(std::exception_ptr failure) {
+        const std::lock_guard<std::mutex> lock(reporting_);
+        if (!failure_) failure_ = std::move(failure);
+        stopped_ = true;
+    }
+
+    /// What of block `b` the ranks need whose blocks build on it.
+    void tellOthers(std::uint32_t b) {
+        std::map<int, BlockMessage<Dim>> messages;
+        std::map<int, std::vector<std::uint32_t>> readers;
+        for (const std::uint32_t s : successors_[b])
+            if (!isOwn(s)) readers[ownerOf(s)].push_back(s);
+        Block& block = blocks_[b];
+        for (const auto& [to, blocks] : readers) {
+            BlockMessage<Dim> message;
+            message.block = b;
+            message.stopped = stopped_;
+            message.placed = inReachOf(b, blocks);
+            for (const std::uint32_t s : blocks) {
+                const auto& donors = lattice_.poolDonors(s);
+                if (!block.pool || std::find(donors.begin(), donors.end(), b) == donors.end())
+                    continue;
+                message.pool = block.pool->state();
+                if (block.further) message.further = block.further->state();
+            }
+            outbox_.push({to, toBytes(message)});
+        }
+    }
+
+    /// The spheres of block `b` in reach of others, and the sites on them that lie in those.
+    BlockSpheres<Dim> inReachOf(std::uint32_t b, const std::vector<std::uint32_t>& readers) const {
+        const BlockSpheres<Dim>& placed = blocks_[b].placed;
+        BlockSpheres<Dim> some;
+        std::vector<Box<Dim>> reaches;
+        std::uint32_t bits = 0;
+        for (const std::uint32_t s : readers) {
+            const auto offset = lattice_.offset(b, s);
+            // Of a row that takes over the pool alone, no block is a neighbor.
+            if (std::any_of(offset.begin(), offset.end(), [](int o) { return o < -1 || o > 1; }))
+                continue;
+            bits |= neighborBit(offset);
+            reaches.push_back(reachOf(s));
+        }
+        auto site = placed.sites.begin();
+        for (std::size_t i = 0; i < placed.spheres.size(); ++i) {
+            const bool near = std::any_of(reaches.begin(), reaches.end(), [&](const Box<Dim>& box) {
+                return box.contains(placed.spheres[i].center);
+            });
+            const auto at = static_cast<std::uint32_t>(some.spheres.size());
+            if (near) some.spheres.push_back(placed.spheres[i]);
+            for (; site != placed.sites.end() && site->pivot <= i; ++site)
+                if (near && site->pivot == i && (site->neighbor & bits) != 0) {
+                    some.sites.push_back(*site);
+                    some.sites.back().pivot = at;
+                }
+        }
+        return some;
+    }
+
+    /// Takes in what another rank tells of one of its blocks.
+    void take(BlockMessage<Dim> message) {
+        Block& block = blocks_[message.block];
+        block.placed = std::move(message.placed);
+        if (message.pool) {
+            block.pool =
+                std::make_unique<RadiusPool>(options_.sizes, options_.seed, message.block,
+                                             poolCapacity(options_, false), shellOf(options_));
+            block.pool->restore(std::move(*message.pool));
+        }
+        if (message.further) {
+            block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed,
+                                                           message.block, shellOf(options_));
+            block.further->restore(*message.further);
+        }
+        if (message.stopped) stopped_ = true;
+        const std::uint32_t next = release(message.block);
+        if (next != BlockLattice<Dim>::kNone) begin_(next);
+    }
+
+    /// Where a block meets spheres of others.
+    Box<Dim> reachOf(std::uint32_t b) const {
+        Box<Dim> reach = lattice_.own(b);
+        const Box<Dim> search = lattice_.search(b);
+        for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
+        // Spheres of further species may lie across the upper faces of their block.
+        return reach.grown((hasSpecies_ ? 3 : 2) * settings_.maxRadius);
     }
 
     /// Moves the pending radii and due spheres of earlier blocks to block `b`.
@@ -180,15 +347,9 @@ private:
         }
         if (!takePools(b)) return;  // interrupted there
         Block& block = blocks_[b];
-        const Box<Dim> own = lattice_.own(b);
-        const Box<Dim> search = lattice_.search(b);
-        Box<Dim> reach = own;
-        for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
-        // Spheres of further species may lie across the upper faces of their block.
-        reach = reach.grown((hasSpecies_ ? 3 : 2) * settings_.maxRadius);
-        collectAround(b, reach, thread.around);
-        thread.front->fill(own, search, thread.around, *block.pool, block.further.get(),
-                           *thread.sampler, cancelled_, block.placed);
+        collectAround(b, reachOf(b), thread.around);
+        thread.front->fill(lattice_.own(b), lattice_.search(b), thread.around, *block.pool,
+                           block.further.get(), *thread.sampler, cancelled_, block.placed);
         // Spheres of an interrupted block are final as well: no neighbor has begun.
         report(block.placed.spheres.size());
     }
@@ -217,14 +378,23 @@ private:
         result.firstBlock = lattice_.own(0);
         result.longestChain = lattice_.longestChain();
         result.quantum = settings_.quantum;
-        result.interrupted = stopped_;
         for (auto& thread : threads_)
             if (thread.front) result.fronts += thread.front->seeds();
         auto& spheres = result.pack.spheres;
+        std::vector<std::uint64_t> counts(blocks_.size() + 1);
         std::size_t total = 0;
-        for (const auto& block : blocks_) total += block.placed.spheres.size();
+        for (std::uint32_t b = 0; b < blocks_.size(); ++b)
+            if (isOwn(b)) total += counts[b] = blocks_[b].placed.spheres.size();
+        counts.back() = stopped_;
+        if (exchange_) exchange_->sum(counts);
+        result.interrupted = counts.back() > 0;
         spheres.reserve(total);
+        std::int64_t order = 0;
         for (const std::uint32_t b : lattice_.order()) {
+            const std::int64_t first = order;
+            order += static_cast<std::int64_t>(counts[b]);
+            if (!isOwn(b)) continue;
+            for (std::int64_t i = first; i < order; ++i) result.pack.order.push_back(i);
             const BlockSpheres<Dim>& placed = blocks_[b].placed;
             spheres.insert(spheres.end(), placed.spheres.begin(), placed.spheres.end());
             result.species.insert(result.species.end(), placed.species.begin(),
@@ -235,12 +405,12 @@ private:
             // Back to the float that was drawn.
             for (Sphere<Dim>& s : spheres)
                 s.radius = static_cast<double>(static_cast<float>(s.radius - shell));
-        if (options_.maxCount > 0 && spheres.size() > static_cast<std::size_t>(options_.maxCount))
-            spheres.resize(static_cast<std::size_t>(options_.maxCount));
+        auto& numbers = result.pack.order;
+        if (options_.maxCount > 0)
+            numbers.erase(std::lower_bound(numbers.begin(), numbers.end(), options_.maxCount),
+                          numbers.end());
+        spheres.resize(numbers.size());
         if (!options_.species.empty()) result.species.resize(spheres.size());
-        result.pack.order.resize(spheres.size());
-        for (std::size_t i = 0; i < spheres.size(); ++i)
-            result.pack.order[i] = static_cast<std::int64_t>(i);
         return result;
     }
 
@@ -252,7 +422,11 @@ private:
     std::vector<Block> blocks_;
     std::vector<std::vector<std::uint32_t>> successors_;
     tbb::enumerable_thread_specific<Thread> threads_;
-    tbb::task_group* group_ = nullptr;
+    std::function<void(std::uint32_t)> begin_;  // starts a block whose neighbors are done
+    BlockExchange* exchange_;                   // null: this rank fills all blocks
+    tbb::concurrent_queue<std::pair<int, std::vector<std::byte>>> outbox_;
+    std::atomic<std::size_t> filled_{0};  // own blocks that are filled, and told of
+    std::exception_ptr failure_;
     std::function<bool()> cancelled_;
     std::atomic<bool> stopped_{false};
     std::atomic<std::int64_t> count_{0};
@@ -265,13 +439,14 @@ private:
 
 template <int Dim>
 PackResult<Dim> packBlocks(const Domain<Dim>& domain, const PackOptions& options,
-                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
-    return Wavefront<Dim>(domain, options, callbacks, existing).run();
+                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing,
+                           BlockExchange* exchange) {
+    return Wavefront<Dim>(domain, options, callbacks, existing, exchange).run();
 }
 
 template PackResult<2> packBlocks(const Domain<2>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<2>>&);
+                                  const std::vector<Sphere<2>>&, BlockExchange*);
 template PackResult<3> packBlocks(const Domain<3>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<3>>&);
+                                  const std::vector<Sphere<3>>&, BlockExchange*);
 
 }  // namespace vdbpack

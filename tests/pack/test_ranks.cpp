@@ -1,0 +1,169 @@
+// Packs that several ranks fill together; here threads stand for them.
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/pack/wavefront.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+using namespace vdbpack;
+
+namespace {
+
+/// What the ranks share.
+struct Office {
+    explicit Office(int count) : ranks(count), boxes(static_cast<std::size_t>(count)) {}
+
+    const int ranks;
+    std::mutex mutex;
+    std::condition_variable summed;
+    std::vector<std::deque<std::vector<std::byte>>> boxes;
+    std::vector<std::uint64_t> sum;
+    int joined = 0, left = 0;
+    std::size_t messages = 0, bytes = 0;
+};
+
+class ThreadRank : public BlockExchange {
+public:
+    ThreadRank(Office& office, int rank) : office_(office), rank_(rank) {}
+
+    int rank() const override { return rank_; }
+    int ranks() const override { return office_.ranks; }
+    void send(int to, std::vector<std::byte> message) override {
+        const std::lock_guard<std::mutex> lock(office_.mutex);
+        ++office_.messages;
+        office_.bytes += message.size();
+        office_.boxes[static_cast<std::size_t>(to)].push_back(std::move(message));
+    }
+    bool receive(std::vector<std::byte>& message) override {
+        const std::lock_guard<std::mutex> lock(office_.mutex);
+        auto& box = office_.boxes[static_cast<std::size_t>(rank_)];
+        if (box.empty()) return false;
+        message = std::move(box.front());
+        box.pop_front();
+        return true;
+    }
+    void sum(std::vector<std::uint64_t>& numbers) override {
+        std::unique_lock<std::mutex> lock(office_.mutex);
+        office_.sum.resize(numbers.size());
+        for (std::size_t i = 0; i < numbers.size(); ++i) office_.sum[i] += numbers[i];
+        if (++office_.joined == office_.ranks) office_.summed.notify_all();
+        office_.summed.wait(lock, [&] { return office_.joined == office_.ranks; });
+        numbers = office_.sum;
+    }
+
+private:
+    Office& office_;
+    int rank_;
+};
+
+/// The packs of all ranks, joined by `order`.
+template <int Dim>
+PackResult<Dim> packByRanks(int ranks, const Domain<Dim>& domain, const PackOptions& options,
+                            const std::vector<Sphere<Dim>>& existing = {},
+                            const Callbacks& callbacks = {}) {
+    Office office(ranks);
+    std::vector<PackResult<Dim>> parts(static_cast<std::size_t>(ranks));
+    std::vector<std::thread> threads;
+    for (int r = 0; r < ranks; ++r)
+        threads.emplace_back([&, r] {
+            ThreadRank rank(office, r);
+            parts[static_cast<std::size_t>(r)] =
+                packBlocks(domain, options, callbacks, existing, &rank);
+        });
+    for (auto& thread : threads) thread.join();
+    for (const auto& box : office.boxes) CHECK(box.empty());
+    PackResult<Dim> all = parts.front();
+    std::size_t total = 0;
+    for (const auto& part : parts) total += part.pack.spheres.size();
+    all.pack.spheres.assign(total, {});
+    all.species.assign(options.species.empty() ? 0 : total, 0);
+    for (const auto& part : parts)
+        for (std::size_t i = 0; i < part.pack.order.size(); ++i) {
+            const auto at = static_cast<std::size_t>(part.pack.order[i]);
+            REQUIRE(at < total);
+            all.pack.spheres[at] = part.pack.spheres[i];
+            if (!all.species.empty()) all.species[at] = part.species[i];
+        }
+    if (ranks > 1 && all.blocks > 1) CHECK(office.messages > 0);
+    CHECK(office.messages <= 8 * all.blocks);
+    if (all.blocks == 8 * 27) CHECK(office.bytes <= 80 * total);
+    return all;
+}
+
+template <int Dim>
+void checkRanks(const Domain<Dim>& domain, PackOptions options,
+                const std::vector<Sphere<Dim>>& existing = {}) {
+    const auto alone = packBlocks(domain, options, Callbacks{}, existing);
+    REQUIRE(alone.blocks > 8);
+    for (const int ranks : {1, 2, 3, 4, 8})
+        for (const int threads : {1, 2}) {
+            CAPTURE(ranks, threads);
+            options.threads = threads;
+            const auto together = packByRanks(ranks, domain, options, existing);
+            CHECK(together.pack.spheres == alone.pack.spheres);
+            CHECK(together.species == alone.species);
+        }
+}
+
+PackOptions optionsFor(const std::string& radii, int dim) {
+    PackOptions options(SizeDistribution::parse(radii, dim));
+    options.effort = Effort::fast;
+    options.blockSide = 18;
+    return options;
+}
+
+}  // namespace
+
+TEST_CASE("the pack is the same for any number of ranks and threads", "[pack][ranks]") {
+    SECTION("in a box") {
+        checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:1,2", 3));
+    }
+    SECTION("in a ball, whose first blocks are empty") {
+        checkRanks<3>(*ballDomain<3>(38), optionsFor("constant:1.2", 3));
+    }
+    SECTION("in the plane") {
+        checkRanks<2>(*boxDomain<2>({{}, {{500, 400}}}), optionsFor("uniform:1,2", 2));
+    }
+    SECTION("with wide sizes") {
+        checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:0.8,3", 3));
+    }
+    SECTION("with further species") {
+        PackOptions options = optionsFor("uniform:1,2", 3);
+        options.species.push_back({SizeDistribution::parse("constant:3", 3), 0.05, 2});
+        checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), options);
+    }
+    SECTION("around existing spheres, with a gap, of which the first are taken") {
+        PackOptions options = optionsFor("uniform:1,2", 3);
+        options.gap = 0.1;
+        options.maxCount = 5000;
+        checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), options,
+                      {{{{30, 30, 30}}, 12}, {{{20, 60, 60}}, 1.5}});
+    }
+}
+
+TEST_CASE("ranks tell one another few bytes of each sphere", "[pack][ranks]") {
+    // Blocks of the usual size, 6 along each side.
+    PackOptions options(SizeDistribution::parse("uniform:1,2", 3));
+    options.effort = Effort::fast;
+    const auto box = boxDomain<3>({{}, {{250, 250, 250}}});
+    CHECK(packByRanks<3>(8, *box, options).blocks == 8 * 27);
+}
+
+TEST_CASE("ranks end together when one of them is interrupted", "[pack][ranks]") {
+    const auto domain = boxDomain<3>({{}, {{80, 80, 80}}});
+    const PackOptions options = optionsFor("uniform:1,2", 3);
+    std::atomic<int> asked{0};
+    Callbacks callbacks;
+    callbacks.cancelled = [&] { return ++asked > 200; };
+    const auto part = packByRanks<3>(4, *domain, options, {}, callbacks);
+    CHECK(part.interrupted);
+    CHECK(part.pack.spheres.size() <
+          packBlocks(*domain, options, Callbacks{}, {}).pack.spheres.size());
+}
