@@ -11,6 +11,7 @@
 #include <deque>
 #include <mutex>
 #include <thread>
+#include <utility>
 
 using namespace vdbpack;
 
@@ -102,14 +103,13 @@ void checkRanks(const Domain<Dim>& domain, PackOptions options,
                 const std::vector<Sphere<Dim>>& existing = {}) {
     const auto alone = packBlocks(domain, options, Callbacks{}, existing);
     REQUIRE(alone.blocks > 8);
-    for (const int ranks : {1, 2, 3, 4, 8})
-        for (const int threads : {1, 2}) {
-            CAPTURE(ranks, threads);
-            options.threads = threads;
-            const auto together = packByRanks(ranks, domain, options, existing);
-            CHECK(together.pack.spheres == alone.pack.spheres);
-            CHECK(together.species == alone.species);
-        }
+    for (const auto& [ranks, threads] : {std::pair(1, 2), {2, 1}, {3, 2}, {4, 1}, {8, 2}}) {
+        CAPTURE(ranks, threads);
+        options.threads = threads;
+        const auto together = packByRanks(ranks, domain, options, existing);
+        CHECK(together.pack.spheres == alone.pack.spheres);
+        CHECK(together.species == alone.species);
+    }
 }
 
 PackOptions optionsFor(const std::string& radii, int dim) {
@@ -126,10 +126,10 @@ TEST_CASE("the pack is the same for any number of ranks and threads", "[pack][ra
         checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:1,2", 3));
     }
     SECTION("in a ball, whose first blocks are empty") {
-        checkRanks<3>(*ballDomain<3>(38), optionsFor("constant:1.2", 3));
+        checkRanks<3>(*ballDomain<3>(30), optionsFor("constant:1.2", 3));
     }
     SECTION("in the plane") {
-        checkRanks<2>(*boxDomain<2>({{}, {{500, 400}}}), optionsFor("uniform:1,2", 2));
+        checkRanks<2>(*boxDomain<2>({{}, {{300, 250}}}), optionsFor("uniform:1,2", 2));
     }
     SECTION("with wide sizes") {
         checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:0.8,3", 3));
