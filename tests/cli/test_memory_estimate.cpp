@@ -234,6 +234,8 @@ TEST_CASE("estimated memory is memory taken", "[estimate][.slow]") {
           "pack " + ball + " --radius constant:2 --voxel 0.1",
           std::string("pack box:100,100,100 --radius uniform:0.4,0.8 --densify 0.64"),
           "pack " + ball + " --radius uniform:0.4,0.8 --densify 0.64",
+          "pack ball:20 --radius uniform:1,2 -o " + folder.file("s.stl"),
+          "pack ball:20 --radius uniform:1,2 -o levelsets:" + folder.file("l.vdb"),
           std::string("voids box:60,60,60 --voids boolean --target-bvtv 0.3 --void-radius "
                       "constant:1 --void-voxel 0.15")}) {
         CAPTURE(line);

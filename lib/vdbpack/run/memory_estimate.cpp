@@ -4,6 +4,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/report_file.h"
 
@@ -32,6 +33,9 @@ constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 10
 // field.
 constexpr double kText = 125, kBinary = 60, kPairsText = 250, kStlTriangle = 50;
 constexpr double kFace = 125, kCutFace = 40, kVoxel = 1.5;
+/// For each voxel along the wall of a shape: memory of its contour, and of its level set or fog
+/// volume; and bytes in a file of those.
+constexpr double kShapeContour = 330, kShapeGrid = 150, kShapeFile = 18;
 /// Triangles of a contour for each voxel's face.
 constexpr double kContourTriangles = 3.1;
 
@@ -42,14 +46,36 @@ bool listsPairs(const std::string& output) {
     return startsWith(output, "contacts:") || startsWith(output, "lammps-bonds:");
 }
 
+/// Voxels along the wall of a shape, whose level set is made where it is written.
+double shapeFaces(const Extent& e) {
+    return e.shapeVoxel > 0 ? e.area / (e.shapeVoxel * e.shapeVoxel) : 0;
+}
+
+/// Whether an output of a shape is made from its level set; the .vdb of a pack is not.
+bool isShapeLevelSet(const std::string& output) {
+    return isSolidOutput(output) && targetOf(output).kind != OutputKind::pack;
+}
+
+double shapeBytes(const Extent& e, const std::vector<std::string>& outputs) {
+    double each = 0;
+    if (e.voids.count > 0) return 0;  // it comes with theirs
+    for (const std::string& output : outputs)
+        if (isShapeLevelSet(output))
+            each = std::max(each,
+                            extensionOf(filePart(output)) == ".stl" ? kShapeContour : kShapeGrid);
+    return each * shapeFaces(e);
+}
+
 double fileBytes(const std::string& output, const Extent& e) {
     const std::string format = extensionOf(filePart(output));
     if (startsWith(output, "list:")) return kText * e.voids.count;
     if (listsPairs(output)) return kPairsText * e.count;
     const bool cut = e.voids.count > 0;
-    const double faces = cut ? (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2) : 0;
+    const double faces =
+        cut ? (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2) : shapeFaces(e);
     if (format == ".stl")
-        return cut ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
+        return faces > 0 ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
+    if (faces > 0 && !cut && isShapeLevelSet(output)) return kShapeFile * faces;
     const bool text = format != ".vdb" && format != ".vtp" && format != ".ply" && format != ".npz";
     const double levelSets = cut ? kCutFace * faces : kVoxel * e.field.voxels();
     return (text ? kText : kBinary) * e.count + (isSolidOutput(output) ? levelSets : 0);
@@ -73,6 +99,7 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
         const auto built = source.build(0, 0);
         e.volume = built.space ? built.space->volume() : built.plane->volume();
         e.area = built.space ? built.space->wallArea() : built.plane->wallArea();
+        if (built.space) e.shapeVoxel = shapeVoxelSize(built.space->bounds());
     } else if (e.dim == 2) {
         // The slice is not known yet: at most its rectangle.
         const Vec<3> size = source.fileBounds().size();
@@ -115,6 +142,7 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
         e.solid && e.voids.voxelSize > 0
             ? kContourTriangles * (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2)
             : 0;
+    const double shape = shapeBytes(e, settings.outputs);
     const bool draws = !settings.preview.file.empty() || isPage(settings.reportFile);
     const double picture = draws ? kDrawnSphere * e.count : 0;
     all.parts = {
@@ -125,10 +153,12 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
                      : fmt::format("{} triangles", e.field.triangles),
          contour > 0 ? "choose a larger `voids.voxelSize`" : "use a mesh of fewer triangles"},
         // Building it takes twice as much, before there is anything else.
-        {"field", std::max(built / 2, built - spheres - voids - picture),
-         fmt::format("a field of about {:.2g} voxels of {:.4g} mm", e.field.voxels(),
-                     e.field.voxelSize),
-         "choose a larger `voxelSize` or larger radii, or check the unit of the mesh"},
+        {"field", shape > 0 ? shape : std::max(built / 2, built - spheres - voids - picture),
+         shape > 0 ? fmt::format("a level set in voxels of {:.4g} mm", e.shapeVoxel)
+                   : fmt::format("a field of about {:.2g} voxels of {:.4g} mm", e.field.voxels(),
+                                 e.field.voxelSize),
+         shape > 0 ? "leave the level set out"
+                   : "choose a larger `voxelSize` or larger radii, or check the unit of the mesh"},
         {"spheres", spheres,
          fmt::format("about {:.3g} {}", e.count,
                      e.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres),

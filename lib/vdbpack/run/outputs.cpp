@@ -68,13 +68,8 @@ const VdbGrid& chosenLevelSet(const std::string& output, const std::string& name
 template <int Dim>
 std::vector<std::shared_ptr<const VdbGrid>> levelSetsOf(const RunOutputs<Dim>& have) {
     if constexpr (Dim == 3) {
-        constexpr double kVoxelsAcross = 256, kVoxelsThrough = 16;
-        if (have.options.levelSets.empty() && have.domain) {
-            const Vec<3> size = have.domain->bounds().size();
-            const auto [thin, longest] = std::minmax_element(size.c.begin(), size.c.end());
-            return {surfaceLevelSet(*have.domain,
-                                    std::min(*longest / kVoxelsAcross, *thin / kVoxelsThrough))};
-        }
+        if (have.options.levelSets.empty() && have.domain)
+            return {surfaceLevelSet(*have.domain, shapeVoxelSize(have.domain->bounds()))};
     }
     return have.options.levelSets;
 }
@@ -95,6 +90,13 @@ bool isSame(const std::string& a, const std::string& b) {
 }
 
 }  // namespace
+
+double shapeVoxelSize(const Box<3>& bounds) {
+    constexpr double kVoxelsAcross = 256, kVoxelsThrough = 16;
+    const Vec<3> size = bounds.size();
+    const auto [thin, longest] = std::minmax_element(size.c.begin(), size.c.end());
+    return std::min(*longest / kVoxelsAcross, *thin / kVoxelsThrough);
+}
 
 std::string interruptedName(const std::string& name) {
     const std::string file = filePart(name);

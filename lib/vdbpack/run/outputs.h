@@ -36,6 +36,9 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
 void checkInterruptedFiles(const std::vector<std::string>& outputs,
                            const std::vector<std::string>& inputs);
 
+/// The voxel size of the level set of a shape with such bounds, mm.
+double shapeVoxelSize(const Box<3>& bounds);
+
 /// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
 bool isSolidOutput(const std::string& output);
 /// The same, or one that shows level sets beside the spheres (blender:).
