@@ -348,6 +348,8 @@ TEST_CASE("a recipe runs from any folder", "[cli]") {
         CHECK(std::filesystem::exists(folder.file("out/p.csv")));
         CHECK(std::filesystem::exists(folder.file("given/c.csv")));
         CHECK(std::filesystem::is_empty(folder.file("elsewhere")));
+        CHECK(hashOf(in("elsewhere", "pack --json --config " + folder.file("out/p.recipe.toml"))) ==
+              hash);
         // With its files, it may move.
         std::filesystem::create_directory(folder.file("elsewhere/deep"));
         for (const char* name : {"given", "out"})

@@ -70,9 +70,14 @@ std::string renamed(const std::string& option, const std::string& value, const R
 std::string fromRecipe(const std::string& option, const std::string& value,
                        const std::string& folder) {
     if (folder.empty()) return value;
-    return renamed(option, value, [&folder](const std::string& file) {
+    // Names stay relative, so that the recipe of this run can move with its files, too.
+    std::error_code lost;
+    fs::path base = folder;
+    if (base.is_absolute()) base = fs::proximate(base, lost);
+    if (lost) base = folder;
+    return renamed(option, value, [&base](const std::string& file) {
         if (fs::path(file).is_absolute()) return file;
-        const fs::path whole = fs::path(folder) / file, plain = whole.lexically_normal();
+        const fs::path whole = base / file, plain = whole.lexically_normal();
         // Behind symbolic links, ".." may lead elsewhere.
         std::error_code failed;
         const bool same = !fs::exists(whole, failed) || fs::equivalent(whole, plain, failed);
