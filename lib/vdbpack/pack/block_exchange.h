@@ -7,8 +7,8 @@
 
 namespace vdbpack {
 
-/// A rank (a process, or a thread that stands for one) of several that fill a domain together. Each
-/// calls `packBlocks` with the same domain and options and fills the blocks that are its own.
+/// Connects a rank, usually a process, to the others that fill the same domain. Every rank calls
+/// `packBlocks` with the same domain and options, and fills its own blocks.
 ///
 /// All members are called from one thread of the rank.
 class BlockExchange {
