@@ -15,7 +15,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -107,7 +110,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     KeptCount<Dim> kept(run, existing);
     CountedSpheres<Dim> counted;
     if (needsFront(methodOf(recipe.voids)))
-        target /= prepared.radii.share;  // about; `packHoles` comes nearer
+        target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
         counted.count = std::ref(kept);
     if (run.solid)  // spheres of smaller packs would not fit into its walls
@@ -127,43 +130,25 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     return result;
 }
 
-/// Packs with holes among the spheres, so that about `target` spheres remain (0: as many as do).
-template <int Dim>
-PackResult<Dim> packHoles(Run<Dim>& run, const PackRecipe& recipe, double target,
-                          const std::vector<Sphere<Dim>>& existing, PackOptions& options) {
-    constexpr int kMostRounds = 4;
-    constexpr double kNear = 0.018;
-    const SizeDistribution sizes = options.sizes;
-    double scale = 1;
-    for (int round = 1;; ++round) {
-        run.largestRadius = options.sizes.max();
-        run.voids = {};
-        auto result = packWithHoles(run.voidSetting(), options, existing, run.voids);
-        const auto count = static_cast<double>(result.pack.spheres.size());
-        if (!(target > 0) || result.interrupted || recipe.maxCount > 0 || !(count > 0) ||
-            std::fabs(count - target) <= kNear * target || round == kMostRounds)
-            return result;
-        scale *= std::pow(count / target, 1.0 / Dim);
-        options.sizes = scaledSizes(sizes, scale, Dim);
-    }
-}
-
 /// The front, with the existing spheres before those that it places.
-/// @param options  its sizes are left as packed.
+/// @param options  with `scaled`, its sizes are packed as they are; else they are left as the
+/// target
+///                 count needs them.
 /// @return whether the voids were made with it or before.
 template <int Dim>
-bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared,
+bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared, bool scaled,
                PackOptions& options) {
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     const double target = prepared.requested.targetCount;
     const bool holes = needsFront(methodOf(recipe.voids));
     PackResult<Dim> result;
-    if (target > 0)
+    if (target > 0 && !scaled)
         result = packTarget(run, recipe, target, prepared, options);
     else if (!holes)
         result = packSpheres(run.filled(), options, run.callbacks, existing);
-    if (holes && !result.interrupted) result = packHoles(run, recipe, target, existing, options);
     run.largestRadius = options.sizes.max();
+    if (holes && !result.interrupted)
+        result = packWithHoles(run.voidSetting(), options, existing, run.voids);
     if (target > 0)
         run.report.chosen.push_back(
             fmt::format("radii {} mm, so that about {:.0f} {} {}", options.sizes.spec(), target,
@@ -185,8 +170,94 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         result.pack = joined(prepared.existing, result.pack);
     }
     run.pack = std::move(result.pack);
-    run.report.seconds.pack = run.clock.lap();
+    run.report.seconds.pack += run.clock.lap();
     return holes || run.solid || run.voids.stamped;
+}
+
+template <int Dim>
+using RunPtr = std::unique_ptr<Run<Dim>>;
+
+/// The stages from the packing to the cutting of voids.
+/// @param scaled, options  as those of packStage.
+template <int Dim>
+RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
+                       const Prepared<Dim>& prepared, const Report& begun, bool scaled,
+                       Clock& clock, const Callbacks& callbacks, PackOptions& options) {
+    auto run = std::make_unique<Run<Dim>>(recipe, source, begun, clock, callbacks);
+    run->keepsPack = true;
+    run->built = prepared.built;
+    run->voidRecipe = &recipe.voids;
+    run->report.seed = recipe.seed;
+    run->report.chosen = prepared.requested.chosen;
+    run->report.requestedGap = recipe.gap;
+    run->sizes = &options.sizes;
+    clock.lap();
+    if constexpr (Dim == 3)
+        if (recipe.voids.fill == Fill::solid) {
+            run->largestRadius = options.sizes.max() * prepared.radii.scale;
+            solidStage(*run, prepared.radii.detail, prepared.radii.reach);
+        }
+    const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
+    if (recipe.densify > 0) densifyStage(*run, recipe.densify, recipe.gap);
+    cutStage(*run, voidsMade);
+    return run;
+}
+
+/// By which factors, as logarithms, radii were scaled and a target was missed.
+struct Miss {
+    double scale, count;
+};
+
+/// Where the line through two misses meets the target, yet not next to either of them.
+double between(const Miss& a, const Miss& b) {
+    constexpr double kApart = 0.2;
+    const double along = a.count / (a.count - b.count);
+    return a.scale + std::clamp(along, kApart, 1 - kApart) * (b.scale - a.scale);
+}
+
+/// packAndCut, again with scaled radii where too many or too few spheres remain of those that it
+/// sought: which of them holes leave, or stay connected once densified, is known only afterwards.
+/// Only the last round says its warnings.
+template <int Dim>
+RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
+                       const Prepared<Dim>& prepared, Report begun, Clock& clock,
+                       const Callbacks& callbacks, PackOptions& options) {
+    constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
+    constexpr double kNear = 0.018;
+    const double target = prepared.requested.targetCount;
+    const bool foreseen =
+        !needsFront(methodOf(recipe.voids)) && !(recipe.densify > 0 && recipe.voids.keepConnected);
+    if (!(target > 0) || foreseen || recipe.maxCount > 0)
+        return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
+    const auto holds = std::make_shared<bool>(true);
+    Callbacks held = callbacks;
+    held.warning = [holds, tell = callbacks.warning](const std::string& text) {
+        if (tell && !*holds) tell(text);
+    };
+    SizeDistribution sizes = options.sizes;  // of the first round
+    double scale = 1;
+    std::optional<Miss> larger, smaller, nearest;  // of the counts above and below the target
+    for (int round = 1;; ++round) {
+        auto run = packAndCut(recipe, source, prepared, begun, round > 1, clock, held, options);
+        if (round == 1) sizes = options.sizes;
+        const auto count = static_cast<double>(run->pack.spheres.size() - run->fixed);
+        const bool near = std::fabs(count - target) <= std::max(kNear * target, 0.5);
+        if (near || !(count > 0) || run->report.interrupted || round == kMostRounds) {
+            *holds = false;
+            const auto& warnings = run->report.warnings;
+            for (std::size_t i = begun.warnings.size(); i < warnings.size(); ++i)
+                callbacks.warn(warnings[i]);
+            return run;
+        }
+        const Miss miss{std::log(scale), std::log(count / target)};
+        (count > target ? larger : smaller) = miss;
+        if (!nearest || std::fabs(miss.count) < std::fabs(nearest->count)) nearest = miss;
+        scale = round == kMostRounds - 1 ? std::exp(nearest->scale)
+                : larger && smaller      ? std::exp(between(*larger, *smaller))
+                                         : scale * std::pow(count / target, 1.0 / Dim);
+        options.sizes = scaledSizes(sizes, scale, Dim);
+        begun.seconds = run->report.seconds;
+    }
 }
 
 /// All stages after those that the seeds share.
@@ -194,24 +265,10 @@ template <int Dim>
 RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                        const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
                        const Callbacks& callbacks) {
-    Run<Dim> run(recipe, source, begun, clock, callbacks);
-    run.keepsPack = true;
-    run.built = prepared.built;
-    run.voidRecipe = &recipe.voids;
-    run.report.seed = recipe.seed;
-    run.report.chosen = prepared.requested.chosen;
-    run.report.requestedGap = recipe.gap;
-    clock.lap();
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
-    run.sizes = &options.sizes;
-    if constexpr (Dim == 3)
-        if (recipe.voids.fill == Fill::solid) {
-            run.largestRadius = options.sizes.max() * prepared.radii.scale;
-            solidStage(run, prepared.radii.detail, prepared.radii.reach);
-        }
-    const bool voidsMade = packStage(run, recipe, prepared, options);
-    if (recipe.densify > 0) densifyStage(run, recipe.densify, recipe.gap);
-    cutStage(run, voidsMade);
+    const RunPtr<Dim> packed =
+        packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
+    Run<Dim>& run = *packed;
     measureStage(run);
     if (recipe.maxCount == 0) {
         warnOfCount(run, prepared.requested.targetCount);

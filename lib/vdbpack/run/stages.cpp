@@ -94,7 +94,7 @@ void densifyStage(Run<Dim>& run, double fraction, double gap) {
     if (!run.goesOn() || run.pack.spheres.empty()) return;
     densifyPack(run.filled(), {fraction, run.sizes, gap, run.settings.seed, run.fixed}, run.pack,
                 run.report, run.callbacks);
-    run.report.seconds.densify = run.clock.lap();
+    run.report.seconds.densify += run.clock.lap();
 }
 
 void solidStage(Run<3>& run, double detail, double reach) {
