@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -33,7 +34,7 @@ constexpr double kBvtvTolerance = 0.0005, kBvtvWarning = 0.005;
 /// The same as shares of the solid, or of the voids where they are less.
 constexpr double kBvtvShare = 0.01, kBvtvWarningShare = 0.02;
 constexpr double kThicknessTolerance = 0.01, kThicknessWarning = 0.02;
-constexpr int kThicknessRounds = 6;
+constexpr int kThicknessRounds = 6;  // the last repeats the nearest of the others
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
 /// Holes with less beside them would be no pack.
@@ -121,6 +122,8 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         recipe.radius = timesSpec(recipe.radius, 1.2 * target / first.mean(), 3);
     // A part of a large bone represents the thickness of all of it.
     const Sphere<3> deepest = largestBall(s.domain);
+    double least = std::numeric_limits<double>::infinity();  // miss of a round
+    std::string nearest;                                     // radii of that round
     for (int round = 0;; ++round) {
         const VoidSetting<3> setting{recipe, s.domain,        s.sliceHeight,
                                      s.seed, s.largestRadius, s.callbacks};
@@ -142,7 +145,13 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         if (std::fabs(*thickness - target) <= kThicknessTolerance * target ||
             round == kThicknessRounds)
             break;
-        recipe.radius = timesSpec(recipe.radius, target / *thickness, 3);
+        if (const double miss = std::fabs(*thickness - target); miss < least) {
+            least = miss;
+            nearest = recipe.radius;
+        }
+        recipe.radius = round == kThicknessRounds - 1
+                            ? nearest
+                            : timesSpec(recipe.radius, target / *thickness, 3);
     }
     if (std::fabs(*made.report.thickness - target) > kThicknessWarning * target)
         s.callbacks.warn(
