@@ -131,9 +131,8 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
 }
 
 /// The front, with the existing spheres before those that it places.
-/// @param options  with `scaled`, its sizes are packed as they are; else they are left as the
-/// target
-///                 count needs them.
+/// @param scaled   whether to pack the sizes of `options` as they are; else they are left as the
+///                 target count needs them.
 /// @return whether the voids were made with it or before.
 template <int Dim>
 bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& prepared, bool scaled,
@@ -194,7 +193,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     clock.lap();
     if constexpr (Dim == 3)
         if (recipe.voids.fill == Fill::solid) {
-            run->largestRadius = options.sizes.max() * prepared.radii.scale;
+            run->largestRadius = prepared.requested.sizes.max() * prepared.radii.scale;
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
         }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
