@@ -3,6 +3,7 @@
 #include "cli/options.h"
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
+#include "rank_session.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
@@ -46,6 +47,8 @@ enum ExitCode {
 std::atomic<bool> interrupted{false};
 /// Whether there may be completed spheres to write.
 std::atomic<bool> worthKeeping{false};
+/// Whether this process speaks for all that work on one pack; the others tell errors alone.
+bool isSpeaker = true;
 
 template <std::size_t N>
 void sayFromHandler(const char (&text)[N]) {
@@ -90,12 +93,13 @@ void tell(const char* kind, Style style, const std::string& message) {
 Callbacks makeCallbacks(bool quiet) {
     Callbacks callbacks;
     callbacks.warning = [](const std::string& text) {
+        if (!isSpeaker) return;
         clearProgressLine();
         tell("warning:", Style::yellow, text);
     };
     callbacks.cancelled = [] { return interrupted.load(); };
     std::shared_ptr<ProgressLine> line;
-    if (!quiet && ::isatty(STDERR_FILENO)) line = std::make_shared<ProgressLine>();
+    if (!quiet && isSpeaker && ::isatty(STDERR_FILENO)) line = std::make_shared<ProgressLine>();
     callbacks.progress = [line](const Progress& p) {
         if (p.stage == "pack") worthKeeping = true;
         if (line) line->show(p);
@@ -126,7 +130,7 @@ void print(const Result& result, const PrintOptions& how) {
 int judged(const RunResult& run) {
     if (run.report.interrupted || interrupted) return kInterrupted;
     if (run.passed) return kDone;
-    fmt::print(stderr, "{}", failures(run));
+    if (isSpeaker) fmt::print(stderr, "{}", failures(run));
     return kCheckFailed;
 }
 
@@ -230,22 +234,45 @@ int runCommand(const CliOptions& options) {
     return std::visit(Perform{options.print, callbacks}, options.job);
 }
 
+/// Lets several processes work on one pack, of which the first speaks for all.
+void shareOut(CliOptions& options, RankSession& session) {
+    auto* const job = std::get_if<PackJob>(&options.job);
+    if (!job || job->dryRun || !job->study.isOne())
+        throw ParameterError(
+            "several processes were started: they share the work of one pack alone. Start one "
+            "process for other commands, for --dry-run and for several seeds");
+    job->ranks = &session.ranks();
+    if (job->threads == 0) job->threads = session.threads();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     handleSignals();
-    const auto fail = [](const char* message, int code) {
-        try {
-            clearProgressLine();
-            tell("vdb_pack:", Style::red, message);
-        } catch (const std::exception&) {  // no memory even for that
-            std::fputs(message, stderr);
-        }
+    std::unique_ptr<RankSession> session;
+    const auto fail = [&](const char* message, int code) {
+        const auto tellIt = [&] {
+            try {
+                clearProgressLine();
+                tell("vdb_pack:", Style::red, message);
+            } catch (const std::exception&) {  // no memory even for that
+                std::fputs(message, stderr);
+            }
+        };
+        if (session)
+            session->end(code, tellIt);
+        else
+            tellIt();
         return code;
     };
     try {
+        session = startRanks();
+        isSpeaker = !session || session->ranks().isFirst();
+        if (!isSpeaker && !std::freopen("/dev/null", "w", stdout))
+            throw IoError("/dev/null: cannot be opened");
         int exitCode = kDone;
-        const auto options = parseCommandLine(argc, argv, exitCode);
+        auto options = parseCommandLine(argc, argv, exitCode);
+        if (options && session) shareOut(*options, *session);
         if (options) exitCode = runCommand(*options);
         if (interrupted) exitCode = kInterrupted;
         errno = 0;
@@ -253,6 +280,7 @@ int main(int argc, char** argv) {
             throw IoError(fmt::format("standard output: writing failed: {}{}",
                                       errno != 0 ? std::strerror(errno) : "not all was written",
                                       options ? "; files are complete" : ""));
+        if (session) session->end(kDone, {});
         return exitCode;
     } catch (const Interrupted& e) {
         return fail(e.what(), kInterrupted);

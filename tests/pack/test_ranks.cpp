@@ -1,5 +1,6 @@
 // Packs that several ranks fill together; here threads stand for them.
-#include "vdbpack/core/error.h"
+#include "support/thread_ranks.h"
+
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/wavefront.h"
 
@@ -7,78 +8,25 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
-#include <deque>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 using namespace vdbpack;
 
 namespace {
 
-/// What the ranks share.
-struct Office {
-    explicit Office(int count) : ranks(count), boxes(static_cast<std::size_t>(count)) {}
-
-    const int ranks;
-    std::mutex mutex;
-    std::condition_variable summed;
-    std::vector<std::deque<std::vector<std::byte>>> boxes;
-    std::vector<std::uint64_t> sum;
-    int joined = 0, left = 0;
-    std::size_t messages = 0, bytes = 0;
-};
-
-class ThreadRank : public BlockExchange {
-public:
-    ThreadRank(Office& office, int rank) : office_(office), rank_(rank) {}
-
-    int rank() const override { return rank_; }
-    int ranks() const override { return office_.ranks; }
-    void send(int to, std::vector<std::byte> message) override {
-        const std::lock_guard<std::mutex> lock(office_.mutex);
-        ++office_.messages;
-        office_.bytes += message.size();
-        office_.boxes[static_cast<std::size_t>(to)].push_back(std::move(message));
-    }
-    bool receive(std::vector<std::byte>& message) override {
-        const std::lock_guard<std::mutex> lock(office_.mutex);
-        auto& box = office_.boxes[static_cast<std::size_t>(rank_)];
-        if (box.empty()) return false;
-        message = std::move(box.front());
-        box.pop_front();
-        return true;
-    }
-    void sum(std::vector<std::uint64_t>& numbers) override {
-        std::unique_lock<std::mutex> lock(office_.mutex);
-        office_.sum.resize(numbers.size());
-        for (std::size_t i = 0; i < numbers.size(); ++i) office_.sum[i] += numbers[i];
-        if (++office_.joined == office_.ranks) office_.summed.notify_all();
-        office_.summed.wait(lock, [&] { return office_.joined == office_.ranks; });
-        numbers = office_.sum;
-    }
-
-private:
-    Office& office_;
-    int rank_;
-};
-
 /// The packs of all ranks, joined by `order`.
 template <int Dim>
 PackResult<Dim> packByRanks(int ranks, const Domain<Dim>& domain, const PackOptions& options,
                             const std::vector<Sphere<Dim>>& existing = {},
                             const Callbacks& callbacks = {}) {
-    Office office(ranks);
+    RankOffice office(ranks);
     std::vector<PackResult<Dim>> parts(static_cast<std::size_t>(ranks));
-    std::vector<std::thread> threads;
-    for (int r = 0; r < ranks; ++r)
-        threads.emplace_back([&, r] {
-            ThreadRank rank(office, r);
-            parts[static_cast<std::size_t>(r)] =
-                packBlocks(domain, options, callbacks, existing, &rank);
-        });
-    for (auto& thread : threads) thread.join();
+    onRanks(office, [&](Ranks& rank) {
+        PackOptions mine = options;
+        mine.ranks = &rank;
+        parts[static_cast<std::size_t>(rank.rank())] =
+            packBlocks(domain, mine, callbacks, existing);
+    });
     for (const auto& box : office.boxes) CHECK(box.empty());
     PackResult<Dim> all = parts.front();
     std::size_t total = 0;

@@ -20,12 +20,13 @@ namespace vdbpack {
 
 /// Runs `work()` with `threads` threads, more than the machine has cores if asked; 0: all cores.
 /// TBB algorithms inside use just these. @return what `work` returns; its exceptions pass through.
+/// @param beside  further threads that an arena inside may have.
 template <class Work>
-auto withThreads(int threads, Work work) {
+auto withThreads(int threads, Work work, int beside = 0) {
     const int count = threads > 0 ? threads : tbb::info::default_concurrency();
     // Without this, TBB never starts more workers than there are cores.
     const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
-                                      static_cast<std::size_t>(count));
+                                      static_cast<std::size_t>(count + beside));
     tbb::task_arena arena(count);
     return arena.execute(work);
 }

@@ -42,6 +42,15 @@ struct Measure<3> {
     static constexpr const char* kVolumeUnit = "mm³";
 };
 
+/// An order of spheres by their values: the last coordinate first, at one center by radius. Of a
+/// pair in two parts of a pack, it says in which the pair counts.
+template <int Dim>
+bool isBefore(const Sphere<Dim>& a, const Sphere<Dim>& b) {
+    for (int d = Dim - 1; d >= 0; --d)
+        if (a.center[d] != b.center[d]) return a.center[d] < b.center[d];
+    return a.radius < b.radius;
+}
+
 /// Surface-to-surface distance of two spheres, mm; negative where they overlap.
 template <int Dim>
 double gap(const Sphere<Dim>& a, const Sphere<Dim>& b) {

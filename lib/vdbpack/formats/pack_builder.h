@@ -28,6 +28,9 @@ public:
     PackBuilder& operator=(const PackBuilder&) = delete;
 
     std::size_t columns() const { return columns_.size(); }
+    const std::vector<std::string>& names() const { return names_; }
+    Unit unit() const { return unit_; }
+    std::size_t rows() const { return pack_.spheres.size(); }
     /// Whether the column holds whole numbers: set those with the integer form of `set`.
     bool isWhole(std::size_t column) const;
     /// Whether the column is none of those that the pack knows by name.

@@ -3,6 +3,8 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/pack_target.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -15,104 +17,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-namespace {
-
-constexpr const char* kWritten =
-    "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, lammps-bonds:FILE, yade:FILE, "
-    "points:FILE.vdb, .svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, "
-    "blender:FILE.py, contacts: or list:FILE.csv";
-constexpr const char* kRead =
-    "use .vdb, .vtp, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, .lammpstrj or dump:FILE, "
-    "yade:FILE";
-
-enum class Format {
-    vdb,
-    points,
-    vtp,
-    ply,
-    csv,
-    xyz,
-    npz,
-    svg,
-    yade,
-    lammpsData,
-    lammpsBonds,
-    lammpsDump
-};
-
-/// A prefix ("yade:f.txt") or extension and what it stands for.
-struct FormatName {
-    const char* name;
-    Format format;
-    bool extension = true;  ///< not only a prefix
-};
-constexpr FormatName kFormatNames[] = {
-    {"vdb", Format::vdb},
-    {"vtp", Format::vtp},
-    {"ply", Format::ply},
-    {"csv", Format::csv},
-    {"points", Format::points, false},
-    {"npz", Format::npz},
-    {"xyz", Format::xyz},
-    {"extxyz", Format::xyz},
-    {"svg", Format::svg},
-    {"yade", Format::yade, false},
-    {"data", Format::lammpsData},
-    {"lammps", Format::lammpsData, false},
-    {"liggghts", Format::lammpsData, false},
-    {"lammps-bonds", Format::lammpsBonds, false},
-    {"dump", Format::lammpsDump},
-    {"lammpstrj", Format::lammpsDump},
-};
-
-struct Target {
-    Format format;
-    std::string path;
-};
-
-const FormatName* formatNamed(const std::string& name) {
-    for (const auto& known : kFormatNames)
-        if (lowered(name) == known.name) return &known;
-    return nullptr;
-}
-
-/// The format named by the prefix and the file after it, if there is such a prefix.
-std::optional<Target> prefixed(const std::string& file) {
-    const auto colon = file.find(':');
-    if (colon == std::string::npos) return std::nullopt;
-    const auto* known = formatNamed(file.substr(0, colon));
-    if (known == nullptr) return std::nullopt;
-    if (colon + 1 == file.size())
-        throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
-    return Target{known->format, file.substr(colon + 1)};
-}
-
-/// Format by prefix, else by extension. `formats` lists the known ones, for messages.
-Target target(const std::string& file, const char* formats) {
-    if (auto known = prefixed(file)) return *std::move(known);
-    const auto dot = file.rfind('.');
-    const auto slash = file.rfind('/');
-    const bool extended =
-        dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
-    const std::string extension = extended ? file.substr(dot + 1) : "";
-    const auto* known = formatNamed(extension);
-    if (known != nullptr && known->extension) return {known->format, file};
-    throw ParameterError(file + ": '" + (extended ? "." + extension : "") +
-                         "' is not a pack format; " + formats);
-}
-
-Target targetToWrite(const std::string& file, int dim) {
-    Target t = target(file, kWritten);
-    if (t.format == Format::lammpsDump)
-        throw ParameterError(file + ": dumps are read but not written; " + kWritten);
-    if (t.format == Format::svg && dim == 3)
-        throw ParameterError(
-            file + ": is a picture of circles; for spheres write .vtp or .vdb, or set `slice` z=V");
-    return t;
-}
-
-}  // namespace
 
 template <int Dim>
 void checkPack(const Pack<Dim>& pack) {
@@ -146,18 +50,9 @@ double pointVoxelSize(double count, double measure, int dim) {
     return std::exp2(std::round(std::log2(8 * measure / count) / dim));
 }
 
-std::string packPath(const std::string& file) {
-    const auto known = prefixed(file);
-    return known ? known->path : file;
-}
-
-void checkPackFormat(const std::string& file, int dim) {
-    targetToWrite(file, dim);
-}
-
 template <int Dim>
 void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOptions& options) {
-    const Target t = targetToWrite(file, Dim);
+    const PackTarget t = targetToWrite(file, Dim);
     checkPack(pack);
     if (!(options.pointVoxel >= 0) || !std::isfinite(options.pointVoxel))
         throw ParameterError(
@@ -179,47 +74,58 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
                             size[0], size[1]));
     }
     const PackView view(pack, options.unit);
+    if (t.format == PackFormat::pvtp) {
+        writePvtp(nullptr, view, options, t.path);
+        return;
+    }
+    if (t.format == PackFormat::vtkhdf) {
+        writeVtkHdf(nullptr, view, options, t.path);
+        return;
+    }
     OutputFile out(t.path);
     switch (t.format) {
-        case Format::vdb:
+        case PackFormat::vdb:
             writeVdb(view, options, out);
             break;
-        case Format::vtp:
+        case PackFormat::vtp:
             writeVtp(view, options, out);
             break;
-        case Format::ply:
+        case PackFormat::ply:
             writePly(view, options, out);
             break;
-        case Format::csv:
+        case PackFormat::csv:
             writeCsv(view, out);
             break;
-        case Format::points: {
+        case PackFormat::points: {
             PackWriteOptions alone = options;
             alone.levelSets.clear();
             writeVdb(view, alone, out);
             break;
         }
-        case Format::npz:
+        case PackFormat::npz:
             writeNpz(view, options, out);
             break;
-        case Format::xyz:
+        case PackFormat::xyz:
             writeXyz(view, options, out);
             break;
-        case Format::svg:
+        case PackFormat::svg:
             writeSvg(view, options, out);
             break;
-        case Format::yade:
+        case PackFormat::yade:
             writeYade(view, options, out);
             break;
-        case Format::lammpsData:
+        case PackFormat::lammpsData:
             writeLammps(view, options, nullptr, out);
             break;
-        case Format::lammpsBonds: {
+        case PackFormat::lammpsBonds: {
             const auto bonds = listContacts(pack.spheres, options.contactTolerance);
             writeLammps(view, options, &bonds, out);
             break;
         }
-        case Format::lammpsDump:
+        case PackFormat::pvtp:
+        case PackFormat::vtkhdf:
+            break;  // written above
+        case PackFormat::lammpsDump:
             break;  // refused above
     }
     out.commit();
@@ -229,37 +135,41 @@ template void writePack<2>(const Pack<2>&, const std::string&, const PackWriteOp
 template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
 
 Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
-    const Target t = target(file, kRead);
+    const PackTarget t = targetToRead(file);
     try {
         switch (t.format) {
-            case Format::vdb:
-            case Format::points:
+            case PackFormat::vdb:
+            case PackFormat::points:
                 return readVdb(t.path, options);
-            case Format::vtp:
+            case PackFormat::vtp:
                 return readVtp(t.path, options);
-            case Format::ply:
+            case PackFormat::ply:
                 return readPly(t.path, options);
-            case Format::csv:
+            case PackFormat::csv:
                 return readCsv(t.path, options);
-            case Format::npz:
+            case PackFormat::npz:
                 return readNpz(t.path, options);
-            case Format::xyz:
+            case PackFormat::xyz:
                 return readXyz(t.path, options);
-            case Format::lammpsData:
-            case Format::lammpsBonds:
+            case PackFormat::lammpsData:
+            case PackFormat::lammpsBonds:
                 return readLammpsData(t.path, options);
-            case Format::lammpsDump:
+            case PackFormat::lammpsDump:
                 return readLammpsDump(t.path, options);
-            case Format::yade:
+            case PackFormat::yade:
                 return readYade(t.path, options);
-            case Format::svg:
-                break;
+            case PackFormat::pvtp:
+                return readPvtp(t.path, options);
+            case PackFormat::vtkhdf:
+                return readVtkHdf(t.path, options);
+            case PackFormat::svg:
+                break;  // refused above
         }
     } catch (const std::bad_alloc&) {
         throw ResourceError(t.path +
                             ": does not fit into memory; read it on a machine that has more");
     }
-    throw ParameterError(file + ": pictures are written but not read; " + kRead);
+    return {};
 }
 
 Pack<2> asCircles(const Pack<3>& pack) {

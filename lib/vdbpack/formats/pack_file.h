@@ -46,11 +46,13 @@ struct PackWriteOptions {
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), points: for a .vdb without
-/// level sets, and .svg for circles. Whole or absent: a
+/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), .pvtp, .vtkhdf, points: for a .vdb
+/// without level sets, and .svg for circles. Whole or absent: a
 /// former file stays as it is until the new one is complete.
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
+/// .pvtp names its one piece, NAME_0000.vtp. .vtkhdf, an unstructured grid of vertices, keeps every
+/// double and every column of numbers; columns of texts are left out.
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
 /// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
 /// radius, id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture:
@@ -102,7 +104,8 @@ struct PackReadOptions {
 /// the numbers of the file. The format by prefix ("lammps:f.txt") or extension:
 ///
 /// - .vdb: a grid of points.
-/// - .vtp: ASCII, base64 or raw, plain or deflated. .ply: text or binary, either byte order.
+/// - .vtp: ASCII, base64 or raw, plain or deflated; .pvtp: the pieces that it names. .vtkhdf: the
+///   points of unstructured grids and polygon data. .ply: text or binary, either byte order.
 /// - .csv: cells separated by commas, semicolons, tabs or blanks, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.

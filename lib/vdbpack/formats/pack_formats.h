@@ -37,6 +37,8 @@ Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
 Pack<3> readYade(const std::string& path, const PackReadOptions& options);
 Pack<3> readPly(const std::string& path, const PackReadOptions& options);
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readPvtp(const std::string& path, const PackReadOptions& options);
+Pack<3> readVtkHdf(const std::string& path, const PackReadOptions& options);
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
 Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);

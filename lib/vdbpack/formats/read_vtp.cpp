@@ -10,6 +10,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <filesystem>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,23 +36,28 @@ public:
           unit_(options.unit),
           memoryLimit_(options.memoryLimit) {}
 
-    Pack<3> read() {
+    /// Adds the points to those that `builder` has; makes it if it is null.
+    void read(std::unique_ptr<PackBuilder>& builder) {
         takeUnit();
         const auto pieces = piecesOf();
         const Piece& first = pieces.front();
-        PackBuilder builder(xml_.path(), columnsOf(first), unit_);
-        std::size_t column = 3;
-        for (const VtkArray& a : first.attributes) {
-            if (a.string) builder.makeText(column);
-            column += a.components;
+        const auto columns = columnsOf(first);
+        if (!builder) {
+            builder = std::make_unique<PackBuilder>(xml_.path(), columns, unit_);
+            std::size_t column = 3;
+            for (const VtkArray& a : first.attributes) {
+                if (a.string) builder->makeText(column);
+                column += a.components;
+            }
+        } else if (columns != builder->names() || unit_ != builder->unit()) {
+            xml_.fail("has other arrays, or another unit, than the pieces before it");
         }
         // One piece at a time is enough in memory.
         for (const Piece& piece : pieces) {
             if (piece.points == 0) continue;
             requireAlike(first, piece);
-            append(piece, builder, pieces.size() == 1);
+            append(piece, *builder, pieces.size() == 1 && builder->rows() == 0);
         }
-        return builder.finish();
     }
 
 private:
@@ -156,7 +163,22 @@ private:
 }  // namespace
 
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options) {
-    return VtpFile(path, options).read();
+    std::unique_ptr<PackBuilder> builder;
+    VtpFile(path, options).read(builder);
+    return builder->finish();
+}
+
+Pack<3> readPvtp(const std::string& path, const PackReadOptions& options) {
+    const VtkXml index(path, "PPolyData", options.memoryLimit);
+    std::unique_ptr<PackBuilder> builder;
+    for (const pugi::xml_node& piece : index.data().children("Piece")) {
+        const std::filesystem::path source = VtkXml::attribute(piece, "Source");
+        if (source.empty()) index.fail("a piece has no Source");
+        VtpFile((std::filesystem::path(path).parent_path() / source).string(), options)
+            .read(builder);
+    }
+    if (!builder) index.fail("names no pieces");
+    return builder->finish();
 }
 
 }  // namespace vdbpack

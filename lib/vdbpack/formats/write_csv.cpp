@@ -1,5 +1,6 @@
 // Tables: one row per sphere, columns named in the first line.
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 
@@ -27,8 +28,10 @@ void appendCell(std::string& text, std::string_view cell) {
 
 }  // namespace
 
-void writeCsv(const PackView& pack, OutputFile& out) {
-    std::string header = "id,x,y,z,radius";
+PackTextRows csvRows(const PackView& pack) {
+    PackTextRows rows;
+    std::string& header = rows.header;
+    header = "id,x,y,z,radius";
     const auto name = [&header](std::string_view column, const auto&) {
         appendCell(header += ',', column);
     };
@@ -37,9 +40,7 @@ void writeCsv(const PackView& pack, OutputFile& out) {
     if (pack.size() == 0)
         for (const Column& column : pack.columns()) name(column.name, column);
     header += '\n';
-    out.write(header);
-
-    writeRows(out, pack.size(), [&pack](std::string& text, std::size_t i) {
+    rows.append = [&pack](std::string& text, std::size_t i) {
         appendNumber(text, pack.id(i));
         for (const double c : pack.position(i)) appendNumber(text += ',', c);
         appendNumber(text += ',', pack.radius(i));
@@ -49,7 +50,14 @@ void writeCsv(const PackView& pack, OutputFile& out) {
             },
             [&](std::string_view, const auto& texts) { appendCell(text += ',', texts[i]); });
         text += '\n';
-    });
+    };
+    return rows;
+}
+
+void writeCsv(const PackView& pack, OutputFile& out) {
+    const PackTextRows rows = csvRows(pack);
+    out.write(rows.header);
+    writeRows(out, pack.size(), rows.append);
 }
 
 }  // namespace vdbpack

@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
@@ -15,6 +16,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -35,7 +37,15 @@ const Column* numbersNamed(const PackView& pack, const char* name) {
 /// Ids of the atoms: positive, and unique.
 class AtomIds {
 public:
-    explicit AtomIds(const PackView& pack) : pack_(pack) {
+    /// @param rows  in the pack of all ranks, of which this one has a share; null: it has all.
+    AtomIds(const PackView& pack, const std::vector<std::uint64_t>* rows)
+        : pack_(pack), rows_(rows) {
+        if (rows_) {
+            for (std::size_t i = 0; i < pack.size(); ++i)
+                counted_ = counted_ || static_cast<std::uint64_t>(pack.id(i)) != (*rows_)[i];
+            shift_ = 1;
+            return;
+        }
         std::int64_t least = kLargestAtom, most = 0;
         std::vector<std::int64_t> ids(pack.size());
         for (std::size_t i = 0; i < pack.size(); ++i) {
@@ -49,6 +59,7 @@ public:
         counted_ = twice || least < 0 || most + shift_ > kLargestAtom;
     }
     std::int64_t operator()(std::size_t i) const {
+        if (rows_) return static_cast<std::int64_t>((*rows_)[i]) + 1;
         return counted_ ? static_cast<std::int64_t>(i) + 1 : pack_.id(i) + shift_;
     }
     const char* meaning() const {
@@ -57,6 +68,7 @@ public:
 
 private:
     const PackView& pack_;
+    const std::vector<std::uint64_t>* rows_;
     std::int64_t shift_ = 0;
     bool counted_ = false;
 };
@@ -151,62 +163,91 @@ private:
 
 }  // namespace
 
-void writeLammps(const PackView& pack, const PackWriteOptions& options,
-                 const std::vector<Contact>* bonds, OutputFile& out) {
-    const AtomIds ids(pack);
-    const AtomTypes types(pack);
-    const AtomDensities densities(pack, options);
+namespace {
 
+struct Atoms {
+    Atoms(const PackView& pack, const PackWriteOptions& options,
+          const std::vector<std::uint64_t>* rows)
+        : ids(pack, rows), types(pack), densities(pack, options) {}
+
+    AtomIds ids;
+    AtomTypes types;
+    AtomDensities densities;
+};
+
+/// @param bonds  number of them; null: atoms alone.
+PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
+                      const std::shared_ptr<const Atoms>& atoms, const std::size_t* bonds) {
     std::string title = oneLine(options.generator).substr(0, 60);
     if (!title.empty()) title += "; ";
     title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
-                         ids.meaning());
-    if (types.meaning()) title += fmt::format("; {}", types.meaning());
+                         atoms->ids.meaning());
+    if (atoms->types.meaning()) title += fmt::format("; {}", atoms->types.meaning());
     title +=
-        fmt::format("; density {}", densities.areGiven()
+        fmt::format("; density {}", atoms->densities.areGiven()
                                         ? "as it was given"
                                         : fmt::format("in {}", densityUnit(options.unit).name));
     title = title.substr(0, kTitleLength - 30) +
             fmt::format("; {}{}", kUnitComment, unitName(options.unit));
 
-    const Box<3> box = pack.bounds();
-
-    std::string header = title + "\n\n";
-    header += fmt::format("{} atoms\n{} atom types\n", pack.size(), types.count());
-    if (bonds) header += fmt::format("{} bonds\n1 bond types\n", bonds->size());
+    PackTextRows rows;
+    std::string& header = rows.header;
+    header = title + "\n\n";
+    header += fmt::format("{} atoms\n{} atom types\n", all.count, all.types);
+    if (bonds) header += fmt::format("{} bonds\n1 bond types\n", *bonds);
     header += '\n';
     for (int d = 0; d < 3; ++d) {
         const char axis = "xyz"[d];
-        appendNumber(header, box.lo[d]);
-        appendNumber(header += ' ', box.hi[d]);
+        appendNumber(header, all.box.lo[d]);
+        appendNumber(header += ' ', all.box.hi[d]);
         header += fmt::format(" {}lo {}hi\n", axis, axis);
     }
-    out.write(header);
-    if (pack.size() == 0) return;
-
     // Without a style after it: LIGGGHTS does not accept `Atoms # sphere` as a section.
-    out.write(std::string(bonds ? "\nAtoms # hybrid\n\n" : "\nAtoms\n\n"));
-    writeRows(out, pack.size(), [&](std::string& text, std::size_t i) {
+    if (all.count > 0) header += bonds ? "\nAtoms # hybrid\n\n" : "\nAtoms\n\n";
+    rows.append = [&pack, atoms, bonded = bonds != nullptr](std::string& text, std::size_t i) {
         const auto number = [&text](double v) { appendNumber(text += ' ', v); };
-        appendNumber(text, ids(i));
-        appendNumber(text += ' ', types(i));
+        appendNumber(text, atoms->ids(i));
+        appendNumber(text += ' ', atoms->types(i));
         const auto p = pack.position(i);
-        if (bonds)
+        if (bonded)
             for (const double c : p) number(c);
         number(2 * pack.radius(i));
-        number(densities(i));
-        if (bonds)
+        number(atoms->densities(i));
+        if (bonded)
             text += " 0";  // of no molecule
         else
             for (const double c : p) number(c);
         text += '\n';
-    });
+    };
+    return rows;
+}
+
+}  // namespace
+
+AllAtoms allAtoms(const PackView& pack) {
+    return {pack.size(), AtomTypes(pack).count(), pack.bounds()};
+}
+
+PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options,
+                        const AllAtoms& all, const std::vector<std::uint64_t>& rows) {
+    return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
+}
+
+void writeLammps(const PackView& pack, const PackWriteOptions& options,
+                 const std::vector<Contact>* bonds, OutputFile& out) {
+    const auto atoms = std::make_shared<Atoms>(pack, options, nullptr);
+    const std::size_t count = bonds ? bonds->size() : 0;
+    const PackTextRows rows =
+        atomRows(pack, options, {pack.size(), atoms->types.count(), pack.bounds()}, atoms,
+                 bonds ? &count : nullptr);
+    out.write(rows.header);
+    writeRows(out, pack.size(), rows.append);
     if (!bonds || bonds->empty()) return;
     out.write(std::string("\nBonds\n\n"));
     writeRows(out, bonds->size(), [&](std::string& text, std::size_t b) {
         appendNumber(text, static_cast<std::int64_t>(b) + 1);
-        appendNumber(text += " 1 ", ids((*bonds)[b].i));
-        appendNumber(text += ' ', ids((*bonds)[b].j));
+        appendNumber(text += " 1 ", atoms->ids((*bonds)[b].i));
+        appendNumber(text += ' ', atoms->ids((*bonds)[b].j));
         text += '\n';
     });
 }

@@ -1,6 +1,7 @@
 // YADE's text format (ymport.textExt): x y z r, and the region as material.
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
@@ -11,13 +12,14 @@
 
 namespace vdbpack {
 
-void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options) {
     const bool regions = !pack.region().empty();
-    out.write(regions ? std::string("#format x_y_z_r_matId\n") : std::string("#format x_y_z_r\n"));
-    out.write(fmt::format("# {}{}\n", kUnitComment, unitName(options.unit)));
+    PackTextRows rows;
+    rows.header = regions ? "#format x_y_z_r_matId\n" : "#format x_y_z_r\n";
+    rows.header += fmt::format("# {}{}\n", kUnitComment, unitName(options.unit));
     if (!options.generator.empty())
-        out.write(fmt::format("# {}: {}\n", kGeneratorKey, oneLine(options.generator)));
-    writeRows(out, pack.size(), [&pack, regions](std::string& text, std::size_t i) {
+        rows.header += fmt::format("# {}: {}\n", kGeneratorKey, oneLine(options.generator));
+    rows.append = [&pack, regions](std::string& text, std::size_t i) {
         for (const double c : pack.position(i)) {
             appendNumber(text, c);
             text += '\t';
@@ -25,7 +27,14 @@ void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile
         appendNumber(text, pack.radius(i));
         if (regions) appendNumber(text += '\t', std::int64_t{pack.region()[i]});
         text += '\n';
-    });
+    };
+    return rows;
+}
+
+void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    const PackTextRows rows = yadeRows(pack, options);
+    out.write(rows.header);
+    writeRows(out, pack.size(), rows.append);
 }
 
 }  // namespace vdbpack

@@ -104,7 +104,8 @@ std::string followLinks(const std::string& path) {
     throw IoError(path + ": symbolic links form a cycle; name another file");
 }
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(followLinks(path_)) {
+OutputFile::OutputFile(std::string path, bool shown)
+    : path_(std::move(path)), target_(followLinks(path_)) {
     folder_ = folderOf(target_);
     requireFileName(path_);
     if (isStream(path_))
@@ -124,7 +125,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)), target_(follo
     buffer_.reserve(kBufferBytes);
     temporaryPath_.reserve(64);
     // If possible, a file without a name, which leaves nothing after a crash.
-    descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
+    if (!shown) descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
     if (descriptor_ >= 0) {
         temporaryPath_ = "/proc/self/fd/" + std::to_string(descriptor_);
         if (::access(temporaryPath_.c_str(), W_OK) != 0) {  // no /proc: it could not get a name

@@ -21,7 +21,9 @@ class OutputFile {
 public:
     /// @throws IoError if the folder does not exist or cannot be written to, or if `path` is a
     /// folder, a device, a pipe, a stream or write-protected, or its name is too long.
-    explicit OutputFile(std::string path);
+    /// @param shown  whether other processes are to open `temporaryPath`: it is a name in the
+    ///               folder then.
+    explicit OutputFile(std::string path, bool shown = false);
     ~OutputFile();
     OutputFile(const OutputFile&) = delete;
     OutputFile& operator=(const OutputFile&) = delete;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/sampling.h"
 
 #include <fmt/format.h>
@@ -13,6 +14,7 @@
 #include <atomic>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -63,14 +65,11 @@ void requireContactTolerance(double tolerance) {
 }
 
 template <int Dim>
-ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
-                           const std::vector<float>& depth) {
+PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
+                            double tolerance) {
     requireContactTolerance(tolerance);
-    if (!depth.empty() && depth.size() != spheres.size())
-        throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
-                                         depth.size(), spheres.size(), Measure<Dim>::kSpheres));
     requireUsable(spheres);
-    ContactCheck result;
+    PartContacts result;
     std::vector<std::atomic<std::int32_t>> counts(spheres.size());
     struct Found {
         double smallest = std::numeric_limits<double>::infinity();
@@ -85,6 +84,7 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
             counts[i].fetch_add(1, std::memory_order_relaxed);
             counts[j].fetch_add(1, std::memory_order_relaxed);
             components.join(i, j);
+            if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;
             Found& mine = found.local();
             mine.smallest = std::min(mine.smallest, std::sqrt(d2) - a.radius - b.radius);
             if (!(d2 > 0)) return;
@@ -96,51 +96,98 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
                     mine.fabric[k++] += std::llrint(to[p] * to[q] * scale);
         },
         [] { return false; });
-    Found all;
     for (const Found& f : found) {
-        all.smallest = std::min(all.smallest, f.smallest);
-        for (std::size_t k = 0; k < all.fabric.size(); ++k) all.fabric[k] += f.fabric[k];
+        result.sums.smallestGap = std::min(result.sums.smallestGap, f.smallest);
+        for (std::size_t k = 0; k < f.fabric.size(); ++k)
+            result.sums.fabric[k] += static_cast<std::uint64_t>(f.fabric[k]);
     }
-    result.smallestGap = all.smallest;
-    {
-        std::size_t k = 0;
-        double trace = 0;
-        for (int p = 0; p < Dim; ++p)
-            for (int q = p; q < Dim; ++q, ++k) {
-                const auto value = static_cast<double>(all.fabric[k]);
-                result.fabric[static_cast<std::size_t>(p)][q] = value;
-                result.fabric[static_cast<std::size_t>(q)][p] = value;
-                if (p == q) trace += value;
-            }
-        if (trace > 0)
-            for (auto& row : result.fabric) row *= 1 / trace;
-    }
-    result.few = Dim + 1;
-    if (spheres.empty()) return result;
-    result.counts.resize(spheres.size());
-    std::vector<std::atomic<std::uint32_t>> members(spheres.size());
-    struct Tally {
-        std::uint64_t sum = 0, wall = 0, few = 0;
-        std::vector<std::uint64_t> histogram;
-    };
-    tbb::enumerable_thread_specific<Tally> tallies;
-    tbb::parallel_for(Blocks(0, spheres.size(), 4096), [&](const Blocks& block) {
-        Tally& tally = tallies.local();
-        std::uint32_t component = 0, inARow = 0;
+    result.partners.resize(own);
+    result.component.resize(spheres.size());
+    forAll(spheres.size(), [&](std::size_t i) {
+        if (i < own) result.partners[i] = counts[i].load(std::memory_order_relaxed);
+        result.component[i] = components.find(static_cast<std::uint32_t>(i));
+    });
+    return result;
+}
+
+template <int Dim>
+void ContactSums::add(const std::vector<Sphere<Dim>>& added, double tolerance,
+                      const std::vector<float>& depth, std::vector<std::int32_t>& counts) {
+    if (!depth.empty() && depth.size() != added.size())
+        throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
+                                         depth.size(), added.size(), Measure<Dim>::kSpheres));
+    tbb::enumerable_thread_specific<ContactSums> tallies;
+    tbb::parallel_for(Blocks(0, added.size(), 4096), [&](const Blocks& block) {
+        ContactSums& tally = tallies.local();
+        tally.spheres += block.size();
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
-            auto count = counts[i].load(std::memory_order_relaxed);
-            tally.sum += static_cast<std::uint64_t>(count);
-            const double r = spheres[i].radius;
+            std::int32_t& count = counts[i];
+            tally.partners += static_cast<std::uint64_t>(count);
+            const double r = added[i].radius;
             if (!depth.empty() && std::abs(static_cast<double>(depth[i]) - r) <= tolerance * r) {
                 ++count;
-                ++tally.wall;
+                ++tally.wallContacts;
             }
-            result.counts[i] = count;
-            tally.few += count < result.few;
+            tally.few += count < Dim + 1;
             const auto k = static_cast<std::size_t>(count);
             if (k >= tally.histogram.size()) tally.histogram.resize(k + 1);
             ++tally.histogram[k];
-            const std::uint32_t root = components.find(static_cast<std::uint32_t>(i));
+        }
+    });
+    for (const ContactSums& tally : tallies) add(tally);
+}
+
+void ContactSums::add(const ContactSums& other) {
+    spheres += other.spheres;
+    partners += other.partners;
+    wallContacts += other.wallContacts;
+    few += other.few;
+    for (std::size_t k = 0; k < fabric.size(); ++k) fabric[k] += other.fabric[k];
+    histogram.resize(std::max(histogram.size(), other.histogram.size()));
+    for (std::size_t k = 0; k < other.histogram.size(); ++k) histogram[k] += other.histogram[k];
+    smallestGap = std::min(smallestGap, other.smallestGap);
+}
+
+ContactNetwork networkOf(const ContactSums& sums, int dim) {
+    ContactNetwork result;
+    result.smallestGap = sums.smallestGap;
+    std::size_t k = 0;
+    double trace = 0;
+    for (int p = 0; p < dim; ++p)
+        for (int q = p; q < dim; ++q, ++k) {
+            const auto value = static_cast<double>(static_cast<std::int64_t>(sums.fabric[k]));
+            result.fabric[static_cast<std::size_t>(p)][q] = value;
+            result.fabric[static_cast<std::size_t>(q)][p] = value;
+            if (p == q) trace += value;
+        }
+    if (trace > 0)
+        for (auto& row : result.fabric) row *= 1 / trace;
+    result.few = dim + 1;
+    result.histogram = sums.histogram;
+    result.wallContacts = sums.wallContacts;
+    result.pairs = sums.partners / 2;
+    if (sums.spheres == 0) return result;
+    const auto total = static_cast<double>(sums.spheres);
+    result.mean = static_cast<double>(sums.partners + sums.wallContacts) / total;
+    result.meanOfSpheres = static_cast<double>(sums.partners) / total;
+    result.fewShare = static_cast<double>(sums.few) / total;
+    return result;
+}
+
+template <int Dim>
+ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                           const std::vector<float>& depth) {
+    PartContacts all = contactsOfPart(spheres, spheres.size(), tolerance);
+    all.sums.add(spheres, tolerance, depth, all.partners);
+    ContactCheck result;
+    static_cast<ContactNetwork&>(result) = networkOf(all.sums, Dim);
+    result.counts = std::move(all.partners);
+    if (spheres.empty()) return result;
+    std::vector<std::atomic<std::uint32_t>> members(spheres.size());
+    tbb::parallel_for(Blocks(0, spheres.size(), 4096), [&](const Blocks& block) {
+        std::uint32_t component = 0, inARow = 0;
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            const std::uint32_t root = all.component[i];
             if (root != component) {
                 members[component].fetch_add(inARow, std::memory_order_relaxed);
                 component = root;
@@ -150,27 +197,13 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
         }
         members[component].fetch_add(inARow, std::memory_order_relaxed);
     });
-    std::uint64_t sum = 0, few = 0;
-    for (const Tally& tally : tallies) {
-        sum += tally.sum;
-        few += tally.few;
-        result.wallContacts += tally.wall;
-        result.histogram.resize(std::max(result.histogram.size(), tally.histogram.size()));
-        for (std::size_t k = 0; k < tally.histogram.size(); ++k)
-            result.histogram[k] += tally.histogram[k];
-    }
-    result.pairs = sum / 2;
-    const auto total = static_cast<double>(spheres.size());
-    result.mean = static_cast<double>(sum + result.wallContacts) / total;
-    result.meanOfSpheres = static_cast<double>(sum) / total;
-    result.fewShare = static_cast<double>(few) / total;
     std::uint32_t largest = 0;
     for (const auto& size : members) {
         const std::uint32_t n = size.load(std::memory_order_relaxed);
         result.components += n > 0;
         largest = std::max(largest, n);
     }
-    result.largestComponent = largest / total;
+    result.largestComponent = largest / static_cast<double>(spheres.size());
     return result;
 }
 
@@ -232,6 +265,12 @@ template std::vector<Contact> listContacts<2>(const std::vector<Sphere<2>>&, dou
 template std::vector<Contact> listContacts<3>(const std::vector<Sphere<3>>&, double);
 template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t);
 template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t);
+template PartContacts contactsOfPart(const std::vector<Sphere<2>>&, std::size_t, double);
+template PartContacts contactsOfPart(const std::vector<Sphere<3>>&, std::size_t, double);
+template void ContactSums::add(const std::vector<Sphere<2>>&, double, const std::vector<float>&,
+                               std::vector<std::int32_t>&);
+template void ContactSums::add(const std::vector<Sphere<3>>&, double, const std::vector<float>&,
+                               std::vector<std::int32_t>&);
 template ContactCheck countContacts<2>(const std::vector<Sphere<2>>&, double,
                                        const std::vector<float>&);
 template ContactCheck countContacts<3>(const std::vector<Sphere<3>>&, double,

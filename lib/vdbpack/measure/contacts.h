@@ -4,6 +4,8 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/symmetric.h"
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <optional>
@@ -49,6 +51,41 @@ void requireContactTolerance(double tolerance);
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
                            const std::vector<float>& depth = {});
+
+/// What the contacts of a pack add up to, of which parts can be counted one by one.
+struct ContactSums {
+    std::uint64_t spheres = 0;
+    std::uint64_t partners = 0;      ///< touching spheres of each sphere
+    std::uint64_t wallContacts = 0;  ///< spheres that touch the wall
+    std::uint64_t few = 0;           ///< spheres with fewer contacts than hold them in place
+    std::array<std::uint64_t, 6> fabric{};  ///< fixed-point sum of n n^T, modulo 2^64
+    std::vector<std::uint64_t> histogram;   ///< spheres with 0, 1, 2, ... contacts
+    double smallestGap = std::numeric_limits<double>::infinity();  ///< mm
+
+    void add(const ContactSums& other);
+    /// Adds spheres, all but the pairs that they form.
+    /// @param counts  touching spheres of each; becomes touching spheres and walls.
+    template <int Dim>
+    void add(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+             const std::vector<float>& depth, std::vector<std::int32_t>& counts);
+};
+
+/// The pairs that touch in a part of a pack.
+struct PartContacts {
+    ContactSums sums;                    ///< `fabric` and `smallestGap` alone
+    std::vector<std::int32_t> partners;  ///< touching spheres of each own sphere
+    /// Of each sphere: an index into the spheres, the same for those that contacts connect.
+    std::vector<std::uint32_t> component;
+};
+
+/// Finds the contacts of the first `own` spheres. The others are those of other parts that they
+/// may touch; a pair of two parts adds to the sums of one of them.
+template <int Dim>
+PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
+                            double tolerance);
+
+/// The network of all parts, without its components.
+ContactNetwork networkOf(const ContactSums& sums, int dim);
 
 /// Two touching spheres.
 struct Contact {

@@ -85,30 +85,10 @@ std::vector<unsigned char> partsDeeperThan(double depth, double deep,
     return part;
 }
 
-}  // namespace
-
+/// Volume of the parts of spheres that lie deeper than `depth`.
 template <int Dim>
-double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain) {
-    const double volume = domain.volume();
-    if (!(volume > 0))
-        throw InputError(fmt::format("domain: its {} is {} {}; give a domain with an inside",
-                                     Measure<Dim>::kVolume, volume, Measure<Dim>::kVolumeUnit));
-    return totalMeasure(spheres) / volume;
-}
-
-template <int Dim>
-std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
-                                       const Domain<Dim>& domain, double depth) {
-    const double known = domain.fieldDepth();
-    if (!(depth >= 0) || depth > known * (1 + 1e-6))
-        throw ParameterError(
-            fmt::format("interior fraction: depth {} mm is not within 0 to {} mm, "
-                        "the depth of the field; make the field deeper",
-                        depth, known));
-    requireUsable(spheres);
-    const double volume = domain.volumeDeeperThan(depth);
-    if (!(volume > 1e-9 * domain.volume())) return std::nullopt;
-
+double coveredDeeperThan(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                         double depth) {
     // A field that ends at `depth` is clamped there: rounding must not decide.
     const double deep = depth * (1 - 1e-6);
     Samplers<Dim> samplers(domain);
@@ -118,7 +98,7 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
     const auto points =
         static_cast<std::size_t>(std::clamp(kPoints / std::max(crossings, 1.0), 16.0, 1000.0));
     const BallPoints<Dim> ball(16384 + points);
-    const double covered = tbb::parallel_deterministic_reduce(
+    return tbb::parallel_deterministic_reduce(
         Blocks(0, spheres.size(), 512), 0.0,
         [&](const Blocks& block, double sum) {
             auto& sampler = samplers.local();
@@ -137,14 +117,40 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
             return sum;
         },
         std::plus<>());
-    return covered / volume;
 }
 
-template double solidFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&);
-template double solidFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&);
+}  // namespace
+
+template <int Dim>
+double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                     Ranks* ranks) {
+    const double volume = domain.volume();
+    if (!(volume > 0))
+        throw InputError(fmt::format("domain: its {} is {} {}; give a domain with an inside",
+                                     Measure<Dim>::kVolume, volume, Measure<Dim>::kVolumeUnit));
+    return sumOver(ranks, totalMeasure(spheres)) / volume;
+}
+
+template <int Dim>
+std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
+                                       const Domain<Dim>& domain, double depth, Ranks* ranks) {
+    const double known = domain.fieldDepth();
+    if (!(depth >= 0) || depth > known * (1 + 1e-6))
+        throw ParameterError(
+            fmt::format("interior fraction: depth {} mm is not within 0 to {} mm, "
+                        "the depth of the field; make the field deeper",
+                        depth, known));
+    requireUsable(spheres);
+    const double volume = domain.volumeDeeperThan(depth);
+    if (!(volume > 1e-9 * domain.volume())) return std::nullopt;
+    return sumOver(ranks, coveredDeeperThan(spheres, domain, depth)) / volume;
+}
+
+template double solidFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&, Ranks*);
+template double solidFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&, Ranks*);
 template std::optional<double> interiorFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&,
-                                                   double);
+                                                   double, Ranks*);
 template std::optional<double> interiorFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&,
-                                                   double);
+                                                   double, Ranks*);
 
 }  // namespace vdbpack

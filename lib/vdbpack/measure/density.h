@@ -1,6 +1,7 @@
 // Solid fraction of a pack: of the whole domain, and of its interior.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 
@@ -10,9 +11,11 @@
 namespace vdbpack {
 
 /// Sum of the sphere volumes / volume of the domain (2D: areas). The spheres are assumed to be
-/// disjoint and inside. @throws InputError if the domain has no volume.
+/// disjoint and inside.
+/// @param ranks  of whose spheres these are a share; null: they are all. @throws InputError if the domain has no volume.
 template <int Dim>
-double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain);
+double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
+                     Ranks* ranks = nullptr);
 
 /// Share of the part deeper than `depth` that is covered by spheres.
 ///
@@ -20,10 +23,12 @@ double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>&
 /// low-discrepancy points each, about four million together: standard error below
 /// 3e-4 * (spheres that cross / all that count), so about 1e-4 for a pack of 100 radii across.
 /// @param depth  mm, >= 0 and at most `domain.fieldDepth()`; usually three largest radii.
+/// @param ranks  as for `solidFraction`.
 /// @return nothing if no part of the domain is that deep.
 /// @throws ParameterError for another depth; InputError for an unusable sphere.
 template <int Dim>
 std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
-                                       const Domain<Dim>& domain, double depth);
+                                       const Domain<Dim>& domain, double depth,
+                                       Ranks* ranks = nullptr);
 
 }  // namespace vdbpack

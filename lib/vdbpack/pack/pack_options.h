@@ -1,6 +1,7 @@
 // The options of a pack.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/pack/order.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/pack/species.h"
@@ -53,6 +54,9 @@ struct PackOptions {
     /// Further species beside `sizes`, each drawn with its probability for every new sphere that
     /// lies deep enough. Spheres of these that fit at no site are set down ahead of the front.
     std::vector<Species> species;
+    /// Other ranks that fill the same domain with the same call; null: there are none. The pack is
+    /// the same for any number of them; each gets the spheres of its own blocks.
+    Ranks* ranks = nullptr;
 };
 
 }  // namespace vdbpack

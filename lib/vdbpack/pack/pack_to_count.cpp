@@ -63,7 +63,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
                             const CountedSpheres<Dim>& counted) {
     const SizeDistribution sizes = options.sizes;
     PackResult<Dim> best;
-    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1;
+    double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1, bestCount = 0;
     ScaleSearch search(target, Dim);
     const double front = std::max(1.0, target / counted.share);
     double scale =
@@ -77,17 +77,18 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         try {
             result = packSpheres(domain, options, callbacks, existing);
         } catch (const InputError&) {  // nothing fits
-            if (attempt + 1 == kCountAttempts && best.pack.spheres.empty()) throw;
+            if (attempt + 1 == kCountAttempts && !(bestCount > 0)) throw;
         }
         const auto& spheres = result.pack.spheres;
         const bool interrupted = result.interrupted;
-        const double count = counted.count && !interrupted && !spheres.empty()
-                                 ? counted.count(spheres, options.sizes.max())
-                                 : static_cast<double>(spheres.size());
+        double count = static_cast<double>(sumOver(options.ranks, std::uint64_t{spheres.size()}));
+        if (counted.count && !interrupted && count > 0)
+            count = counted.count(spheres, options.sizes.max());
         // Where the last one was interrupted, the one that has more is kept.
-        if (std::fabs(count - target) < bestOff || (interrupted && best.pack.spheres.empty())) {
+        if (std::fabs(count - target) < bestOff || (interrupted && !(bestCount > 0))) {
             bestOff = std::fabs(count - target);
             bestScale = scale;
+            bestCount = count;
             best = std::move(result);
         }
         best.interrupted = interrupted;

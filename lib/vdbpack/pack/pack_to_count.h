@@ -11,7 +11,8 @@ namespace vdbpack {
 /// The spheres of a pack that count toward a target, where later stages remove others.
 template <int Dim>
 struct CountedSpheres {
-    /// How many of the spheres, in a pack whose largest radius is `largest` mm; empty: all.
+    /// How many of the spheres, in a pack whose largest radius is `largest` mm; empty: all. Over
+    /// ranks: of the spheres of all, from those of one.
     std::function<double(const std::vector<Sphere<Dim>>& spheres, double largest)> count;
     double share = 1;     ///< of all spheres, estimated
     double fraction = 0;  ///< of the domain that spheres fill, about; 0: found by smaller packs

@@ -34,13 +34,15 @@ void requireValid(const PackOptions& options) {
 }
 
 template <int Dim>
-void requireCountable(const Domain<Dim>& domain, const SizeDistribution& sizes) {
+void requireCountable(const Domain<Dim>& domain, const PackOptions& options) {
+    const SizeDistribution& sizes = options.sizes;
     const double expected = domain.volume() / sizes.meanBall(Dim);
-    if (!(expected < 2e9))
+    const double most = 2e9 * (options.ranks ? options.ranks->count() : 1);
+    if (!(expected < most))
         throw ResourceError(fmt::format(
-            "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is 1e9: give larger "
+            "radii of mean {:.3g} mm would give about {:.2g} {}; the limit is {:.3g}: give larger "
             "radii or check the unit of the domain",
-            sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres));
+            sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres, 0.5 * most));
 }
 
 /// Whether the bounds of a domain could hold the smallest radius.
@@ -91,14 +93,18 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     std::unique_ptr<Domain<Dim>> inset;
     if (options.gap > 0) inset = insetDomain(outer, shellOf(options));
     const Domain<Dim>& domain = inset ? *inset : outer;
-    requireCountable(domain, options.sizes);
+    requireCountable(domain, options);
     PackResult<Dim> result;
     result.quantum = quantumFor(options.sizes);
     // Blocks for radii that no part of a thin domain can hold would be many, and all empty.
     const bool fits = fitsBounds(domain, options);
     if (fits) result = packBlocks(domain, options, callbacks, existing);
-    if (result.pack.spheres.empty() && !result.interrupted && existing.empty()) {
-        result.pack.spheres.push_back(onlySphere(domain, options, result.quantum, fits));
+    const std::uint64_t count = sumOver(options.ranks, std::uint64_t{result.pack.spheres.size()});
+    if (count == 0 && !result.interrupted && existing.empty()) {
+        const Sphere<Dim> only = onlySphere(domain, options, result.quantum, fits);
+        if (options.ranks) result.pieces = {0, 1};
+        if (options.ranks && !options.ranks->isFirst()) return result;
+        result.pack.spheres.push_back(only);
         result.pack.order.push_back(0);
     }
     return result;

@@ -15,7 +15,8 @@ namespace vdbpack {
 
 template <int Dim>
 struct PackResult {
-    Pack<Dim> pack;  ///< what was placed, with `order` set
+    /// What was placed, with `order` set; over ranks the share of this one.
+    Pack<Dim> pack;
     /// Of each sphere: 0 for PackOptions::sizes, s + 1 for `species[s]`; empty without such.
     std::vector<std::uint8_t> species;
     std::size_t blocks = 0;
@@ -24,6 +25,9 @@ struct PackResult {
     std::size_t fronts = 0;        ///< fresh fronts started in vacancies
     double quantum = 0;            ///< centers are whole multiples of this power of two, mm
     bool interrupted = false;      ///< cancelled: the spheres placed until then are here, and final
+    /// Over ranks: from one of these values of `order` to the next, all spheres are those of one
+    /// rank; the last is their number.
+    std::vector<std::int64_t> pieces;
 };
 
 /// Fills `domain` with non-overlapping spheres until no vacancy is left that could take a sphere of

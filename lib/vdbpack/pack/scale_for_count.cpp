@@ -42,14 +42,19 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     };
     PackOptions trial = options;
     trial.maxCount = 0;
+    const auto isCancelled = [&] { return anyOver(options.ranks, callbacks.isCancelled()); };
     Callbacks quiet = callbacks;
     quiet.progress = nullptr;
     const auto fractionAt = [&](double scale) {
         trial.sizes = options.sizes.scaled(scale);
         const auto result = packSpheres(domain, trial, quiet, existing);
-        double sum = 0;
-        for (const auto& s : result.pack.spheres) sum += Measure<Dim>::ball(s.radius + shell);
-        return sum / domain.volume();
+        // In whole parts, so that the sum is the same in any order, over any number of ranks.
+        constexpr double kParts = 0x1p62;
+        std::uint64_t sum = 0;
+        for (const auto& s : result.pack.spheres)
+            sum += static_cast<std::uint64_t>(Measure<Dim>::ball(s.radius + shell) /
+                                              domain.volume() * kParts);
+        return static_cast<double>(sumOver(options.ranks, sum)) / kParts;
     };
     // Room beside the existing spheres.
     double taken = 0;
@@ -68,15 +73,15 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
             try {
                 return fractionAt(scale);
             } catch (const InputError&) {
-                if (!(kSmaller * scale > least) || callbacks.isCancelled()) throw;
+                if (!(kSmaller * scale > least) || isCancelled()) throw;
                 scale *= kSmaller;
             }
         }
     };
-    if (callbacks.isCancelled()) return fine;
+    if (isCancelled()) return fine;
     const double f1 = tryOut(coarse);
     fine = std::min(fine, coarse);
-    if (callbacks.isCancelled()) return fine;
+    if (isCancelled()) return fine;
     const double f2 = tryOut(fine);
     const double slope = coarse > fine ? (f2 - f1) / (coarse - fine) : 0.0;
     double scale = scaleFor(std::clamp(f2, 0.01, 0.9), count);

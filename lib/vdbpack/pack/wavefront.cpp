@@ -30,7 +30,7 @@ template <int Dim>
 class Wavefront {
 public:
     Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks,
-              const std::vector<Sphere<Dim>>& existing, BlockExchange* exchange)
+              const std::vector<Sphere<Dim>>& existing)
         : domain_(domain),
           options_(options),
           callbacks_(callbacks),
@@ -38,7 +38,7 @@ public:
           lattice_(domain.bounds(), blockSide(domain, options, settings_), 2 * settings_.maxRadius,
                    settings_.quantum),
           blocks_(lattice_.size()),
-          exchange_(exchange) {
+          ranks_(options.ranks) {
         addExisting(existing);
         for (const Species& species : options.species)
             hasSpecies_ = hasSpecies_ || species.probability > 0;
@@ -60,7 +60,7 @@ public:
             if (isOwn(b))
                 for (const std::uint32_t n : lattice_.lowerNeighbors(b)) ++blocks_[n].readers;
         }
-        if (exchange_) {
+        if (ranks_) {
             fillWithOthers();
         } else {
             withThreads(options_.threads, [&] {
@@ -120,17 +120,17 @@ private:
 
     bool isOwn(std::uint32_t b) const { return ownerOf(b) == rank(); }
     int ownerOf(std::uint32_t b) const {
-        return exchange_ ? lattice_.owner(b, exchange_->ranks()) : 0;
+        return ranks_ ? lattice_.owner(b, ranks_->count()) : 0;
     }
-    int rank() const { return exchange_ ? exchange_->rank() : 0; }
+    int rank() const { return ranks_ ? ranks_->rank() : 0; }
 
     void process(std::uint32_t b) {
         for (;;) {
-            if (exchange_)
+            if (ranks_)
                 fillOrFail(b);
             else if (!isStopped())
                 fillBlock(b);
-            if (exchange_) tellOthers(b);
+            if (ranks_) tellOthers(b);
             for (const std::uint32_t n : lattice_.lowerNeighbors(b))
                 if (blocks_[n].readers.fetch_sub(1) == 1) forget(n);
             // One successor that became ready continues in this task: its neighborhood is in the
@@ -178,12 +178,12 @@ private:
             bool busy = false;
             std::pair<int, std::vector<std::byte>> out;
             while (outbox_.try_pop(out)) {
-                exchange_->send(out.first, std::move(out.second));
+                ranks_->send(out.first, std::move(out.second));
                 busy = true;
             }
             if (done && !busy) break;
             std::vector<std::byte> bytes;
-            while (exchange_->receive(bytes)) {
+            while (ranks_->receive(bytes)) {
                 take(blockMessage<Dim>(bytes));
                 busy = true;
             }
@@ -367,8 +367,9 @@ private:
     void report(std::size_t placed) {
         const std::int64_t count = count_ += static_cast<std::int64_t>(placed);
         const std::lock_guard<std::mutex> lock(reporting_);
-        callbacks_.report("pack", std::min(1.0, static_cast<double>(count) / expected_),
-                          static_cast<double>(count));
+        // Ranks advance together.
+        const auto all = static_cast<double>(count * (ranks_ ? ranks_->count() : 1));
+        callbacks_.report("pack", std::min(1.0, all / expected_), all);
         if (callbacks_.isCancelled()) stopped_ = true;
     }
 
@@ -386,12 +387,13 @@ private:
         for (std::uint32_t b = 0; b < blocks_.size(); ++b)
             if (isOwn(b)) total += counts[b] = blocks_[b].placed.spheres.size();
         counts.back() = stopped_;
-        if (exchange_) exchange_->sum(counts);
+        if (ranks_) ranks_->sum(counts);
         result.interrupted = counts.back() > 0;
         spheres.reserve(total);
         std::int64_t order = 0;
         for (const std::uint32_t b : lattice_.order()) {
             const std::int64_t first = order;
+            if (ranks_) result.pieces.push_back(first);
             order += static_cast<std::int64_t>(counts[b]);
             if (!isOwn(b)) continue;
             for (std::int64_t i = first; i < order; ++i) result.pack.order.push_back(i);
@@ -401,6 +403,9 @@ private:
                                   placed.species.end());
             blocks_[b].placed = {};
         }
+        if (ranks_) result.pieces.push_back(order);
+        if (options_.maxCount > 0)
+            for (std::int64_t& piece : result.pieces) piece = std::min(piece, options_.maxCount);
         if (const double shell = shellOf(options_); shell > 0)
             // Back to the float that was drawn.
             for (Sphere<Dim>& s : spheres)
@@ -423,7 +428,7 @@ private:
     std::vector<std::vector<std::uint32_t>> successors_;
     tbb::enumerable_thread_specific<Thread> threads_;
     std::function<void(std::uint32_t)> begin_;  // starts a block whose neighbors are done
-    BlockExchange* exchange_;                   // null: this rank fills all blocks
+    Ranks* const ranks_;                        // null: this one fills all blocks
     tbb::concurrent_queue<std::pair<int, std::vector<std::byte>>> outbox_;
     std::atomic<std::size_t> filled_{0};  // own blocks that are filled, and told of
     std::exception_ptr failure_;
@@ -439,14 +444,13 @@ private:
 
 template <int Dim>
 PackResult<Dim> packBlocks(const Domain<Dim>& domain, const PackOptions& options,
-                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing,
-                           BlockExchange* exchange) {
-    return Wavefront<Dim>(domain, options, callbacks, existing, exchange).run();
+                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
+    return Wavefront<Dim>(domain, options, callbacks, existing).run();
 }
 
 template PackResult<2> packBlocks(const Domain<2>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<2>>&, BlockExchange*);
+                                  const std::vector<Sphere<2>>&);
 template PackResult<3> packBlocks(const Domain<3>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<3>>&, BlockExchange*);
+                                  const std::vector<Sphere<3>>&);
 
 }  // namespace vdbpack

@@ -1,7 +1,7 @@
 // Private to pack: the blocks of a domain, filled in the order of a wavefront.
 #pragma once
 
-#include "vdbpack/pack/block_exchange.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/pack/packer.h"
 
 #include <vector>
@@ -12,12 +12,8 @@ namespace vdbpack {
 /// keep the gap.
 /// @param domain    its wall moved inwards by the shell.
 /// @param existing  as in `packSpheres`.
-/// @param exchange  with other ranks, each of which calls this; null: there are none. The result
-///                  has the spheres of the rank's own blocks, with their `order` among all, and
-///                  `interrupted` if any rank was.
 template <int Dim>
 PackResult<Dim> packBlocks(const Domain<Dim>& domain, const PackOptions& options,
-                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing,
-                           BlockExchange* exchange = nullptr);
+                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing);
 
 }  // namespace vdbpack

@@ -47,7 +47,8 @@ struct Report {
     std::string task;     ///< the name of the command: "pack", "voids", "verify", ...
     std::string command;  ///< as it was given
     std::uint64_t seed = 0;
-    int threads = 0;
+    int threads = 0;         ///< of each process
+    int ranks = 1;           ///< processes that shared the work
     std::uint64_t hash = 0;  ///< `packHash`
     bool interrupted = false;
 

@@ -112,6 +112,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["unit"] = "mm";
     json["seed"] = r.seed;
     json["threads"] = r.threads;
+    json["ranks"] = r.ranks;
     json["hash"] = hashText(r.hash);
     json["interrupted"] = r.interrupted;
     json["domain"] = domainJson(r);

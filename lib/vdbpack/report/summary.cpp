@@ -222,16 +222,18 @@ void addRun(Summary& out, const Report& r, const Words& words) {
         {"write", r.seconds.write}};
     for (const auto& [name, value] : stages)
         if (value > 0) seconds += fmt::format("{} {:.2f}, ", name, value);
-    out.line("seconds", seconds + fmt::format("total {:.2f} on {} thread{}", r.seconds.total,
-                                              r.threads, r.threads == 1 ? "" : "s"));
+    const std::string processes = r.ranks > 1 ? fmt::format("{} processes of ", r.ranks) : "";
+    out.line("seconds", seconds + fmt::format("total {:.2f} on {}{} thread{}", r.seconds.total,
+                                              processes, r.threads, r.threads == 1 ? "" : "s"));
     if (r.seconds.pack > 0 && r.count > 0)
         out.line("", fmt::format("{} {} placed per second",
                                  grouped(static_cast<std::uint64_t>(static_cast<double>(r.count) /
                                                                     r.seconds.pack)),
                                  words.spheres));
     if (r.peakMemoryBytes > 0)
-        out.line("memory", fmt::format("{:.0f} MiB at most",
-                                       static_cast<double>(r.peakMemoryBytes) / (1 << 20)));
+        out.line("memory", fmt::format("{:.0f} MiB at most{}",
+                                       static_cast<double>(r.peakMemoryBytes) / (1 << 20),
+                                       r.ranks > 1 ? " in a process" : ""));
     if (r.task == "voids")
         out.line("seed", std::to_string(r.seed));
     else if (r.task == "pack" || r.task == "carve")

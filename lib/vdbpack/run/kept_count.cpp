@@ -35,12 +35,13 @@ double keptShare(const VoidRecipe& voids, const Extent& extent) {
 
 template <int Dim>
 double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double largest) {
-    const auto placed = static_cast<double>(trial.size());
+    const auto placed =
+        static_cast<double>(sumOver(run_.ranks(), std::uint64_t{trial.size()}));
     const VoidRecipe& recipe = *run_.voidRecipe;
     // Where the solid is filled, no void removes a sphere.
     if (recipe.empty() || (run_.solid && !recipe.keepConnected)) return placed;
     Callbacks quiet;
-    quiet.cancelled = run_.callbacks.cancelled;
+    if (!run_.ranks()) quiet.cancelled = run_.callbacks.cancelled;
     const VoidSetting<Dim> setting{
         recipe, run_.domain(), run_.built.sliceHeight, run_.settings.seed, largest, quiet};
     MadeVoids<Dim> made;
@@ -55,7 +56,8 @@ double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double 
     cullPack(setting, run_.settings.contactTolerance, existing_.size(), made, pack);
     made.report = report;
     if (!run_.solid && serveAll(recipe)) voids_ = std::move(made);
-    return static_cast<double>(pack.spheres.size() - existing_.size());
+    return static_cast<double>(
+        sumOver(run_.ranks(), std::uint64_t{pack.spheres.size() - existing_.size()}));
 }
 
 template class KeptCount<2>;

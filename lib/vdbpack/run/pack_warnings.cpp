@@ -84,7 +84,7 @@ void warnOfThinSolid(const Run<Dim>& run) {
     for (std::size_t i = 0; i < run.pack.spheres.size(); ++i)
         if (run.pack.region.empty() || run.pack.region[i] != 0)
             filled += Measure<Dim>::ball(run.pack.spheres[i].radius);
-    const double share = filled / (*voids.bvtv * voids.totalVolume);
+    const double share = sumOver(run.ranks(), filled) / (*voids.bvtv * voids.totalVolume);
     if (share < kFilled)
         run.callbacks.warn(fmt::format(
             "the {} fill only {} of the solid between the voids, which is hardly thicker than "
@@ -123,8 +123,10 @@ void warnOfSmallVoids(const Run<Dim>& run) {
 }
 
 template <int Dim>
-void requireSpheresLeft(const Run<Dim>& run, std::size_t before) {
-    if (before == 0 || !run.pack.spheres.empty() || run.report.interrupted) return;
+void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
+    before = sumOver(run.ranks(), before);
+    const std::uint64_t left = sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()});
+    if (before == 0 || left > 0 || run.report.interrupted) return;
     const auto& bvtv = run.voids.report.bvtv;
     throw ParameterError(fmt::format(
         "`voids` {}: remove all {} {}{}. Give fewer or smaller voids, or a higher `targetBvtv`",
@@ -138,7 +140,7 @@ void requireSpheresLeft(const Run<Dim>& run, std::size_t before) {
     template void warnOfThinSolid<Dim>(const Run<Dim>&);          \
     template void warnOfCount<Dim>(const Run<Dim>&, double);      \
     template void warnOfSmallVoids<Dim>(const Run<Dim>&);         \
-    template void requireSpheresLeft<Dim>(const Run<Dim>&, std::size_t);
+    template void requireSpheresLeft<Dim>(const Run<Dim>&, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

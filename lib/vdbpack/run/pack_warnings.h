@@ -29,9 +29,9 @@ void warnOfCount(const Run<Dim>& run, double target);
 template <int Dim>
 void warnOfSmallVoids(const Run<Dim>& run);
 
-/// @param before  spheres of the pack before the voids were cut.
+/// @param before  spheres of the pack (of this rank) before the voids were cut.
 /// @throws ParameterError if none of them remains
 template <int Dim>
-void requireSpheresLeft(const Run<Dim>& run, std::size_t before);
+void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before);
 
 }  // namespace vdbpack

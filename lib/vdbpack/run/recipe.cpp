@@ -173,6 +173,7 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
     options.order = recipe.order;
     options.gap = recipe.gap;
     options.maxCount = recipe.maxCount;
+    options.ranks = recipe.ranks;
     return options;
 }
 
@@ -274,8 +275,17 @@ Pack<Dim> joined(Pack<Dim> base, const Pack<Dim>& added) {
     mark.numbers.assign(before, 1.0);
     columns.push_back(std::move(mark));
     base = appended(std::move(base), added.spheres);
-    // Without existing spheres there is nothing to continue from.
-    if (before == 0) base.order = added.order;
+    if (before == 0) {
+        base.order = added.order;  // nothing to continue from
+    } else if (!added.order.empty()) {
+        // In the order of the front, of which a rank has a part.
+        for (auto* numbers : {&base.id, &base.order}) {
+            if (numbers->empty()) continue;
+            const std::int64_t first = (*numbers)[before];
+            for (std::size_t i = 0; i < added.order.size(); ++i)
+                (*numbers)[before + i] = first + added.order[i];
+        }
+    }
     base.region.resize(base.spheres.size(), 0);
     columns.back().numbers.resize(base.spheres.size(), 0.0);
     base.sliceHeight = added.sliceHeight;

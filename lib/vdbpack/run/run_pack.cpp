@@ -9,14 +9,17 @@
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/voids/cull.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -67,7 +70,9 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(recipe.voids.shell, source);
     PackPlan plan = planPack(recipe, source);
-    requireResources(plan.extent, recipe);
+    Extent share = plan.extent;
+    if (recipe.ranks) share.count /= recipe.ranks->count();
+    requireResources(share, recipe);
     if (Dim == 2 && recipe.voids.fill == Fill::solid)
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
@@ -130,6 +135,20 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     return result;
 }
 
+/// Leaves the existing spheres, the first `given`, to the first of several ranks.
+template <int Dim>
+void shareExisting(Run<Dim>& run, std::size_t given, Pack<Dim>& pack) {
+    // Those that were added are numbered on.
+    std::int64_t last = given > 0 ? std::numeric_limits<std::int64_t>::min() : -1;
+    for (std::size_t i = 0; i < given; ++i) last = std::max(last, pack.order[i]);
+    for (std::int64_t& piece : run.pieces) piece += last + 1;
+    if (run.isFirst()) return;
+    std::vector<std::uint8_t> keep(pack.spheres.size(), 1);
+    std::fill_n(keep.begin(), given, 0);
+    keepOnly(pack, keep);
+    run.fixed = run.labelled = 0;
+}
+
 /// The front, with the existing spheres before those that it places.
 /// @param scaled   whether to pack the sizes of `options` as they are; else they are left as the
 ///                 target count needs them.
@@ -156,8 +175,11 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     result.pack.sliceHeight = run.built.sliceHeight;
     run.report.interrupted = result.interrupted;
     run.positionStep = result.quantum;
+    run.pieces = std::move(result.pieces);
     if (!recipe.existing.empty()) {
-        if (result.pack.spheres.empty() && !result.interrupted)
+        const std::uint64_t added =
+            sumOver(run.ranks(), std::uint64_t{result.pack.spheres.size()});
+        if (added == 0 && !result.interrupted)
             run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
         run.fixed = existing.size();
         if (!prepared.existing.region.empty()) run.labelled = existing.size();
@@ -166,7 +188,9 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         // Into voids as well, where what they leave is filled.
         run.report.inputProtrusions =
             run.solid ? run.filledSource().protrusion(existing).spheres : prepared.inputProtrusions;
+        const std::size_t given = existing.size();
         result.pack = joined(prepared.existing, result.pack);
+        if (run.ranks()) shareExisting(run, given, result.pack);
     }
     run.pack = std::move(result.pack);
     run.report.seconds.pack += run.clock.lap();
@@ -239,7 +263,8 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     for (int round = 1;; ++round) {
         auto run = packAndCut(recipe, source, prepared, begun, round > 1, clock, held, options);
         if (round == 1) sizes = options.sizes;
-        const auto count = static_cast<double>(run->pack.spheres.size() - run->fixed);
+        const auto count = static_cast<double>(
+            sumOver(run->ranks(), std::uint64_t{run->pack.spheres.size() - run->fixed}));
         const bool near = std::fabs(count - target) <= std::max(kNear * target, 0.5);
         if (near || !(count > 0) || run->report.interrupted || round == kMostRounds) {
             *holds = false;
@@ -280,7 +305,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                                   run.report, callbacks);
         });
     RunResult result = finishStage(run);
-    writeReport(result, details, recipe);
+    if (run.isFirst()) writeReport(result, details, recipe);
     return result;
 }
 
@@ -325,6 +350,7 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
     const PackRecipe& recipe = recipes.front();
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);
+    if (recipe.ranks) checkRanks(recipe);
     Clock clock;
     Report report = begunReport(recipe, "pack", recipe.domain.source);
     const auto work = [&] {
@@ -336,8 +362,10 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
         packDomain(recipes, source, report, clock, callbacks, done);
     };
     try {
-        withThreads(recipe.threads, work);
+        // One thread more speaks with the other ranks.
+        withThreads(recipe.threads, work, recipe.ranks ? 1 : 0);
     } catch (const Interrupted&) {
+        if (recipe.ranks) throw;  // the others may have come farther
         RunResult none;
         none.report = report;
         none.report.interrupted = true;

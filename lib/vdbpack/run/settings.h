@@ -1,6 +1,7 @@
 // Settings that all commands share.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/preview/preview_recipe.h"
 
@@ -12,7 +13,8 @@ namespace vdbpack {
 
 /// Base of all recipes. A command passes over what it has no use for.
 struct RunSettings {
-    int threads = 0;         ///< 0: all cores
+    int threads = 0;         ///< of each rank; 0: all cores
+    Ranks* ranks = nullptr;  ///< with which `pack` is run; null: there are none
     double memoryLimit = 0;  ///< bytes that the process may hold; 0: what is free at the start
     std::uint64_t seed = 1;  ///< of all random numbers
     double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii

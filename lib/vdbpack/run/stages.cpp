@@ -8,6 +8,7 @@
 #include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/sphere_density.h"
@@ -142,7 +143,10 @@ template <int Dim>
 void cutStage(Run<Dim>& run, bool made) {
     if (run.cuts()) {
         // Compared with the requested sizes before any sphere is removed.
-        if (run.hasPack && run.sizes) measureSizes(run.pack, *run.sizes, run.report);
+        if (run.ranks())
+            compareSizes(run);
+        else if (run.hasPack && run.sizes)
+            measureSizes(run.pack, *run.sizes, run.report);
         if (!made) run.unlessInterrupted([&] { run.voids = makeVoids(run.voidSetting()); });
         const auto& chosen = run.voids.report.chosen;
         run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
@@ -180,22 +184,25 @@ void measureStage(Run<Dim>& run) {
     if (run.cuts()) {
         run.unlessInterrupted([&] {
             measureVoids(run.voidSetting(), run.connectionTolerance(),
-                         run.hasPack ? &run.pack : nullptr, run.voids);
+                         run.hasPack && !run.ranks() ? &run.pack : nullptr, run.voids);
         });
         run.report.voids = run.voids.report;
         run.report.seconds.voids += run.clock.lap();
     }
     if (run.labelled > 0) takeRegionsBack(run.pack);
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
-    measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
-                tolerance, run.report, run.callbacks);
-    if (run.solid) {
+    if (run.ranks())
+        measureOverRanks(run);
+    else
+        measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
+                    tolerance, run.report, run.callbacks);
+    if (run.solid && !run.ranks()) {
         // The contour of a level set may leave the domain by its error; no sphere does.
         const ProtrusionCheck wall = run.source.protrusion(run.pack.spheres);
         ProtrusionCheck& worst = *run.report.protrusion;
         if (wall.max > worst.max) worst = wall;
-        run.report.domain.kind = "solid";
     }
+    if (run.solid) run.report.domain.kind = "solid";
     warnOfLooseSpheres(run);
     warnOfThinSolid(run);
     if (run.report.interrupted && !run.keepsPack) throw Interrupted();
@@ -264,8 +271,10 @@ void write(Run<Dim>& run) {
         leaveOutIncomplete(run, outputs);
         std::transform(outputs.begin(), outputs.end(), outputs.begin(), interruptedName);
     }
-    report.files = writeOutputs(outputs, outputsOf(run), run.callbacks);
-    if (!report.files.empty()) leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
+    report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run), run)
+                               : writeOutputs(outputs, outputsOf(run), run.callbacks);
+    if (!report.files.empty() && run.isFirst())
+        leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
 }
 
 /// Draws the preview, or the picture of the report page.
@@ -295,14 +304,15 @@ RunResult finishStage(Run<Dim>& run) {
     Report& report = run.report;
     report.seconds.write = run.clock.lap();
     report.seconds.total = run.clock.total();
-    report.peakMemoryBytes = peakMemory();
+    report.peakMemoryBytes = static_cast<std::uint64_t>(
+        maxOver(run.ranks(), static_cast<double>(peakMemory())));
     RunResult result;
     result.passed = !failedChecks(report).any();
     const std::string reportFile = reportFileOf(run.settings, report);
     if (!reportFile.empty()) report.files.push_back(reportFile);
     result.report = std::move(report);
     result.picture = std::move(run.picture);
-    if (run.hasPack) result.pack = std::move(run.pack);
+    if (run.hasPack) result.pack = std::move(run.ranks() ? run.named : run.pack);
     return result;
 }
 

@@ -17,6 +17,7 @@
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
 
@@ -46,7 +47,8 @@ struct Run {
           report(std::move(begun)),
           clock(running),
           plain(limited),
-          callbacks(keepingWarnings(limited, report.warnings)) {}
+          callbacks(keepingWarnings(limited, report.warnings)),
+          uncancelled{callbacks.progress, callbacks.warning, {}} {}
     Run(const Run&) = delete;
     Run& operator=(const Run&) = delete;
 
@@ -56,6 +58,8 @@ struct Run {
     Clock& clock;
     const Callbacks& plain;     ///< of the caller
     const Callbacks callbacks;  ///< the same; `report` keeps the warnings
+    /// The same for stages that ranks do each for itself: none may end before the others.
+    const Callbacks uncancelled;
     /// Whether an interrupt ends the run with what is complete; else it throws Interrupted.
     bool keepsPack = false;
 
@@ -72,8 +76,16 @@ struct Run {
     MadeVoids<Dim> voids;
     std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
 
+    // Over ranks: `pack` has the share of this one.
+    std::vector<std::int64_t> pieces;  ///< as in PackResult, with the orders of `pack`
+    std::vector<RowSpan> spans;        ///< rows of the spheres in the pack of all
+    Pack<Dim> named;                   ///< spheres of any rank that a check names
+
     PreviewPicture picture;
 
+    Ranks* ranks() const { return settings.ranks; }
+    /// Whether this rank speaks for all.
+    bool isFirst() const { return !ranks() || ranks()->isFirst(); }
     const Domain<Dim>& domain() const { return *ofDim<Dim>(built); }
     /// What the spheres fill, and where it comes from.
     const Domain<Dim>& filled() const { return solid ? *solid->space : domain(); }
@@ -87,11 +99,12 @@ struct Run {
                                 : settings.contactTolerance;
     }
     VoidSetting<Dim> voidSetting() const {
-        return {*voidRecipe, domain(), built.sliceHeight, settings.seed, largestRadius, callbacks};
+        return {*voidRecipe,   domain(), built.sliceHeight, settings.seed,
+                largestRadius, ranks() ? uncancelled : callbacks, ranks()};
     }
     /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {
-        if (!report.interrupted && callbacks.isCancelled()) {
+        if (!report.interrupted && anyOver(ranks(), callbacks.isCancelled())) {
             if (!keepsPack) throw Interrupted();
             report.interrupted = true;
         }

@@ -73,8 +73,8 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
     if (!keep.empty()) {
         std::fill_n(keep.begin(), std::min(standing, before), 1);
         keepOnly(pack, keep);
-        made.report.culled = before - pack.spheres.size();
     }
+    made.report.culled = sumOver(s.ranks, std::uint64_t{before - pack.spheres.size()});
     if (r.keepConnected) {
         auto stay = attachedToShell(s, contactTolerance, pack, made.report);
         std::fill_n(stay.begin(), std::min(standing, stay.size()), 1);
@@ -82,14 +82,16 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         keepOnly(pack, stay);
         made.report.dropped = count - pack.spheres.size();
     }
-    if (r.shell > 0 && !pack.spheres.empty()) {
+    if (r.shell > 0 && sumOver(s.ranks, std::uint64_t{pack.spheres.size()}) > 0) {
         double mean = 0;
-        std::size_t cortical = 0;
+        std::uint64_t cortical = 0;
         for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
             if (pack.region[i]) continue;
             mean += pack.spheres[i].radius;
             ++cortical;
         }
+        mean = sumOver(s.ranks, mean);
+        cortical = sumOver(s.ranks, cortical);
         made.report.cortical = cortical;
         if (cortical > 0) {
             made.report.across = r.shell / (2 * mean / static_cast<double>(cortical));

@@ -22,7 +22,7 @@ bool worse(const OverlapPair& a, const OverlapPair& b) {
 }  // namespace
 
 template <int Dim>
-OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres) {
+OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres, std::size_t own) {
     requireVerifiable(spheres);
     struct Found {
         OverlapCheck check;
@@ -35,6 +35,7 @@ OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres) {
     classes.forEachOverlap(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
             double square) {
+            if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;  // counts there
             const double overlap =
                 (a.radius + b.radius - std::sqrt(square)) / std::min(a.radius, b.radius);
             Found& mine = found.local();
@@ -59,7 +60,7 @@ OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres) {
     return result;
 }
 
-template OverlapCheck checkOverlap<2>(const std::vector<Sphere<2>>&);
-template OverlapCheck checkOverlap<3>(const std::vector<Sphere<3>>&);
+template OverlapCheck checkOverlap<2>(const std::vector<Sphere<2>>&, std::size_t);
+template OverlapCheck checkOverlap<3>(const std::vector<Sphere<3>>&, std::size_t);
 
 }  // namespace vdbpack

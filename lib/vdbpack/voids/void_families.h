@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
@@ -22,6 +23,7 @@ struct VoidSetting {
     std::uint64_t seed = 1;
     double largestRadius = 0;  ///< of the spheres of the run, mm; 0: none
     const Callbacks& callbacks;
+    Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
 };
 
 /// The part of the domain that voids are cut into: deeper than the shell.

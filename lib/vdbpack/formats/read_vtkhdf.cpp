@@ -1,0 +1,201 @@
+// VTKHDF: unstructured grids and polygon data, of which the points are read.
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
+#include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/hdf5_handle.h"
+#include "vdbpack/formats/pack_builder.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::uint64_t kRowsAtATime = 1 << 15;
+constexpr std::size_t kLongestText = 100;
+
+/// An array with a row of numbers for each point.
+struct Array {
+    std::string name;
+    Hdf5 set;
+    bool whole = false;  ///< integers
+    std::uint64_t rows = 0, components = 1;
+    std::vector<std::int64_t> integers;  // of the rows that are read
+    std::vector<double> reals;
+};
+
+class VtkHdfFile {
+public:
+    VtkHdfFile(const std::string& path, const PackReadOptions& options)
+        : path_(path),
+          options_(options),
+          file_(H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose),
+          group_(file_.isValid() ? H5Gopen2(file_, "VTKHDF", H5P_DEFAULT) : H5I_INVALID_HID,
+                 H5Gclose) {
+        if (!file_.isValid()) fail("is no HDF5 file, or a damaged one");
+        if (!group_.isValid()) fail("has no group VTKHDF; export it as VTKHDF");
+        const std::string type = textOf("Type");
+        if (type != "UnstructuredGrid" && type != "PolyData")
+            fail(fmt::format("holds {}; points are read of an UnstructuredGrid or PolyData",
+                             type.empty() ? "no type" : quotedExcerpt(type)));
+    }
+
+    Pack<3> read() {
+        Unit unit = options_.unit;
+        const std::string named = textOf(kUnitKey);
+        if (!named.empty() && !parseUnitComment(kUnitComment + named, unit))
+            fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(named)));
+        std::vector<Array> arrays;
+        arrays.push_back(arrayOf(group_, "Points"));
+        if (arrays.front().components != 3) fail("its points do not have three coordinates");
+        const std::uint64_t points = arrays.front().rows;
+        const Hdf5 data(H5Gopen2(group_, "PointData", H5P_DEFAULT), H5Gclose);
+        for (const std::string& name : namesIn(data)) {
+            arrays.push_back(arrayOf(data, name));
+            if (arrays.back().rows != points)
+                fail(fmt::format("array {} has {} rows for {} points", quotedExcerpt(name),
+                                 arrays.back().rows, points));
+        }
+        std::vector<std::string> columns{"x", "y", "z"};
+        for (std::size_t a = 1; a < arrays.size(); ++a)
+            for (std::uint64_t c = 0; c < arrays[a].components; ++c)
+                columns.push_back(arrays[a].components == 1
+                                      ? arrays[a].name
+                                      : fmt::format("{}_{}", arrays[a].name, c));
+        PackBuilder builder(path_, columns, unit);
+        requireMemoryToRead(path_, builder.bytesOf(points), options_.memoryLimit);
+        builder.reserve(points);
+        for (std::uint64_t first = 0; first < points; first += kRowsAtATime) {
+            const std::uint64_t count = std::min(kRowsAtATime, points - first);
+            for (Array& array : arrays) load(array, first, count);
+            for (std::uint64_t i = 0; i < count; ++i) addRow(builder, arrays, first + i, i);
+        }
+        return builder.finish();
+    }
+
+private:
+    [[noreturn]] void fail(const std::string& what) const { throw InputError(path_ + ": " + what); }
+
+    /// The text of an attribute of the group; empty: there is none.
+    std::string textOf(const char* name) const {
+        const Hdf5 attribute(H5Aexists(group_, name) > 0 ? H5Aopen(group_, name, H5P_DEFAULT)
+                                                         : H5I_INVALID_HID,
+                             H5Aclose);
+        if (!attribute.isValid()) return {};
+        const Hdf5 type(H5Aget_type(attribute), H5Tclose);
+        const Hdf5 space(H5Aget_space(attribute), H5Sclose);
+        if (H5Tget_class(type) != H5T_STRING || H5Sget_simple_extent_npoints(space) != 1) return {};
+        if (H5Tis_variable_str(type) > 0) {
+            char* text = nullptr;
+            if (H5Aread(attribute, type, &text) < 0 || !text) return {};
+            std::string copy(text);
+            H5free_memory(text);
+            return copy.substr(0, kLongestText);
+        }
+        const std::size_t size = H5Tget_size(type);
+        if (size > kLongestText) return {};
+        std::string text(size, '\0');
+        if (H5Aread(attribute, type, text.data()) < 0) return {};
+        return text.substr(0, text.find('\0'));
+    }
+
+    std::vector<std::string> namesIn(const Hdf5& data) const {
+        std::vector<std::string> names;
+        if (!data.isValid()) return names;
+        const auto add = [](hid_t, const char* name, const H5L_info_t*, void* list) -> herr_t {
+            static_cast<std::vector<std::string>*>(list)->emplace_back(name);
+            return 0;
+        };
+        // In the order in which they were made, where the file knows it.
+        if (H5Literate(data, H5_INDEX_CRT_ORDER, H5_ITER_INC, nullptr, add, &names) < 0) {
+            names.clear();
+            if (H5Literate(data, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names) < 0)
+                fail("its arrays cannot be listed; the file is damaged");
+        }
+        return names;
+    }
+
+    Array arrayOf(hid_t group, const std::string& name) const {
+        Array array{name, Hdf5(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose), false, 0, 1,
+                    {},   {}};
+        if (!array.set.isValid())
+            fail(fmt::format("array {} cannot be read; the file is damaged", quotedExcerpt(name)));
+        const Hdf5 type(H5Dget_type(array.set), H5Tclose);
+        const Hdf5 space(H5Dget_space(array.set), H5Sclose);
+        const H5T_class_t kind = H5Tget_class(type);
+        if (kind != H5T_INTEGER && kind != H5T_FLOAT)
+            fail(fmt::format("array {} holds no numbers; export it without that array",
+                             quotedExcerpt(name)));
+        array.whole = kind == H5T_INTEGER;
+        std::array<hsize_t, 2> size{0, 1};
+        const int dimensions = H5Sget_simple_extent_ndims(space);
+        if ((dimensions != 1 && dimensions != 2) ||
+            H5Sget_simple_extent_dims(space, size.data(), nullptr) < 0)
+            fail(fmt::format("array {} has {} dimensions; one or two are needed",
+                             quotedExcerpt(name), dimensions));
+        array.rows = size[0];
+        array.components = size[1];
+        return array;
+    }
+
+    void load(Array& array, std::uint64_t first, std::uint64_t count) const {
+        const std::array<hsize_t, 2> start{first, 0}, size{count, array.components};
+        const Hdf5 here(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
+        const Hdf5 there(H5Dget_space(array.set), H5Sclose);
+        H5Sselect_hyperslab(there, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
+        const std::size_t values = count * array.components;
+        herr_t read = 0;
+        if (array.whole) {
+            array.integers.resize(values);
+            read = H5Dread(array.set, H5T_NATIVE_INT64, here, there, H5P_DEFAULT,
+                           array.integers.data());
+        } else {
+            array.reals.resize(values);
+            read =
+                H5Dread(array.set, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, array.reals.data());
+        }
+        if (read < 0)
+            fail(fmt::format("rows {} to {} of array {} cannot be read; the file is damaged", first,
+                             first + count - 1, quotedExcerpt(array.name)));
+    }
+
+    static void addRow(PackBuilder& builder, const std::vector<Array>& arrays, std::uint64_t row,
+                       std::uint64_t i) {
+        const auto where = [row] { return fmt::format("point {}", row); };
+        builder.addRow();
+        std::size_t column = 0;
+        for (const Array& array : arrays)
+            for (std::uint64_t c = 0; c < array.components; ++c, ++column) {
+                const std::size_t at = i * array.components + c;
+                if (!(array.whole ? builder.set(column, array.integers[at])
+                                  : builder.set(column, array.reals[at])))
+                    builder.failCell(where(), column, "out of range");
+            }
+        if (!builder.problem().empty()) builder.failRow(where());
+    }
+
+    std::string path_;
+    PackReadOptions options_;
+    Hdf5 file_, group_;
+};
+
+}  // namespace
+
+Pack<3> readVtkHdf(const std::string& path, const PackReadOptions& options) {
+    { const InputFile readable(path); }
+    const Hdf5Quiet quiet;
+    return VtkHdfFile(path, options).read();
+}
+
+}  // namespace vdbpack

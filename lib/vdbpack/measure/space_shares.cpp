@@ -1,0 +1,131 @@
+#include "vdbpack/measure/space_shares.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace vdbpack {
+
+namespace {
+
+/// Spheres of a part, about: 40 bytes each to be sent, and as much again in cells.
+constexpr std::uint64_t kPerPart = 250'000;
+
+/// The divisor of `n` next to its square root, from below.
+std::size_t divisorOf(std::size_t n) {
+    auto d = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
+    while (n % d != 0) --d;
+    return d;
+}
+
+}  // namespace
+
+template <int Dim>
+SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
+                              const std::vector<std::uint64_t>& rows, double slack)
+    : ranks_(ranks), spheres_(spheres), rows_(rows), slack_(slack) {
+    for (const Sphere<Dim>& s : spheres) {
+        bounds_.add(s.center);
+        largest_ = std::max(largest_, s.radius);
+    }
+    largest_ = maxOver(&ranks, largest_);
+    for (int d = 0; d < Dim; ++d) {
+        bounds_.lo[d] = minOver(&ranks, bounds_.lo[d]);
+        bounds_.hi[d] = maxOver(&ranks, bounds_.hi[d]);
+    }
+    const auto each = static_cast<std::size_t>(ranks.count());
+    const std::uint64_t total = sumOver(&ranks, std::uint64_t{spheres.size()});
+    rounds_ = static_cast<std::size_t>(1 + total / (kPerPart * each));
+    cells_[0] = rounds_;
+    cells_[1] = Dim == 3 ? divisorOf(each) : each;
+    if constexpr (Dim == 3) cells_[2] = each / cells_[1];
+}
+
+template <int Dim>
+std::size_t SpaceShares<Dim>::cellAt(double x, int axis) const {
+    const std::size_t cells = cells_[static_cast<std::size_t>(axis)];
+    const double at = (x - bounds_.lo[axis]) / (bounds_.hi[axis] - bounds_.lo[axis]);
+    // Rises with x, so that a range of positions is a range of cells whatever the rounding.
+    if (!(at > 0)) return 0;
+    return std::min(cells - 1, static_cast<std::size_t>(std::min(at, 1.0) *
+                                                        static_cast<double>(cells)));
+}
+
+template <int Dim>
+auto SpaceShares<Dim>::part(std::size_t round) -> Part {
+    const auto each = static_cast<std::size_t>(ranks_.count());
+    std::vector<std::vector<Sent>> own(each), near(each);
+    sent_.assign(each, {});
+    for (std::size_t i = 0; i < spheres_.size(); ++i) {
+        const Sphere<Dim>& s = spheres_[i];
+        const double reach = (s.radius * (1 + slack_) + largest_) * (1 + 1e-9);
+        if (cellAt(s.center[0] - reach, 0) > round || cellAt(s.center[0] + reach, 0) < round)
+            continue;
+        const bool inSlice = cellAt(s.center[0], 0) == round;
+        bool shared = cellAt(s.center[0] - reach, 0) != cellAt(s.center[0] + reach, 0);
+        std::array<std::size_t, 3> first{}, at{}, last{};
+        for (int d = 1; d < Dim; ++d) {
+            const auto k = static_cast<std::size_t>(d);
+            first[k] = cellAt(s.center[d] - reach, d);
+            at[k] = cellAt(s.center[d], d);
+            last[k] = cellAt(s.center[d] + reach, d);
+            shared = shared || first[k] != last[k];
+        }
+        for (std::size_t z = first[2]; z <= last[2]; ++z)
+            for (std::size_t y = first[1]; y <= last[1]; ++y) {
+                const std::size_t to = z * cells_[1] + y;
+                if (inSlice && y == at[1] && z == at[2]) {
+                    own[to].push_back({s, rows_[i], shared});
+                    sent_[to].push_back(i);
+                } else {
+                    near[to].push_back({s, rows_[i], shared});
+                }
+            }
+    }
+    const auto exchanged = [&](std::vector<std::vector<Sent>>& lists) {
+        std::vector<Ranks::Bytes> bytes;
+        for (auto& list : lists) {
+            bytes.push_back(bytesOf(list));
+            list = {};
+        }
+        return ranks_.exchange(std::move(bytes));
+    };
+    Part part;
+    received_.clear();
+    const auto append = [&part](const std::vector<Sent>& list) {
+        for (const Sent& sent : list) {
+            part.spheres.push_back(sent.sphere);
+            part.rows.push_back(sent.row);
+            part.shared.push_back(sent.shared != 0);
+        }
+    };
+    for (const auto& bytes : exchanged(own)) {
+        const auto list = valuesOf<Sent>(bytes);
+        append(list);
+        received_.push_back(list.size());
+    }
+    part.own = part.spheres.size();
+    for (const auto& bytes : exchanged(near)) append(valuesOf<Sent>(bytes));
+    return part;
+}
+
+template <int Dim>
+void SpaceShares<Dim>::handBack(const std::vector<std::int32_t>& found,
+                                std::vector<std::int32_t>& numbers) {
+    std::vector<Ranks::Bytes> replies;
+    auto next = found.begin();
+    for (const std::size_t count : received_) {
+        const auto end = next + static_cast<std::ptrdiff_t>(count);
+        replies.push_back(bytesOf(std::vector<std::int32_t>(next, end)));
+        next = end;
+    }
+    const auto answers = ranks_.exchange(std::move(replies));
+    for (std::size_t r = 0; r < answers.size(); ++r) {
+        const auto values = valuesOf<std::int32_t>(answers[r]);
+        for (std::size_t k = 0; k < values.size(); ++k) numbers[sent_[r][k]] = values[k];
+    }
+}
+
+template class SpaceShares<2>;
+template class SpaceShares<3>;
+
+}  // namespace vdbpack
