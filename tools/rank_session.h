@@ -15,10 +15,11 @@ public:
     /// Threads that suit a process: its share of the cores that it may use.
     virtual int threads() const = 0;
     /// Ends this process's part; to be called last, by all processes.
-    /// @param exitCode  of this process, not 0: it failed, and the others may wait for it. Then all
-    ///                  are ended with it at once. @param tell  tells the error; where all failed
-    ///                  alike, the first process alone does.
-    virtual void end(int exitCode, const std::function<void()>& tell) = 0;
+    /// @param failed  whether this one has an error. Where others have none they may wait for it:
+    ///                then `tell` tells it, and all are ended with `exitCode` at once. Where all
+    ///                failed alike, the first process alone tells.
+    /// @return the exit code of this process: 0 where another one ends with that of all.
+    virtual int end(bool failed, int exitCode, const std::function<void()>& tell) = 0;
 };
 
 /// @return null where this process was started alone.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <list>
 #include <thread>
@@ -127,14 +128,14 @@ public:
         const int allowed = tbb::info::default_concurrency();
         return std::max(1, std::min(allowed, cores / here));
     }
-    void end(int exitCode, const std::function<void()>& tell) override {
-        const int failed = exitCode != 0;
-        int allFailed = 0;
+    int end(bool failed, int exitCode, const std::function<void()>& tell) override {
+        const int own = failed;
+        int failures = 0;
         MPI_Request request;
-        MPI_Iallreduce(&failed, &allFailed, 1, MPI_INT, MPI_SUM, ending_, &request);
-        // Those that succeed wait for all: none of them waits for anything else any more.
+        MPI_Iallreduce(&own, &failures, 1, MPI_INT, MPI_SUM, ending_, &request);
         const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(2);
-        for (int done = 0; !done;) {
+        for (;;) {
+            int done = 0;
             MPI_Test(&request, &done, MPI_STATUS_IGNORE);
             if (done) break;
             if (failed && std::chrono::steady_clock::now() > latest) {
@@ -143,8 +144,12 @@ public:
             }
             std::this_thread::sleep_for(std::chrono::milliseconds(1));
         }
-        if (failed && (allFailed < ranks_.count() || ranks_.isFirst())) tell();
+        const bool alike = failures == 0 || failures == ranks_.count();
+        if (failed && (!alike || ranks_.isFirst())) tell();
+        // mpirun ends what is left once a process ends with an exit code other than 0.
+        for (const int number : {SIGINT, SIGTERM, SIGHUP}) std::signal(number, SIG_DFL);
         MPI_Finalize();
+        return !alike || ranks_.isFirst() ? exitCode : 0;
     }
 
 private:

@@ -27,8 +27,10 @@
 #include <exception>
 #include <memory>
 #include <new>
+#include <optional>
 #include <type_traits>
 #include <variant>
+#include <vector>
 
 using namespace vdbpack;
 
@@ -259,10 +261,8 @@ int main(int argc, char** argv) {
                 std::fputs(message, stderr);
             }
         };
-        if (session)
-            session->end(code, tellIt);
-        else
-            tellIt();
+        if (session) return session->end(true, code, tellIt);
+        tellIt();
         return code;
     };
     try {
@@ -271,8 +271,13 @@ int main(int argc, char** argv) {
         if (!isSpeaker && !std::freopen("/dev/null", "w", stdout))
             throw IoError("/dev/null: cannot be opened");
         int exitCode = kDone;
-        auto options = parseCommandLine(argc, argv, exitCode);
-        if (options && session) shareOut(*options, *session);
+        // What is wrong with it the first process alone tells.
+        auto options = isSpeaker ? parseCommandLine(argc, argv, exitCode) : std::nullopt;
+        if (session &&
+            gathered(&session->ranks(), std::vector<int>{options.has_value()}).front().front()) {
+            if (!isSpeaker) options = parseCommandLine(argc, argv, exitCode);
+            shareOut(*options, *session);
+        }
         if (options) exitCode = runCommand(*options);
         if (interrupted) exitCode = kInterrupted;
         errno = 0;
@@ -280,8 +285,7 @@ int main(int argc, char** argv) {
             throw IoError(fmt::format("standard output: writing failed: {}{}",
                                       errno != 0 ? std::strerror(errno) : "not all was written",
                                       options ? "; files are complete" : ""));
-        if (session) session->end(kDone, {});
-        return exitCode;
+        return session ? session->end(false, exitCode, {}) : exitCode;
     } catch (const Interrupted& e) {
         return fail(e.what(), kInterrupted);
     } catch (const ParameterError& e) {

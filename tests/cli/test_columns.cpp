@@ -89,7 +89,7 @@ struct Labelled {
     }
 };
 
-constexpr const char* kWithColumns[] = {".csv", ".vtp", ".npz", ".vdb", ".xyz"};
+constexpr const char* kWithColumns[] = {".csv", ".vtp", ".pvtp", ".npz", ".vdb", ".xyz"};
 
 }  // namespace
 

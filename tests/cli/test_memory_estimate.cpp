@@ -186,7 +186,8 @@ TEST_CASE("files are about as large as estimated", "[estimate]") {
     const TemporaryFolder folder;
     test::writeObj(test::ballMesh(12, 4), folder.file("b.obj"));
     PackRecipe recipe = test::recipeFor(folder.file("b.obj"), "uniform:0.4,0.8");
-    for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply", "p.xyz", "p.npz", "p.data"})
+    for (const char* name :
+         {"p.vdb", "p.csv", "p.vtp", "p.vtkhdf", "p.ply", "p.xyz", "p.npz", "p.data"})
         recipe.outputs.push_back(folder.file(name));
     recipe.outputs.push_back("yade:" + folder.file("p.txt"));
     recipe.outputs.push_back("contacts:" + folder.file("c.csv"));

@@ -39,6 +39,8 @@ struct Written {
 const std::vector<Written> kOutputs{
     {"FOLDER/p.vdb", {"p.vdb"}},
     {"FOLDER/p.vtp", {"p.vtp"}},
+    {"FOLDER/p.pvtp", {"p.pvtp", "p_0000.vtp"}},
+    {"FOLDER/p.vtkhdf", {"p.vtkhdf"}},
     {"FOLDER/p.ply", {"p.ply"}},
     {"FOLDER/p.csv", {"p.csv"}},
     {"FOLDER/p.xyz", {"p.xyz"}},

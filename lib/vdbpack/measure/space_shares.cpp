@@ -7,9 +7,6 @@ namespace vdbpack {
 
 namespace {
 
-/// Spheres of a part, about: 40 bytes each to be sent, and as much again in cells.
-constexpr std::uint64_t kPerPart = 250'000;
-
 /// The divisor of `n` next to its square root, from below.
 std::size_t divisorOf(std::size_t n) {
     auto d = static_cast<std::size_t>(std::sqrt(static_cast<double>(n)));
@@ -21,7 +18,8 @@ std::size_t divisorOf(std::size_t n) {
 
 template <int Dim>
 SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                              const std::vector<std::uint64_t>& rows, double slack)
+                              const std::vector<std::uint64_t>& rows, double slack,
+                              std::uint64_t perPart)
     : ranks_(ranks), spheres_(spheres), rows_(rows), slack_(slack) {
     for (const Sphere<Dim>& s : spheres) {
         bounds_.add(s.center);
@@ -34,7 +32,7 @@ SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& sphe
     }
     const auto each = static_cast<std::size_t>(ranks.count());
     const std::uint64_t total = sumOver(&ranks, std::uint64_t{spheres.size()});
-    rounds_ = static_cast<std::size_t>(1 + total / (kPerPart * each));
+    rounds_ = static_cast<std::size_t>(1 + total / (perPart * each));
     cells_[0] = rounds_;
     cells_[1] = Dim == 3 ? divisorOf(each) : each;
     if constexpr (Dim == 3) cells_[2] = each / cells_[1];

@@ -30,8 +30,11 @@ public:
 
     /// @param spheres  of this rank. @param rows  a number of each, unique among all ranks.
     /// @param slack    spheres are near up to a gap of `slack` times the smaller radius.
+    /// @param perPart  own spheres of a part, about: 40 bytes each while they are sent, and as much
+    ///                 again for their measures.
     SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                const std::vector<std::uint64_t>& rows, double slack);
+                const std::vector<std::uint64_t>& rows, double slack,
+                std::uint64_t perPart = 250'000);
 
     std::size_t rounds() const { return rounds_; }
     Part part(std::size_t round);

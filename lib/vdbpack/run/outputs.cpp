@@ -4,6 +4,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
+#include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
@@ -143,6 +144,8 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
             files.insert(files.end(), all.begin(), all.end());
         } else {
             files.push_back(target.file);
+            if (extensionOf(target.file) == ".pvtp")
+                files.push_back(pieceName(target.file, 0, ".vtp"));
         }
     }
     if (!reportFile.empty()) {
@@ -274,10 +277,13 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
             break;
         }
         case OutputKind::pack:
-            if (have.pack)
+            if (have.pack) {
                 writePack(*have.pack, output, have.options);
-            else
+                if (extensionOf(target.file) == ".pvtp")
+                    return {target.file, pieceName(target.file, 0, ".vtp")};
+            } else {
                 writeLevelSets(output, have.options);
+            }
             break;
         case OutputKind::blender:
             need(have.pack != nullptr, "pack");
@@ -303,6 +309,18 @@ void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callback
             target.file, *wide));
 }
 
+/// Arrays of a .vtkhdf are numbers.
+template <int Dim>
+void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.kind != OutputKind::pack || extensionOf(target.file) != ".vtkhdf") return;
+    for (const Column& column : pack.columns)
+        if (!column.texts.empty())
+            callbacks.warn(fmt::format(
+                "{}: the texts of column {} are left out, as .vtkhdf holds numbers alone; .csv, "
+                ".vtp and .vdb keep them",
+                target.file, quotedExcerpt(column.name)));
+}
+
 }  // namespace
 
 template <int Dim>
@@ -314,7 +332,10 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     if (have.pack) warnOfMissingDensities(*have.pack, have.options.regionDensity, callbacks);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);
-        if (have.pack) warnOfIds(targetOf(output), *have.pack, callbacks);
+        if (have.pack) {
+            warnOfIds(targetOf(output), *have.pack, callbacks);
+            warnOfTexts(targetOf(output), *have.pack, callbacks);
+        }
         const auto written = writeOutput(output, all);
         files.insert(files.end(), written.begin(), written.end());
     }

@@ -1,0 +1,193 @@
+// Packs that several processes share, started by mpirun.
+#include "support/message_of.h"
+#include "support/process.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "support/tool.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// mpirun with so many processes on this machine; a process that waits for ever is ended.
+std::string mpirun(int processes) {
+    return "OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 timeout 60 mpirun "
+           "--oversubscribe -n " +
+           std::to_string(processes) + " " + kTool + " ";
+}
+
+nlohmann::json reportOf(const std::string& command, const TemporaryFolder& folder) {
+    const std::string file = folder.file("report.json");
+    const Output output = shell(command + " --quiet --report " + file);
+    CAPTURE(command, output.text);
+    REQUIRE(output.code == 0);
+    return nlohmann::json::parse(contentOf(file));
+}
+
+/// Processes of vdb_pack with a text among their arguments.
+std::vector<pid_t> processesWith(const std::string& text) {
+    std::vector<pid_t> found;
+    for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+        const std::string name = entry.path().filename().string();
+        if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+        const std::string command = contentOf("/proc/" + name + "/cmdline");
+        if (command.rfind(kTool, 0) == 0 && command.find(text) != std::string::npos)
+            found.push_back(std::stoi(name));
+    }
+    return found;
+}
+
+std::vector<std::string> filesIn(const std::string& folder) {
+    std::vector<std::string> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        files.push_back(entry.path().filename().string());
+    return files;
+}
+
+}  // namespace
+
+TEST_CASE("any number of processes make the pack of one, and measure it alike", "[cli][ranks]") {
+    const TemporaryFolder folder;
+    std::string job = GENERATE(as<std::string>{},  //
+                               "ball:28 --radius uniform:1,2 --gap 0.05",
+                               "rect:300,250 --radius uniform:1,2",
+                               "box:90,80,70 --radius uniform:0.8,4",
+                               "box:90,80,70 --radius uniform:1,2 --voids boolean --shell 5",
+                               "box:60,50,45 --target-count 9000 --voids boolean "
+                               "--void-radius constant:6 --target-bvtv 0.5",
+                               "box:90,80,70 --target-count 9000 --existing EXISTING --max-count "
+                               "8000",
+                               "MESH --target-count 20000 --seed 3");
+    if (const auto at = job.find("EXISTING"); at != std::string::npos) {
+        const std::string file = folder.file("existing.csv");
+        REQUIRE(vdbPack("pack box:60,60,40 --radius uniform:3,5 -o " + file).code == 0);
+        job.replace(at, 8, file);
+    }
+    if (const auto at = job.find("MESH"); at != std::string::npos)
+        job.replace(at, 4, kMeshes + "/femur.ply");
+    job = "pack " + job + " -o " + folder.file("p.csv");
+    const auto one = reportOf(kTool + " " + job, folder);
+    const std::string rows = contentOf(folder.file("p.csv"));
+    for (const auto& [processes, threads] : {std::pair(2, 1), {3, 2}, {8, 1}}) {
+        CAPTURE(job, processes, threads);
+        const auto several =
+            reportOf(mpirun(processes) + job + " --threads " + std::to_string(threads), folder);
+        CHECK(several["ranks"] == processes);
+        CHECK(several["hash"] == one["hash"]);
+        CHECK(several["spheres"]["count"] == one["spheres"]["count"]);
+        CHECK(several["spheres"]["requested"] == one["spheres"]["requested"]);
+        for (const char* key : {"pairs", "wall", "histogram", "components", "largestComponent",
+                                "fabric"})
+            CHECK(several["contacts"][key] == one["contacts"][key]);
+        CHECK(several["overlap"] == one["overlap"]);
+        CHECK(several["protrusion"] == one["protrusion"]);
+        CHECK(several["voids"]["culled"] == one["voids"]["culled"]);
+        CHECK(several["solidFraction"]["total"].get<double>() ==
+              Approx(one["solidFraction"]["total"].get<double>()).epsilon(1e-12));
+        if (!one["spheres"]["ks"].is_null())
+            CHECK(several["spheres"]["ks"].get<double>() ==
+                  Approx(one["spheres"]["ks"].get<double>()).margin(1e-4));
+        CHECK(contentOf(folder.file("p.csv")) == rows);
+    }
+}
+
+TEST_CASE("processes write the files of one", "[cli][ranks]") {
+    const TemporaryFolder one, several;
+    const auto job = [](const TemporaryFolder& folder) {
+        std::string text = "pack box:70,60,50 --radius uniform:1,2 --voids boolean --shell 3";
+        for (const char* name : {"p.csv", "p.data", "p.vtkhdf", "q.pvtp", "p.vdb", "p.stl"})
+            text += " -o " + folder.file(name);
+        return text + " -o yade:" + folder.file("p.txt") + " -o list:" + folder.file("voids.csv");
+    };
+    const auto alone = reportOf(kTool + " " + job(one), one);
+    const auto together = reportOf(mpirun(3) + job(several), several);
+    for (const char* name : {"p.csv", "p.data", "p.txt", "voids.csv", "p.stl"}) {
+        CAPTURE(name);
+        CHECK(contentOf(several.file(name)) == contentOf(one.file(name)));
+    }
+    for (const char* name : {"p.vtkhdf", "q.pvtp"}) {
+        CAPTURE(name);
+        const Output verified = vdbPack("verify --json " + several.file(name));
+        REQUIRE(verified.code == 0);
+        CHECK(nlohmann::json::parse(verified.text)["hash"] == alone["hash"]);
+    }
+    std::uint64_t points = 0;
+    for (const std::string& name : filesIn(several.file(""))) {
+        CHECK_THAT(name, !Catch::Matchers::EndsWith(".tmp"));
+        if (name.rfind("p_", 0) == 0)
+            points += nlohmann::json::parse(vdbPack("verify --json " + several.file(name)).text)
+                          ["spheres"]["count"]
+                              .get<std::uint64_t>();
+    }
+    CHECK(points == together["spheres"]["count"]);
+}
+
+TEST_CASE("what is not done by several processes is refused by all, once", "[cli][ranks]") {
+    const TemporaryFolder folder;
+    const std::string pack = "pack box:40,40,40 --radius uniform:1,2 -o " + folder.file("p.csv");
+    for (const std::string& options :
+         {pack + " --densify max", pack + " -o " + folder.file("p.npz"), pack + " --no-such",
+          "verify " + folder.file("p.csv")}) {
+        CAPTURE(options);
+        const Output refused = shell(mpirun(3) + options);
+        CHECK(refused.code == 2);
+        const auto first = refused.text.find("vdb_pack: ");
+        REQUIRE(first != std::string::npos);
+        CHECK(refused.text.find("vdb_pack: ", first + 1) == std::string::npos);
+        CHECK(folder.files() == 0);
+    }
+    const Output missing = shell(mpirun(2) + "pack none.stl -o " + folder.file("p.csv"));
+    CHECK(missing.code == 4);
+}
+
+TEST_CASE("where one process is killed, the others end and leave no file", "[cli][ranks]") {
+    const double seconds = GENERATE(0.3, 0.8, 1.5);
+    const TemporaryFolder folder;
+    const std::string job = mpirun(3) + "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
+                            folder.file("p.csv") + " -o " + folder.file("p.vtkhdf");
+    Output ended{0, {}};
+    std::thread running([&] { ended = shell(job); });
+    for (int k = 0; processesWith(folder.file("p.csv")).size() < 3 && k < 500; ++k) sleepFor(0.02);
+    sleepFor(seconds);
+    const auto processes = processesWith(folder.file("p.csv"));
+    REQUIRE(processes.size() == 3);
+    ::kill(processes[1], SIGKILL);
+    const auto killed = std::chrono::steady_clock::now();
+    running.join();
+    CHECK(std::chrono::steady_clock::now() - killed < std::chrono::seconds(10));
+    CHECK(ended.code != 0);
+    CHECK_THAT(ended.text, Contains("signal 9"));
+    CHECK(processesWith(folder.file("p.csv")).empty());
+    for (const std::string& name : filesIn(folder.file("")))
+        CHECK_THAT(name, Catch::Matchers::EndsWith(".tmp"));
+}
+
+TEST_CASE("processes that are asked to stop end together, with what is complete",
+          "[cli][ranks]") {
+    const TemporaryFolder folder;
+    const std::string job = mpirun(3) + "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
+                            folder.file("p.vtkhdf");
+    Output ended{0, {}};
+    std::thread running([&] { ended = shell(job); });
+    for (int k = 0; processesWith(folder.file("p.vtkhdf")).size() < 3 && k < 500; ++k)
+        sleepFor(0.02);
+    sleepFor(2);
+    const auto processes = processesWith(folder.file("p.vtkhdf"));
+    REQUIRE(processes.size() == 3);
+    ::kill(processes[2], SIGINT);
+    running.join();
+    CHECK(ended.code == 130);
+    const Output verified = vdbPack("verify --json " + folder.file("p.interrupted.vtkhdf"));
+    CAPTURE(ended.text, verified.text);
+    REQUIRE(verified.code == 0);
+    CHECK(nlohmann::json::parse(verified.text)["spheres"]["count"] > 1000);
+    CHECK_FALSE(std::filesystem::exists(folder.file("p.vtkhdf")));
+}

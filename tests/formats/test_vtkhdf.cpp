@@ -1,0 +1,137 @@
+// VTKHDF files, and packs in pieces.
+#include "formats/lattice_pack.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "support/thread_ranks.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/pack_view.h"
+
+#include <algorithm>
+#include <numeric>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The spheres of a pack by rising id, with what is known of them.
+template <class T>
+std::vector<T> byId(const Pack<3>& pack, const std::vector<T>& values) {
+    std::vector<std::size_t> order(pack.spheres.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::sort(order.begin(), order.end(),
+              [&](std::size_t a, std::size_t b) { return pack.id[a] < pack.id[b]; });
+    std::vector<T> sorted;
+    for (const std::size_t i : order) sorted.push_back(values[i]);
+    return sorted;
+}
+
+/// Every `count`-th sphere of a pack, from the `rank`-th on; from the second third of the ranks
+/// none.
+Pack<3> shareOf(const Pack<3>& pack, int rank, int count) {
+    Pack<3> share;
+    share.columns.push_back({"stiffness", {}, {}});
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        if (static_cast<int>(i) % count != rank) continue;
+        share.spheres.push_back(pack.spheres[i]);
+        share.id.push_back(pack.id[i]);
+        share.region.push_back(pack.region[i]);
+        share.depth.push_back(pack.depth[i]);
+        share.columns[0].numbers.push_back(pack.columns[0].numbers[i]);
+    }
+    return share;
+}
+
+}  // namespace
+
+TEST_CASE("a .vtkhdf gives back every number bit for bit", "[formats]") {
+    const TemporaryFolder scratch;
+    auto pack = packWithColumns(70000, "stiffness", "clump", {"a", "b"});
+    PackWriteOptions options;
+    options.unit = Unit::micrometer;
+    writePack(pack, scratch.file("p.vtkhdf"), options);
+    const Pack<3> read = readPack(scratch.file("p.vtkhdf"));
+    const auto asMicrometers = [](const Pack<3>& given) {
+        std::vector<Sphere<3>> spheres;
+        for (const auto& s : given.spheres)
+            spheres.push_back(
+                {{fromMillimeters(s.center[0], Unit::micrometer),
+                  fromMillimeters(s.center[1], Unit::micrometer),
+                  fromMillimeters(s.center[2], Unit::micrometer)},
+                 fromMillimeters(s.radius, Unit::micrometer)});
+        return spheres;
+    };
+    CHECK(asMicrometers(read) == asMicrometers(pack));
+    CHECK(read.id == pack.id);
+    CHECK(read.region == pack.region);
+    CHECK(read.order == pack.order);
+    CHECK(read.contacts == pack.contacts);
+    REQUIRE(read.columns.size() == 1);
+    CHECK(read.columns[0].numbers == pack.columns[0].numbers);
+}
+
+TEST_CASE("an empty pack passes through the files of pieces", "[formats]") {
+    const TemporaryFolder scratch;
+    const auto file = scratch.file(GENERATE(as<std::string>{}, "p.vtkhdf", "p.pvtp"));
+    writePack(Pack<3>{}, file);
+    CHECK(readPack(file).spheres.empty());
+}
+
+TEST_CASE("files that are no VTKHDF of points are refused with the cause", "[formats]") {
+    const TemporaryFolder scratch;
+    const std::string file = scratch.file("p.vtkhdf");
+    putContent(file, "no HDF5");
+    CHECK_THAT(messageOf<InputError>([&] { readPack(file); }), Contains("HDF5"));
+    CHECK_THROWS_AS(readPack(scratch.file("none.vtkhdf")), IoError);
+    auto pack = latticePack<3>(2000, {{0, 0, 0}}, 20, 1);
+    writePack(pack, file);
+    const std::string whole = contentOf(file);
+    for (const double share : {0.02, 0.3, 0.9}) {
+        CAPTURE(share);
+        putContent(file, whole.substr(0, static_cast<std::size_t>(
+                                            share * static_cast<double>(whole.size()))));
+        CHECK_THROWS_AS(readPack(file), InputError);
+    }
+}
+
+TEST_CASE("a missing piece of a .pvtp is named", "[formats]") {
+    const TemporaryFolder scratch;
+    writePack(latticePack<3>(20, {{0, 0, 0}}, 20, 1), scratch.file("p.pvtp"));
+    std::remove(scratch.file("p_0000.vtp").c_str());
+    CHECK_THAT(messageOf<IoError>([&] { readPack(scratch.file("p.pvtp")); }),
+               Contains("p_0000.vtp"));
+}
+
+TEST_CASE("ranks write one pack, whatever their shares", "[formats][ranks]") {
+    const TemporaryFolder scratch;
+    const auto file = GENERATE(as<std::string>{}, "p.vtkhdf", "p.pvtp");
+    auto pack = latticePack<3>(5000, {{9, 0, 0}}, 30, 3);
+    pack.columns.push_back({"stiffness", {}, {}});
+    for (std::size_t i = 0; i < 5000; ++i) {
+        pack.id.push_back(static_cast<std::int64_t>(i));
+        pack.columns[0].numbers.push_back(0.1 * static_cast<double>(i));
+    }
+    RankOffice office(4);
+    onRanks(office, [&](Ranks& ranks) {
+        // The first rank and the last have none.
+        const Pack<3> share = ranks.rank() == 0 || ranks.rank() == 3
+                                  ? Pack<3>{}
+                                  : shareOf(pack, ranks.rank() - 1, 2);
+        const PackView view(share, Unit::millimeter);
+        if (file == "p.pvtp")
+            writePvtp(&ranks, view, {}, scratch.file(file));
+        else
+            writeVtkHdf(&ranks, view, {}, scratch.file(file));
+    });
+    Pack<3> read = readPack(scratch.file(file));
+    REQUIRE(read.spheres.size() == pack.spheres.size());
+    CHECK(byId(read, read.spheres) == pack.spheres);
+    CHECK(byId(read, read.region) == pack.region);
+    CHECK(byId(read, read.depth) == pack.depth);
+    CHECK(byId(read, read.columns[0].numbers) == pack.columns[0].numbers);
+}
