@@ -49,11 +49,11 @@ TEMPLATE_TEST_CASE_SIG("parts of space find what one pass over all spheres finds
     onRanks(office, [&](Ranks& ranks) {
         // Dealt out as they come: neighbors are those of any rank.
         std::vector<Sphere<Dim>> own;
-        std::vector<std::uint64_t> rows;
+        std::vector<std::int64_t> rows;
         for (std::size_t i = 0; i < spheres.size(); ++i)
             if (static_cast<int>(i % 7) % ranks.count() == ranks.rank()) {
                 own.push_back(spheres[i]);
-                rows.push_back(i);
+                rows.push_back(static_cast<std::int64_t>(i));
             }
         SpaceShares<Dim> shares(ranks, own, rows, tolerance, perPart);
         JoinedComponents components(ranks);
@@ -90,7 +90,7 @@ TEMPLATE_TEST_CASE_SIG("parts of space find what one pass over all spheres finds
         ContactSums together;
         std::copy(fabric.begin(), fabric.end(), together.fabric.begin());
         CHECK(networkOf(together, Dim).fabric == all.fabric);
-        for (std::size_t i = 0; i < own.size(); ++i) partners[rows[i]] = counts[i];
+        for (std::size_t i = 0; i < own.size(); ++i) partners[static_cast<std::size_t>(rows[i])] = counts[i];
     });
     CHECK(partners == all.counts);
 }

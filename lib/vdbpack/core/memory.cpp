@@ -3,6 +3,9 @@
 #include "vdbpack/core/error.h"
 
 #include <fmt/format.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 
 #include <algorithm>
@@ -82,6 +85,12 @@ double availableMemory() {
 
 double residentMemory() {
     return statusOf("VmRSS:");
+}
+
+void returnFreedMemory() {
+#ifdef __GLIBC__
+    ::malloc_trim(0);
+#endif
 }
 
 double memoryLimit(double limit) {

@@ -17,6 +17,10 @@ double availableMemory();
 /// Bytes of memory that this process holds now; 0 where the system does not report it.
 double residentMemory();
 
+/// Returns what was freed in small pieces to the system, which the allocator keeps otherwise; a
+/// millisecond for each 10 MB or so.
+void returnFreedMemory();
+
 /// Bytes that this process may hold: `limit`, or for 0 what it holds now and what is available.
 double memoryLimit(double limit);
 

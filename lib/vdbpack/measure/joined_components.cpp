@@ -9,7 +9,7 @@
 namespace vdbpack {
 
 void JoinedComponents::add(std::size_t own, const std::vector<std::uint32_t>& component,
-                           const std::vector<std::uint64_t>& rows,
+                           const std::vector<std::int64_t>& rows,
                            const std::vector<std::uint8_t>& shared) {
     std::vector<std::uint32_t> size(component.size());
     std::vector<std::uint8_t> reaches(component.size());
@@ -21,7 +21,7 @@ void JoinedComponents::add(std::size_t own, const std::vector<std::uint32_t>& co
     for (std::size_t i = 0; i < component.size(); ++i) {
         // Those without own spheres are the matter of other parts.
         if (!shared[i] || size[component[i]] == 0) continue;
-        known_.push_back({part | component[i], rows[i]});
+        known_.push_back({part | component[i], static_cast<std::uint64_t>(rows[i])});
         reaches[component[i]] = 1;
     }
     for (std::size_t c = 0; c < size.size(); ++c) {

@@ -22,7 +22,7 @@ public:
     /// @param rows       a number of each, the same in each part that knows it.
     /// @param shared     1 for each that several parts know.
     void add(std::size_t own, const std::vector<std::uint32_t>& component,
-             const std::vector<std::uint64_t>& rows, const std::vector<std::uint8_t>& shared);
+             const std::vector<std::int64_t>& rows, const std::vector<std::uint8_t>& shared);
 
     struct Result {
         std::uint64_t components = 0;

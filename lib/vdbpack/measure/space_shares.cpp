@@ -18,7 +18,7 @@ std::size_t divisorOf(std::size_t n) {
 
 template <int Dim>
 SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                              const std::vector<std::uint64_t>& rows, double slack,
+                              const std::vector<std::int64_t>& rows, double slack,
                               std::uint64_t perPart)
     : ranks_(ranks), spheres_(spheres), rows_(rows), slack_(slack) {
     for (const Sphere<Dim>& s : spheres) {

@@ -24,7 +24,7 @@ public:
     struct Part {
         std::size_t own = 0;  ///< spheres with centers in the part, which come first
         std::vector<Sphere<Dim>> spheres;  ///< these, and those of other parts near them
-        std::vector<std::uint64_t> rows;   ///< of each sphere
+        std::vector<std::int64_t> rows;   ///< of each sphere
         std::vector<std::uint8_t> shared;  ///< of each: 1 if several parts have it
     };
 
@@ -33,7 +33,7 @@ public:
     /// @param perPart  own spheres of a part, about: 40 bytes each while they are sent, and as much
     ///                 again for their measures.
     SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                const std::vector<std::uint64_t>& rows, double slack,
+                const std::vector<std::int64_t>& rows, double slack,
                 std::uint64_t perPart = 250'000);
 
     std::size_t rounds() const { return rounds_; }
@@ -45,7 +45,7 @@ public:
 private:
     struct Sent {
         Sphere<Dim> sphere;
-        std::uint64_t row;
+        std::int64_t row;
         std::uint64_t shared;
     };
 
@@ -54,7 +54,7 @@ private:
 
     Ranks& ranks_;
     const std::vector<Sphere<Dim>>& spheres_;
-    const std::vector<std::uint64_t>& rows_;
+    const std::vector<std::int64_t>& rows_;
     double slack_;
     double largest_ = 0;  // radius
     Box<Dim> bounds_;     // of the centers

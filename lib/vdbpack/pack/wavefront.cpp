@@ -1,5 +1,6 @@
 #include "vdbpack/pack/wavefront.h"
 
+#include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/block_lattice.h"
 #include "vdbpack/pack/block_message.h"
@@ -350,6 +351,8 @@ private:
         collectAround(b, reachOf(b), thread.around);
         thread.front->fill(lattice_.own(b), lattice_.search(b), thread.around, *block.pool,
                            block.further.get(), *thread.sampler, cancelled_, block.placed);
+        // They stay to the end.
+        block.placed.spheres.shrink_to_fit();
         // Spheres of an interrupted block are final as well: no neighbor has begun.
         report(block.placed.spheres.size());
     }
@@ -390,6 +393,9 @@ private:
         if (ranks_) ranks_->sum(counts);
         result.interrupted = counts.back() > 0;
         spheres.reserve(total);
+        result.pack.order.reserve(total);
+        constexpr std::size_t kReturnedAtOnce = std::size_t{1} << 26;  // bytes
+        std::size_t freed = 0;
         std::int64_t order = 0;
         for (const std::uint32_t b : lattice_.order()) {
             const std::int64_t first = order;
@@ -401,7 +407,11 @@ private:
             spheres.insert(spheres.end(), placed.spheres.begin(), placed.spheres.end());
             result.species.insert(result.species.end(), placed.species.begin(),
                                   placed.species.end());
+            freed += placed.spheres.size() * sizeof(Sphere<Dim>);
             blocks_[b].placed = {};
+            if (freed < kReturnedAtOnce) continue;
+            returnFreedMemory();
+            freed = 0;
         }
         if (ranks_) result.pieces.push_back(order);
         if (options_.maxCount > 0)

@@ -120,7 +120,7 @@ RadiusStatistics radiiOver(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres
 template <int Dim>
 struct Named {
     Sphere<Dim> sphere;
-    std::uint64_t row;
+    std::int64_t row;
 };
 
 /// Finds the worst of all ranks; their spheres are added to `named`.
@@ -145,7 +145,7 @@ void mergeWorst(Ranks& ranks, std::vector<std::pair<double, std::array<Named<Dim
         for (const Named<Dim>* n : {&all[k].a, &all[k].b}) {
             if (named.spheres.size() - first == each) break;
             named.spheres.push_back(n->sphere);
-            named.id.push_back(static_cast<std::int64_t>(n->row));
+            named.id.push_back(n->row);
         }
         keep(all[k].value, first);
     }
@@ -214,9 +214,9 @@ void measureOverRanks(Run<Dim>& run) {
     const double tolerance = run.settings.contactTolerance;
 
     run.spans = rowSpans(ranks, pack.order, run.fixed, run.pieces);
-    std::vector<std::uint64_t> rows(spheres.size());
+    std::vector<std::int64_t> rows(spheres.size());
     for (const RowSpan& span : run.spans)
-        for (std::size_t i = span.begin; i < span.end; ++i) rows[i] = span.row + (i - span.begin);
+        for (std::size_t i = span.begin; i < span.end; ++i) rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
 
     report.dim = Dim;
     report.ranks = ranks.count();
@@ -263,7 +263,6 @@ void measureOverRanks(Run<Dim>& run) {
     ContactSums sums;
     OverlapCheck overlap;
     double smallest = std::numeric_limits<double>::infinity();
-    std::vector<std::int32_t> wall(spheres.size());
     worst.clear();
     pack.contacts.assign(spheres.size(), 0);
     for (std::size_t round = 0; round < shares.rounds(); ++round) {
@@ -303,7 +302,7 @@ void measureOverRanks(Run<Dim>& run) {
     if (std::isfinite(smallest) && report.existing == 0) report.smallestGap = smallest;
     if (run.sizes && !run.cuts()) compareSizes(run);
     // The index among all names a sphere.
-    if (pack.id.empty()) pack.id.assign(rows.begin(), rows.end());
+    if (pack.id.empty()) pack.id = std::move(rows);
 }
 
 template <int Dim>
