@@ -6,8 +6,10 @@
 #include "bench_mesh.h"
 #include "bench_packs.h"
 #include "bench_preview.h"
+#include "bench_ranks.h"
 #include "bench_voids.h"
 #include "bench_write.h"
+#include "rank_session.h"
 
 #include "vdbpack/core/parallel.h"
 
@@ -29,6 +31,7 @@ struct Arguments {
     bool quick = false;
     int threads = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
     std::vector<std::string> words;  ///< meshes, domains or a number
+    Ranks* ranks = nullptr;          ///< null: started alone
 };
 
 /// A command: what follows its name, what it prints, the number of words that it takes, and its
@@ -109,6 +112,14 @@ const Command kCommands[] = {
          for (const auto& mesh : a.words) benchVoids(mesh, a.threads, a.quick ? 50000 : 349748);
          return 0;
      }},
+    {"ranks", "[--quick] [--threads T]",
+     "blocks, what smaller ones cost, and the efficiency that a model predicts for many cores;\n    "
+     "started by mpirun -n P: time, messages and bytes of P ranks, beside the prediction",
+     0, 0,
+     [](const Arguments& a) {
+         benchRanks(a.threads, a.quick, a.ranks);
+         return 0;
+     }},
     {"preview", "[--threads T] [N]", "cost of drawing about N spheres (default: a million)", 0, 1,
      drawSpheres},
     {"lookups", "MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...",
@@ -138,6 +149,13 @@ int main(int argc, char** argv) {
     const std::vector<std::string> words(argv + 1, argv + argc);
     Arguments arguments;
     try {
+        const auto session = startRanks();
+        if (session) {
+            arguments.ranks = &session->ranks();
+            if (words.empty() || words[0] != "ranks" || !parse(words, arguments)) return 2;
+            benchRanks(arguments.threads, arguments.quick, arguments.ranks);
+            return session->end(false, 0, {});
+        }
         if (!words.empty() && parse(words, arguments))
             for (const Command& c : kCommands)
                 if (words[0] == c.name && arguments.words.size() >= c.fewest &&

@@ -9,6 +9,7 @@
 #include "vdbpack/pack/kernel_settings.h"
 #include "vdbpack/pack/radius_pool.h"
 
+#include <tbb/concurrent_priority_queue.h>
 #include <tbb/concurrent_queue.h>
 #include <tbb/enumerable_thread_specific.h>
 #include <tbb/task_group.h>
@@ -16,11 +17,11 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <exception>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <thread>
 
 namespace vdbpack {
 
@@ -139,6 +140,7 @@ private:
             const std::uint32_t next = release(b);
             ++filled_;
             if (next == BlockLattice<Dim>::kNone) return;
+            if (ranks_) return begin_(next);
             b = next;
         }
     }
@@ -169,11 +171,23 @@ private:
         const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(threads) + 1);
         tbb::task_arena arena(threads, 0);
-        begin_ = [&](std::uint32_t b) { arena.enqueue([this, b] { process(b); }); };
+        // Those first that come first in the order: others wait for them the longest.
+        std::vector<std::uint32_t> place(lattice_.size());
+        for (std::uint32_t k = 0; k < lattice_.size(); ++k) place[lattice_.order()[k]] = k;
+        tbb::concurrent_priority_queue<std::uint32_t, std::greater<>> ready;
+        begin_ = [&](std::uint32_t b) {
+            ready.push(place[b]);
+            arena.enqueue([&] {
+                std::uint32_t first = 0;
+                if (ready.try_pop(first)) process(lattice_.order()[first]);
+            });
+        };
         std::size_t own = 0;
         for (std::uint32_t b = 0; b < lattice_.size(); ++b) own += isOwn(b);
         const std::uint32_t first = lattice_.order().front();
         if (isOwn(first)) begin_(first);
+        constexpr int kLeastPause = 50, kMostPause = 400;  // microseconds; a block takes 10,000
+        int pause = kLeastPause;
         for (;;) {
             const bool done = filled_ == own;
             bool busy = false;
@@ -188,7 +202,11 @@ private:
                 take(blockMessage<Dim>(bytes));
                 busy = true;
             }
-            if (!busy) std::this_thread::sleep_for(std::chrono::microseconds(20));
+            // Looking for messages takes time from the threads that fill blocks.
+            using Microseconds = std::chrono::microseconds;
+            pause = busy ? kLeastPause : std::min(2 * pause, kMostPause);
+            std::unique_lock<std::mutex> lock(posting_);
+            if (!busy) posted_.wait_for(lock, Microseconds(pause), [&] { return !outbox_.empty(); });
         }
         if (failure_) std::rethrow_exception(failure_);
     }
@@ -229,6 +247,7 @@ private:
             }
             outbox_.push({to, toBytes(message)});
         }
+        if (!readers.empty()) posted_.notify_one();
     }
 
     /// The spheres of block `b` in reach of others, and the sites on them that lie in those.
@@ -440,6 +459,8 @@ private:
     std::function<void(std::uint32_t)> begin_;  // starts a block whose neighbors are done
     Ranks* const ranks_;                        // null: this one fills all blocks
     tbb::concurrent_queue<std::pair<int, std::vector<std::byte>>> outbox_;
+    std::mutex posting_;
+    std::condition_variable posted_;  // to the outbox
     std::atomic<std::size_t> filled_{0};  // own blocks that are filled, and told of
     std::exception_ptr failure_;
     std::function<bool()> cancelled_;
