@@ -97,13 +97,7 @@ BlockTimes measureBlocks(double side, double edge) {
     return times;
 }
 
-/// Seconds between the end of a block and the start of one that waits for it on another rank: the
-/// message, and how often ranks look for messages.
-struct Connection {
-    double latency = 0;
-};
-
-/// The time that ranks take for all blocks, in the time that one thread takes for one.
+/// The time that ranks take for all blocks, in times of a mean block.
 class Schedule {
 public:
     explicit Schedule(const BlockLattice<3>& lattice)
@@ -178,7 +172,7 @@ private:
     std::vector<std::uint32_t> place_;
 };
 
-/// Half the time that a message of a block takes there and back between the first two ranks.
+/// Half the time that a message takes there and back between the first two ranks, s.
 double latencyOf(Ranks& ranks) {
     constexpr int kTimes = 200;
     const Ranks::Bytes message(90'000);
@@ -206,10 +200,14 @@ std::vector<double> inMeans(const BlockTimes& times) {
     return shares;
 }
 
-/// Efficiency for cubes of so many spheres on so many cores, in ranks of 4 threads each.
-void printTable(const BlockTimes& times, double edge, double latency, double most) {
-    constexpr int kThreads = 4;
+/// Efficiency for cubes of so many spheres on so many cores, against one core with usual blocks.
+void printTable(const BlockTimes& times, const BlockTimes& usual, double edge, double most) {
+    constexpr int kThreads = 16;
+    constexpr double kLatency = 100e-6;
     const std::array<int, 5> cores{16, 64, 256, 1024, 4096};
+    const double perSphere = times.total / times.spheres;
+    fmt::print("\nblocks of {:.1f} mm: efficiency by cores, predicted\n",
+               latticeOf(kSide, cubeOptions(1, edge)).own(0).size()[0]);
     fmt::print("{:>9} {:>10} {:>8}", "spheres", "blocks", "chain");
     for (const int c : cores) fmt::print(" {:>6}", c);
     fmt::print("\n");
@@ -217,11 +215,13 @@ void printTable(const BlockTimes& times, double edge, double latency, double mos
         const double side = kSide * std::cbrt(count / times.spheres);
         const auto lattice = latticeOf(side, cubeOptions(1, edge));
         const Schedule schedule(lattice);
+        const double alone =
+            static_cast<double>(lattice.size()) * usual.total / usual.spheres / perSphere;
         fmt::print("{:>9.0e} {:>10} {:>8}", count, lattice.size(), lattice.longestChain());
         for (const int c : cores) {
-            const double span =
-                schedule.run(c / kThreads, kThreads, inMeans(times), latency / times.mean);
-            fmt::print(" {:>6.2f}", static_cast<double>(lattice.size()) / (span * c));
+            const double span = schedule.run(c / kThreads, kThreads, inMeans(times),
+                                             kLatency / times.mean);
+            fmt::print(" {:>6.2f}", alone / (span * c));
             std::fflush(stdout);
         }
         fmt::print("\n");
@@ -232,57 +232,77 @@ void benchAlone(bool quick) {
     fmt::print("cube of {:.0f} mm, radii 1 to 2 mm, one thread\n", kSide);
     fmt::print("{:>9} {:>8} {:>13} {:>9} {:>8} {:>14} {:>16}\n", "edge, mm", "blocks",
                "spheres each", "ms each", "spread", "solid fraction", "us per sphere");
-    BlockTimes usual, small;
-    for (const double edge : {0.0, 24.0, 20.0, 16.0}) {
-        const BlockTimes times = measureBlocks(kSide, edge);
+    const std::array<double, 4> edges{0, 29, 22, 16};
+    std::vector<BlockTimes> times;
+    for (const double edge : edges) {
+        times.push_back(measureBlocks(kSide, edge));
+        const BlockTimes& t = times.back();
         const auto lattice = latticeOf(kSide, cubeOptions(1, edge));
-        const auto blocks = static_cast<double>(lattice.size());
         fmt::print("{:>9.1f} {:>8} {:>13.0f} {:>9.2f} {:>8.2f} {:>14.4f} {:>16.2f}\n",
-                   lattice.own(0).size()[0], lattice.size(), times.spheres / blocks,
-                   1e3 * times.mean, times.spread, times.solidFraction,
-                   1e6 * times.total / times.spheres);
-        if (edge == 0) usual = times;
-        if (edge == 16) small = times;
+                   lattice.own(0).size()[0], lattice.size(),
+                   t.spheres / static_cast<double>(lattice.size()), 1e3 * t.mean, t.spread,
+                   t.solidFraction, 1e6 * t.total / t.spheres);
     }
-    constexpr double kLatency = 100e-6;
-    for (const auto& [times, edge] : {std::pair(&usual, 0.0), {&small, 16.0}}) {
-        fmt::print("\npredicted efficiency by cores, ranks of 4 threads, messages {:.0f} us, "
-                   "blocks of {:.1f} mm\n",
-                   1e6 * kLatency, latticeOf(kSide, cubeOptions(1, edge)).own(0).size()[0]);
-        printTable(*times, edge, kLatency, quick ? 1e8 : 1e9);
+    fmt::print("\nmodel: ranks of 16 threads, a message takes 0.1 ms; efficiency against one core "
+               "with blocks of {:.0f} mm\n",
+               latticeOf(kSide, cubeOptions(1)).own(0).size()[0]);
+    for (std::size_t k = 0; k < edges.size(); ++k) {
+        if (quick && k > 1) break;
+        // Small blocks for as many spheres as the memory of this machine describes.
+        printTable(times[k], times.front(), edges[k], quick ? 1e8 : k == 0 ? 1e10 : 1e9);
     }
 }
 
+/// Does the work of the first rank, while the others wait without taking its time.
+template <class Work>
+void whileOthersSleep(Ranks& ranks, const Work& work) {
+    if (ranks.isFirst()) {
+        work();
+        for (int r = 1; r < ranks.count(); ++r) ranks.send(r, {});
+    }
+    Ranks::Bytes none;
+    while (!ranks.isFirst() && !ranks.receive(none))
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+}
+
 void benchTogether(int threads, Ranks& ranks) {
-    const bool isFirst = ranks.isFirst();
+    constexpr int kRuns = 5;
     const double latency = latencyOf(ranks);
-    // Alone, while the others wait: what one thread takes for a block.
-    BlockTimes times;
-    if (isFirst) times = measureBlocks(kSide, 0);
-    std::vector<double> seconds = gathered(&ranks, times.seconds).front();
     const auto domain = cube(kSide);
+    const int all = threads * ranks.count();
+    BlockTimes times;
+    double alone = 1e9;  // one process with as many threads
+    whileOthersSleep(ranks, [&] {
+        times = measureBlocks(kSide, 0);
+        for (int k = 0; k < kRuns; ++k)
+            alone = std::min(alone, secondsOf([&] { packSpheres(*domain, cubeOptions(all)); }));
+    });
     CountedRanks counted(ranks);
     PackOptions options = cubeOptions(threads);
     options.ranks = &counted;
-    double best = 1e9;
-    for (int k = 0; k < 5; ++k) {
+    double together = 1e9;
+    for (int k = 0; k < kRuns; ++k) {
         anyOver(&ranks, false);
         counted.messages = counted.bytes = 0;
-        best = std::min(best, maxOver(&ranks, secondsOf([&] { packSpheres(*domain, options); })));
+        const double seconds = secondsOf([&] { packSpheres(*domain, options); });
+        together = std::min(together, maxOver(&ranks, seconds));
     }
     const std::uint64_t messages = sumOver(&ranks, counted.messages);
     const std::uint64_t bytes = sumOver(&ranks, counted.bytes);
-    if (!isFirst) return;
+    if (!ranks.isFirst()) return;
     const auto lattice = latticeOf(kSide, options);
-    const auto blocks = static_cast<double>(lattice.size());
-    const double predicted = times.mean * Schedule(lattice).run(ranks.count(), threads,
-                                                                inMeans(times),
-                                                                latency / times.mean);
-    fmt::print("cube of {:.0f} mm: {} blocks, {:.2f} ms each, messages {:.0f} us\n", kSide,
-               lattice.size(), 1e3 * times.mean, 1e6 * latency);
-    fmt::print("{} ranks by {} threads: {:.3f} s, predicted {:.3f} s; {:.2f} messages a block, "
-               "{:.1f} bytes a sphere\n",
-               ranks.count(), threads, best, predicted, static_cast<double>(messages) / blocks,
+    const Schedule schedule(lattice);
+    const auto predicted = [&](int count, int each) {
+        return times.mean * schedule.run(count, each, inMeans(times), latency / times.mean);
+    };
+    fmt::print("cube of {:.0f} mm: {} blocks of {:.2f} ms on one thread, messages {:.0f} us\n",
+               kSide, lattice.size(), 1e3 * times.mean, 1e6 * latency);
+    fmt::print("{:>6} {:>8} {:>12} {:>13}\n", "ranks", "threads", "measured, s", "predicted, s");
+    fmt::print("{:>6} {:>8} {:>12.3f} {:>13.3f}\n", 1, all, alone, predicted(1, all));
+    fmt::print("{:>6} {:>8} {:>12.3f} {:>13.3f}\n", ranks.count(), threads, together,
+               predicted(ranks.count(), threads));
+    fmt::print("{:.2f} messages a block, {:.1f} bytes a sphere\n",
+               static_cast<double>(messages) / static_cast<double>(lattice.size()),
                static_cast<double>(bytes) / times.spheres);
 }
 

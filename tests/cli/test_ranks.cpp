@@ -57,7 +57,7 @@ std::vector<std::string> filesIn(const std::string& folder) {
 TEST_CASE("any number of processes make the pack of one, and measure it alike", "[cli][ranks]") {
     const TemporaryFolder folder;
     std::string job = GENERATE(as<std::string>{},  //
-                               "ball:28 --radius uniform:1,2 --gap 0.05",
+                               "ball:28 --radius uniform:1,2 --gap 0.05 --block-side 17",
                                "rect:300,250 --radius uniform:1,2",
                                "box:90,80,70 --radius uniform:0.8,4",
                                "box:90,80,70 --radius uniform:1,2 --voids boolean --shell 5",

@@ -13,6 +13,7 @@ struct OptionName {
 /// Fields of the library's recipes and options. Names that several of them share are qualified.
 constexpr OptionName kOptionNames[] = {
     {"cavities", "--cavities"},
+    {"blockSide", "--block-side"},
     {"cell", "--void-cell"},
     {"clips", "--clip"},
     {"contactTolerance", "--contact-tol"},

@@ -86,6 +86,13 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
               "on one thread, for comparison")
         ->option_text("sweep|wall|centre|fifo [sweep]")
         ->group("Spheres");
+    command
+        ->add_option("--block-side", job.blockSide,
+                     "edge of the blocks of which each is filled by one thread. Shorter ones keep "
+                     "more than some 500 cores busy, and cost some solid fraction")
+        ->option_text("MM")
+        ->check(positive())
+        ->group("Spheres");
     addGap(*command, job.gap);
     addDensify(*command, job.densify,
                "after packing, move and add spheres until the solid fraction is F, or as high as "

@@ -171,6 +171,7 @@ PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes)
     options.threads = recipe.threads;
     options.effort = recipe.effort;
     options.order = recipe.order;
+    options.blockSide = recipe.blockSide;
     options.gap = recipe.gap;
     options.maxCount = recipe.maxCount;
     options.ranks = recipe.ranks;

@@ -24,6 +24,7 @@ struct PackRecipe : RunSettings {
     std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
     Effort effort = Effort::normal;
     Order order = Order::sweep;
+    double blockSide = 0;  ///< edge of a block, mm, as that of PackOptions; 0: chosen
     double gap = 0;  ///< least distance between spheres and to the wall, mm
     /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
     double densify = 0;

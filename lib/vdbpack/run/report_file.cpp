@@ -126,6 +126,7 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add("--max-count", static_cast<double>(recipe.maxCount));
     s.add("--effort", nameOf(recipe.effort));
     s.add("--order", nameOf(recipe.order));
+    s.add("--block-side", recipe.blockSide, " mm");
     s.add("--gap", recipe.gap, " mm");
     if (recipe.densify > 0) s.add("--densify", densifyText(recipe.densify));
     s.add(recipe.voids);
