@@ -65,6 +65,11 @@ TEST_CASE("any number of processes make the pack of one, and measure it alike", 
                                "--void-radius constant:6 --target-bvtv 0.5",
                                "box:90,80,70 --target-count 9000 --existing EXISTING --max-count "
                                "8000",
+                               "box:60,50,45 --radius uniform:1,2 --densify 0.66 --gap 0.01",
+                               "ball:16 --radius constant:1 --densify 0.63",
+                               "rect:90,80 --radius uniform:0.5,3 --densify 0.85",
+                               "box:50,45,40 --target-count 4000 --densify 0.65 --voids boolean "
+                               "--void-radius constant:6",
                                "MESH --target-count 20000 --seed 3");
     if (const auto at = job.find("EXISTING"); at != std::string::npos) {
         const std::string file = folder.file("existing.csv");
@@ -134,7 +139,7 @@ TEST_CASE("what is not done by several processes is refused by all, once", "[cli
     const TemporaryFolder folder;
     const std::string pack = "pack box:40,40,40 --radius uniform:1,2 -o " + folder.file("p.csv");
     for (const std::string& options :
-         {pack + " --densify max", pack + " -o " + folder.file("p.npz"), pack + " --no-such",
+         {pack + " --keep-connected --voids boolean", pack + " -o " + folder.file("p.npz"), pack + " --no-such",
           "verify " + folder.file("p.csv")}) {
         CAPTURE(options);
         const Output refused = shell(mpirun(3) + options);

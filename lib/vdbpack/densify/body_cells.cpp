@@ -11,6 +11,7 @@
 
 #include <atomic>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -30,6 +31,10 @@ struct Extent {
         lo.fill(std::numeric_limits<std::int64_t>::max());
         hi.fill(std::numeric_limits<std::int64_t>::min());
     }
+    void add(const Extent& other) {
+        count += other.count;
+        add(other.lo, other.hi);
+    }
     void add(const Home& low, const Home& high) {
         for (std::size_t d = 0; d < 3; ++d) {
             lo[d] = std::min(lo[d], low[d]);
@@ -40,8 +45,8 @@ struct Extent {
 
 }  // namespace
 
-bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, float least,
-                          float largest, Side side) {
+bool BodyCells::lay(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
+                    Side side, Ranks* ranks) {
     const double ratio = static_cast<double>(largest) / static_cast<double>(least);
     const auto classes =
         static_cast<std::size_t>(std::max(1.0, std::ceil(std::log(ratio) / std::log(kClass))));
@@ -62,14 +67,16 @@ bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, fl
                               e.add(homes[i], homes[i]);
                           }
                       });
-    std::size_t cells = 0;
+    std::vector<Extent> own(classes);
+    for (const auto& part : parts)
+        for (std::size_t k = 0; k < classes; ++k) own[k].add(part[k]);
+    std::vector<Extent> extents(classes);
+    for (const auto& ofRank : gathered(ranks, own))
+        for (std::size_t k = 0; k < classes; ++k) extents[k].add(ofRank[k]);
+    std::uint64_t cells = 0;
     Extent whole;
     for (std::size_t k = 0; k < classes; ++k) {
-        Extent all;
-        for (const auto& part : parts) {
-            all.count += part[k].count;
-            all.add(part[k].lo, part[k].hi);
-        }
+        const Extent& all = extents[k];
         Level& level = levels_[k];
         level.firstCell = cells;
         level.count = {0, 0, 0};
@@ -90,36 +97,69 @@ bool BodyCells::layLevels(const std::vector<Home>& homes, const Body* bodies, fl
             }
             if (total <= kCellsEach * static_cast<double>(all.count) + kFewCells) break;
         }
-        cells += static_cast<std::size_t>(level.count[0] * level.count[1] * level.count[2]);
+        cells += static_cast<std::uint64_t>(level.count[0] * level.count[1] * level.count[2]);
     }
+    cells_.clear();
+    return !isNear(whole.lo, whole.hi);
+}
+
+void BodyCells::requireFewCells(std::uint64_t cells) const {
     if (cells >= std::numeric_limits<std::uint32_t>::max())
         throw ResourceError(fmt::format(
             "densify: the spheres lie so far apart that they would need {} cells; check for "
             "spheres far from the others, and densify in parts",
             cells));
-    starts_.resize(cells + 1);
-    return !isNear(whole.lo, whole.hi);
 }
 
-std::uint32_t BodyCells::cellAt(const Level& level, const Home& home) const {
-    std::int64_t cell = 0;
-    for (std::size_t d = 3; d-- > 0;)
-        cell = cell * level.count[d] +
-               static_cast<std::int64_t>(std::floor(static_cast<double>(home[d]) / level.side)) -
-               level.low[d];
-    return static_cast<std::uint32_t>(level.firstCell + static_cast<std::size_t>(cell));
+void BodyCells::take(const std::vector<Home>& homes, const Body* bodies, std::size_t axis) {
+    const std::size_t n = homes.size();
+    std::vector<std::pair<std::int64_t, std::int64_t>> layers(
+        levels_.size(), {std::numeric_limits<std::int64_t>::max(), -1});
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::size_t k = levelOf(bodies[i].radius);
+        const std::int64_t layer = layerAt(levels_[k], homes[i][axis], axis);
+        layers[k] = {std::min(layers[k].first, layer), std::max(layers[k].second, layer)};
+    }
+    std::uint64_t cells = 0;
+    for (std::size_t k = 0; k < levels_.size(); ++k) {
+        Level& level = levels_[k];
+        level.firstCell = cells;
+        if (layers[k].second < 0) {
+            level.count = {0, 0, 0};
+            continue;
+        }
+        level.low[axis] += layers[k].first;
+        level.count[axis] = layers[k].second - layers[k].first + 1;
+        cells += static_cast<std::uint64_t>(level.count[0] * level.count[1] * level.count[2]);
+    }
+    requireFewCells(cells);
+    cells_.resize(n);
+    order_.resize(n);
+    starts_.assign(cells + 1, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+        const std::uint64_t cell = cellAt(levels_[levelOf(bodies[i].radius)], homes[i]);
+        cells_[i] = static_cast<std::uint32_t>(cell);
+        order_[i] = static_cast<std::uint32_t>(i);
+        ++starts_[cell + 1];
+    }
+    for (std::size_t c = 0; c < cells; ++c) starts_[c + 1] += starts_[c];
 }
 
 bool BodyCells::sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
                      Side side) {
     const std::size_t n = homes.size();
-    const bool wraps = layLevels(homes, bodies, least, largest, side);
-    const std::size_t cells = starts_.size() - 1;
+    const bool wraps = lay(homes, bodies, least, largest, side, nullptr);
+    std::uint64_t cells = 0;
+    for (const Level& level : levels_)
+        cells += static_cast<std::uint64_t>(level.count[0] * level.count[1] * level.count[2]);
+    requireFewCells(cells);
+    starts_.resize(cells + 1);
     cells_.resize(n);
     order_.resize(n);
     std::vector<std::atomic<std::uint32_t>> fill(cells);
     forAll(n, [&](std::size_t i) {
-        cells_[i] = cellAt(levels_[levelOf(bodies[i].radius)], homes[i]);
+        cells_[i] = static_cast<std::uint32_t>(
+            cellAt(levels_[levelOf(bodies[i].radius)], homes[i]));
         fill[cells_[i]].fetch_add(1, std::memory_order_relaxed);
     });
     firstPositions(fill, starts_, "spheres", "densify fewer spheres");

@@ -1,6 +1,7 @@
 // Private to densify: bodies sorted into cells, so that near ones are near in memory.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/densify/body.h"
 
 #include <algorithm>
@@ -25,7 +26,7 @@ public:
         float largest = 0;  ///< radius, quanta
         double side = 0;    ///< of a cell, quanta
         std::array<std::int64_t, 3> low{}, count{};
-        std::size_t firstCell = 0;
+        std::uint64_t firstCell = 0;
     };
     /// Cells are `radii` times the largest radius of their level and `more` quanta wide, wider
     /// where bodies are sparse.
@@ -41,6 +42,31 @@ public:
     bool sort(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
               Side side);
 
+    /// The levels of the bodies of all ranks, of which these are a share, and their cells.
+    /// @return as `sort`.
+    bool lay(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
+             Side side, Ranks* ranks);
+    /// After `lay`: takes the bodies of a part of space, sorted by their cells among all. The cells
+    /// from then on are those between the first and the last body along `axis`, the last one along
+    /// which bodies lie apart.
+    void take(const std::vector<Home>& homes, const Body* bodies, std::size_t axis);
+    /// The level of a radius, and the layer of cells across an axis that a position is in.
+    std::size_t levelOf(float radius) const {
+        std::size_t k = 0;
+        while (radius > levels_[k].largest) ++k;
+        return k;
+    }
+    std::int64_t layerAt(const Level& level, std::int64_t at, std::size_t axis) const {
+        return static_cast<std::int64_t>(std::floor(static_cast<double>(at) / level.side)) -
+               level.low[axis];
+    }
+    /// The cell of a position among all cells of all levels.
+    std::uint64_t cellAt(const Level& level, const Home& home) const {
+        std::int64_t cell = 0;
+        for (std::size_t d = 3; d-- > 0;) cell = cell * level.count[d] + layerAt(level, home[d], d);
+        return level.firstCell + static_cast<std::uint64_t>(cell);
+    }
+
     /// Number of the body that comes first, second, ...
     const std::vector<std::uint32_t>& order() const { return order_; }
     const std::vector<Level>& levels() const { return levels_; }
@@ -54,14 +80,7 @@ public:
                     const Visit& visit) const;
 
 private:
-    std::size_t levelOf(float radius) const {
-        std::size_t k = 0;
-        while (radius > levels_[k].largest) ++k;
-        return k;
-    }
-    std::uint32_t cellAt(const Level& level, const Home& home) const;
-    bool layLevels(const std::vector<Home>& homes, const Body* bodies, float least, float largest,
-                   Side side);
+    void requireFewCells(std::uint64_t cells) const;
 
     std::vector<Level> levels_;
     std::vector<std::uint32_t> starts_;  ///< first index of each cell
@@ -85,7 +104,7 @@ void BodyCells::forEachRow(const Level& level, const Home& low, const Home& high
     for (std::int64_t z = lo[2]; z <= hi[2]; ++z)
         for (std::int64_t y = lo[1]; y <= hi[1]; ++y) {
             const auto row = level.firstCell +
-                             static_cast<std::size_t>((z * level.count[1] + y) * level.count[0]);
+                             static_cast<std::uint64_t>((z * level.count[1] + y) * level.count[0]);
             const std::uint32_t first = starts_[row + static_cast<std::size_t>(lo[0])];
             const std::uint32_t last = starts_[row + static_cast<std::size_t>(hi[0]) + 1];
             if (first < last) visit(first, last);

@@ -1,9 +1,11 @@
 #include "vdbpack/densify/densify.h"
 
+#include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/further_spheres.h"
 #include "vdbpack/densify/input_check.h"
+#include "vdbpack/densify/label_homes.h"
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
@@ -18,6 +20,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -69,8 +72,10 @@ public:
           callbacks_(callbacks),
           volume_(domain.volume()),
           shell_(0.5 * options.gap),
+          ranks_(options.ranks),
           sizes_(spheres, options),
-          paces_(sizes_.radii()) {
+          paces_(sizes_.radii(), ranks_),
+          moving_(sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
         result_.spheres = spheres;
@@ -78,11 +83,14 @@ public:
         result_.before = fractionOf(result_.spheres);
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
+        if (!ranks_) return;
+        places_ = result_.labels = options.labels;
+        homes_.emplace(*ranks_, options.labels, options.pieces);
     }
 
     DensifyResult<Dim> run() {
-        result_.apart = sizes_.radii().empty() || isApart();
-        if (!sizes_.radii().empty()) {
+        result_.apart = moving_ == 0 || ranks_ || isApart();
+        if (moving_ > 0) {
             if (!(options_.fraction > result_.before))
                 removeOverlaps();
             else if (std::isfinite(options_.fraction))
@@ -92,7 +100,12 @@ public:
         }
         result_.after = reachedFraction();
         result_.reached = result_.apart && result_.after >= options_.fraction - kRounding;
-        sortByPlace();
+        if (ranks_) {
+            sortOverRanks();
+            result_.pieces = homes_->pieces();
+        } else {
+            sortByPlace();
+        }
         return std::move(result_);
     }
 
@@ -121,9 +134,7 @@ private:
     }
 
     double fractionOf(const std::vector<Sphere<Dim>>& spheres) const {
-        double sum = 0;
-        for (const auto& s : spheres) sum += Measure<Dim>::ball(s.radius);
-        return sum / volume_;
+        return ballShare(spheres, volume_, ranks_);
     }
     double reachedFraction() const { return fractionOf(result_.spheres); }
 
@@ -139,12 +150,14 @@ private:
 
     /// Moves spheres at random within the domain: a front of equal spheres leaves them in rows
     /// along the wall.
-    void stir(std::vector<Sphere<Dim>>& spheres) const {
+    /// @param labels  over ranks: of the spheres.
+    void stir(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels) const {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(options_.fixed, spheres.size(), 1024),
                           [&](const tbb::blocked_range<std::size_t>& part) {
                               const auto sampler = domain_->sampler();
                               for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                                  RandomStream random(options_.seed ^ kStirring, i);
+                                  RandomStream random(options_.seed ^ kStirring,
+                                                      ranks_ ? labels[i] : i);
                                   Sphere<Dim>& s = spheres[i];
                                   Vec<Dim> to = s.center;
                                   for (int d = 0; d < Dim; ++d)
@@ -163,14 +176,22 @@ private:
     bool attempt(double fraction, std::size_t first) {
         std::vector<Sphere<Dim>> spheres = result_.spheres;
         std::vector<std::int32_t> regions = result_.regions;
-        insert(fraction, spheres, regions);
+        std::vector<std::uint32_t> labels = result_.labels;
+        std::optional<LabelHomes> homes = homes_;
+        if (ranks_)
+            insertOverRanks(fraction, spheres, labels, *homes);
+        else
+            insert(fraction, spheres, regions);
         ++result_.stages;
         ++stage_;
         for (std::size_t k = first; k < paces_.size(); ++k) {
             // From the same start each time: what has jammed stays jammed.
-            const bool apart = relax(paces_[k], fraction, spheres, regions);
+            const bool apart = ranks_ ? relaxOverRanks(paces_[k], fraction, spheres, labels, *homes)
+                                      : relax(paces_[k], fraction, spheres, regions);
             if (result_.interrupted) return false;
             if (!apart) continue;
+            result_.labels = std::move(labels);
+            homes_ = std::move(homes);
             result_.spheres = std::move(spheres);
             result_.regions = std::move(regions);
             return result_.apart = true;
@@ -190,7 +211,72 @@ private:
         const auto placed = present.vacancies(added.radii, added.regions, stage);
         spheres.insert(spheres.end(), placed.begin(), placed.end());
         regions.insert(regions.end(), added.regions.begin(), added.regions.end());
-        if (paces_.areNarrow()) stir(spheres);
+        if (paces_.areNarrow()) stir(spheres, {});
+    }
+
+    /// The same over ranks.
+    /// @param labels, homes  of the spheres; those that are added are, too.
+    void insertOverRanks(double fraction, std::vector<Sphere<Dim>>& spheres,
+                         std::vector<std::uint32_t>& labels, LabelHomes& homes) const {
+        const std::uint64_t stage = stage_;
+        RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
+        const auto radii =
+            sizes_.draw((fraction - reachedFraction()) * volume_, random).radii;  // the same on all
+        if (radii.empty()) return;
+        Relaxation<Dim> present(*domain_, withShell(spheres), *ranks_, labels,
+                                *std::max_element(radii.begin(), radii.end()), options_.seed);
+        auto found = present.vacanciesHere(radii, stage);
+        const std::uint32_t first = homes.add(radii.size());
+        found = homes.delivered(*ranks_, found, [&](const auto& vacancy) {
+            return first + static_cast<std::uint32_t>(vacancy.number);
+        });
+        std::sort(found.begin(), found.end(),
+                  [](const auto& a, const auto& b) { return a.number < b.number; });
+        for (const auto& vacancy : found) {
+            spheres.push_back({vacancy.center, radii[vacancy.number]});
+            labels.push_back(first + static_cast<std::uint32_t>(vacancy.number));
+        }
+        if (paces_.areNarrow()) stir(spheres, labels);
+    }
+
+    /// Relaxes at one pace. @return whether no overlap is left.
+    bool isRelaxed(Relaxation<Dim>& relaxation, const RelaxationPace& pace, double fraction,
+                   std::size_t count) {
+        const int steps = mostSteps(pace);
+        Jam jam(pace);
+        const auto goOn = [&](int step, double worst) {
+            if (step % 10 == 0 && callbacks_.progress)
+                callbacks_.progress(
+                    {fmt::format("densify to {:.4f}, overlap {:.2g}", fraction, worst),
+                     static_cast<double>(step) / steps, static_cast<double>(count)});
+            return !jam.add(step, worst);
+        };
+        const auto outcome = relaxation.run(pace, steps, callbacks_, goOn);
+        result_.steps += static_cast<std::uint64_t>(outcome.steps);
+        result_.interrupted = outcome.interrupted;
+        return outcome.apart;
+    }
+
+    /// The same as `relax`, over ranks.
+    bool relaxOverRanks(const RelaxationPace& pace, double fraction,
+                        std::vector<Sphere<Dim>>& spheres,
+                        const std::vector<std::uint32_t>& labels, const LabelHomes& homes) {
+        Relaxation<Dim> relaxation(*domain_, withShell(spheres), *ranks_, labels, 0,
+                                   options_.seed + stage_);
+        if (!isRelaxed(relaxation, pace, fraction, spheres.size())) return false;
+        const auto settled = homes.delivered(*ranks_, relaxation.settled(),
+                                             [](const auto& s) { return s.label; });
+        std::vector<std::uint32_t> places(spheres.size());
+        for (const auto& s : settled) {
+            const std::size_t i = LabelHomes::indexOf(labels, s.label);
+            spheres[i].center = s.center;
+            places[i] = s.place;
+        }
+        // Those that were there at first: known where the spheres there have their homes.
+        places_.insert(places_.end(), labels.begin() + static_cast<std::ptrdiff_t>(places_.size()),
+                       labels.end());
+        places_ = homes.valuesAt(*ranks_, places, labels, places_);
+        return true;
     }
 
     /// Relaxes at one pace. @return whether no overlap is left; `spheres` have moved then.
@@ -198,19 +284,7 @@ private:
                const std::vector<std::int32_t>& regions) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
                                    options_.seed + stage_);
-        const int steps = mostSteps(pace);
-        Jam jam(pace);
-        const auto goOn = [&](int step, double worst) {
-            if (step % 10 == 0 && callbacks_.progress)
-                callbacks_.progress(
-                    {fmt::format("densify to {:.4f}, overlap {:.2g}", fraction, worst),
-                     static_cast<double>(step) / steps, static_cast<double>(spheres.size())});
-            return !jam.add(step, worst);
-        };
-        const auto outcome = relaxation.run(pace, steps, callbacks_, goOn);
-        result_.steps += static_cast<std::uint64_t>(outcome.steps);
-        result_.interrupted = outcome.interrupted;
-        if (!outcome.apart) return false;
+        if (!isRelaxed(relaxation, pace, fraction, spheres.size())) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
         for (std::size_t i = places_.size(); i < moved.size(); ++i)
@@ -232,14 +306,31 @@ private:
         }
     }
 
+    /// The same as `sortByPlace`, over ranks.
+    void sortOverRanks() {
+        struct Sorted {
+            std::uint32_t place;
+            Sphere<Dim> sphere;
+        };
+        std::vector<Sorted> all;
+        for (std::size_t i = 0; i < places_.size(); ++i)
+            all.push_back({places_[i], result_.spheres[i]});
+        all = homes_->delivered(*ranks_, all, [](const Sorted& s) { return s.place; });
+        for (const Sorted& s : all)
+            result_.spheres[LabelHomes::indexOf(result_.labels, s.place)] = s.sphere;
+    }
+
     const DensifyOptions& options_;
     const Callbacks& callbacks_;
     double volume_;
     double shell_;
     std::unique_ptr<Domain<Dim>> inset_;
     const Domain<Dim>* domain_ = nullptr;
+    Ranks* ranks_;
     FurtherSizes<Dim> sizes_;
     Paces paces_;
+    std::uint64_t moving_;             ///< spheres that move, of all ranks
+    std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
     std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/size_distribution.h"
@@ -25,6 +26,15 @@ struct DensifyOptions {
     /// region only. Every region receives its share (by volume) of the added spheres, near its own
     /// spheres; without `sizes` their radii are those of the region.
     std::vector<std::int32_t> regions;
+
+    /// Other ranks that densify the same pack with the same call; null: there are none. Each has
+    /// the spheres that it placed, which do not overlap: no regions, none is fixed, and `sizes` are
+    /// given.
+    Ranks* ranks = nullptr;
+    std::vector<std::uint32_t> labels;  ///< of the spheres: their numbers among those of all, rising
+    /// From one of these numbers to the next, all spheres are those of one rank; the last is the
+    /// number of all.
+    std::vector<std::int64_t> pieces;
 };
 
 template <int Dim>
@@ -34,6 +44,8 @@ struct DensifyResult {
     /// protrudes from the domain, except for the fixed ones.
     std::vector<Sphere<Dim>> spheres;
     std::vector<std::int32_t> regions;  ///< of all spheres, if the options have regions
+    std::vector<std::uint32_t> labels;  ///< over ranks: of all spheres of this one
+    std::vector<std::int64_t> pieces;   ///< over ranks: as in the options, with the added spheres
     bool apart = false;            ///< false: not even the overlaps of the input pack were removed
     bool reached = false;          ///< whether the requested fraction was reached
     bool interrupted = false;      ///< cancelled: `spheres` is the last pack without overlaps

@@ -25,7 +25,7 @@ constexpr std::uint32_t kLooser = 100;
 template <int Dim>
 void Relaxation<Dim>::swapRun(Run& run) {
     const auto n = static_cast<std::uint32_t>(run.ranks.size());
-    const std::uint64_t key = mix64(seed_ ^ mix64(clock_ * 0x9e3779b97f4a7c15ull + run.first));
+    const std::uint64_t key = mix64(seed_ ^ mix64(clock_ * 0x9e3779b97f4a7c15ull + run.number));
     for (std::uint32_t k = 0; k + 1 < n; ++k) {
         const auto l = k + 1 + static_cast<std::uint32_t>(mix64(key + k) % kRanks);
         if (l >= n) continue;

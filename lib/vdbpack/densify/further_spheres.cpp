@@ -45,21 +45,37 @@ double FurtherSizes<Dim>::quantile(const std::vector<double>& own, double u) con
 /// are not counted.
 template <int Dim>
 std::vector<double> FurtherSizes<Dim>::counted() const {
-    std::vector<double> have(kBins, 0.0);
+    std::vector<std::uint64_t> whole(kBins);
+    // Spheres of one radius spread over the share that this radius has.
+    struct Atom {
+        double radius;
+        std::uint64_t count;
+    };
+    std::vector<Atom> atoms;
     for (std::size_t i = 0, n = 0; i < radii_.size(); i += n) {
         const double r = radii_[i];
         for (n = 1; i + n < radii_.size() && radii_[i + n] == r; ++n) {
         }
-        const double low = options_.sizes->cdfBelow(r), high = options_.sizes->cdf(r);
         if (r < options_.sizes->min() * (1 - 1e-6) || r > options_.sizes->max() * (1 + 1e-6))
             continue;
-        // Spheres of one radius spread over the share that this radius has.
-        const double first = low * kBins, last = std::max(first, high * kBins);
+        const double low = options_.sizes->cdfBelow(r), high = options_.sizes->cdf(r);
+        if (high > low)
+            atoms.push_back({r, n});
+        else
+            whole[std::min<std::size_t>(kBins - 1, static_cast<std::size_t>(low * kBins))] += n;
+    }
+    std::map<double, std::uint64_t> all;
+    for (const auto& list : gathered(options_.ranks, atoms))
+        for (const Atom& atom : list) all[atom.radius] += atom.count;
+    if (options_.ranks) options_.ranks->sum(whole);
+    std::vector<double> have(whole.begin(), whole.end());
+    for (const auto& [r, n] : all) {
+        const double first = options_.sizes->cdfBelow(r) * kBins,
+                     last = options_.sizes->cdf(r) * kBins;
         for (double at = first;;) {
             const auto bin = std::min<std::size_t>(kBins - 1, static_cast<std::size_t>(at));
             const double end = std::min(last, std::floor(at) + 1);
-            const double share = last > first ? (end - at) / (last - first) : 1;
-            have[bin] += share * static_cast<double>(n);
+            have[bin] += (end - at) / (last - first) * static_cast<double>(n);
             if (!(end < last)) break;
             at = end;
         }

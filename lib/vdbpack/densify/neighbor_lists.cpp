@@ -29,9 +29,8 @@ float square(float v) {
 }  // namespace
 
 template <int Dim>
-void Relaxation<Dim>::sort() {
-    const std::size_t n = now_.labels.size();
-    forAll(n, [&](std::size_t i) {
+void Relaxation<Dim>::moveHomes() {
+    forAll(now_.labels.size(), [&](std::size_t i) {
         Home& home = now_.homes[i];
         const Home at = whereIs(home, now_.bodies[i]);
         float way = 0;
@@ -39,6 +38,13 @@ void Relaxation<Dim>::sort() {
         now_.vicinities[i].roam -= std::sqrt(way);
         home = at;
     });
+}
+
+template <int Dim>
+void Relaxation<Dim>::sort() {
+    if (ranks_) return sortOverRanks();
+    const std::size_t n = now_.labels.size();
+    moveHomes();
     wraps_ = cells_.sort(now_.homes, now_.bodies.data(), smallest_, most_,
                          {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)});
     forAll(n, [&](std::size_t to) {
@@ -65,24 +71,20 @@ void Relaxation<Dim>::rebuild(bool rough) {
 }
 
 template <int Dim>
-void Relaxation<Dim>::renewLists(float fastest, float cap, double worst) {
+void Relaxation<Dim>::renewLists(const Extremes& all, float fastest, float cap, double worst) {
     const float wanted = std::clamp(2 * kListSteps * std::sqrt(fastest), kLeastSkin * least_,
                                     std::max(kMostSkin * least_, 3 * cap));
     const bool tooLong = static_cast<float>(listed_) > kListSteps && skin_ > kFarMore * wanted;
-    if (!listsExpired() && !tooLong) return;
+    if (!listsExpired(all) && !tooLong) return;
     skin_ = wanted;
     rebuild(worst > kRough);
 }
 
 template <int Dim>
-bool Relaxation<Dim>::listsExpired() {
-    float grown = 0;
-    for (const Run& run : runs_) {
-        if (run.coincides && listed_ > 0) return true;
-        grown = std::max(grown, run.grown);
-    }
+bool Relaxation<Dim>::listsExpired(const Extremes& all) {
+    if (all.coincides && listed_ > 0) return true;
     const float most = 0.5f * skin_ * 0.999f;
-    if (spent_ + grown <= most) return false;
+    if (spent_ + all.grown <= most) return false;
     // No sphere has moved by more than the sum of the largest steps; most have moved by less.
     std::vector<float> moved(runs_.size());
     tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
@@ -96,18 +98,39 @@ bool Relaxation<Dim>::listsExpired() {
         }
         moved[k] = std::sqrt(way);
     });
-    spent_ = *std::max_element(moved.begin(), moved.end());
-    return spent_ + grown > most;
+    Extremes way;
+    for (const float m : moved) way.moved = std::max(way.moved, m);
+    spent_ = agreed(way).moved;
+    return spent_ + all.grown > most;
 }
 
 template <int Dim>
 void Relaxation<Dim>::listNeighbors() {
     const auto n = static_cast<std::uint32_t>(now_.labels.size());
-    runs_.resize((n + kRun - 1) / kRun);
+    if (ranks_) {
+        // Own slots of a run stand one after another.
+        std::size_t runs = 0;
+        for (std::uint32_t i = 0; i < n;) {
+            std::uint32_t end = i + 1;
+            if (!isNearSlot_[i]) {
+                while (end < n && slots_[end] / kRun == slots_[i] / kRun) ++end;
+                if (runs == runs_.size()) runs_.emplace_back();
+                runs_[runs].first = i;
+                runs_[runs].last = end;
+                runs_[runs++].number = slots_[i];
+            }
+            i = end;
+        }
+        runs_.resize(runs);
+    } else {
+        runs_.resize((n + kRun - 1) / kRun);
+        for (std::size_t k = 0; k < runs_.size(); ++k) {
+            runs_[k].first = runs_[k].number = static_cast<std::uint32_t>(k) * kRun;
+            runs_[k].last = std::min(n, runs_[k].first + kRun);
+        }
+    }
     tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
         Run& run = runs_[k];
-        run.first = static_cast<std::uint32_t>(k) * kRun;
-        run.last = std::min(n, run.first + kRun);
         listRun(run);
         listPlanes(run);
     });
@@ -238,9 +261,11 @@ void Relaxation<Dim>::part(std::uint32_t slot, std::uint32_t other) {
 
 template void Relaxation<2>::sort();
 template void Relaxation<2>::rebuild(bool);
-template void Relaxation<2>::renewLists(float, float, double);
+template void Relaxation<2>::renewLists(const Extremes&, float, float, double);
 template void Relaxation<3>::sort();
 template void Relaxation<3>::rebuild(bool);
-template void Relaxation<3>::renewLists(float, float, double);
+template void Relaxation<3>::renewLists(const Extremes&, float, float, double);
+template void Relaxation<2>::moveHomes();
+template void Relaxation<3>::moveHomes();
 
 }  // namespace vdbpack

@@ -11,11 +11,13 @@ constexpr double kNarrowDeviation = 0.06;
 /// A relaxation that succeeds does so within this many spans of 1 / (1 - inertia).
 constexpr double kMemories = 14;
 
-bool areNearlyEqual(const std::vector<double>& radii) {
+bool areNearlyEqual(const std::vector<double>& radii, Ranks* ranks) {
     double sum = 0, squares = 0;
     for (const double r : radii) sum += r;
-    const double mean = sum / static_cast<double>(radii.size());
+    sum = sumOver(ranks, sum);
+    const double mean = sum / static_cast<double>(sumOver(ranks, std::uint64_t{radii.size()}));
     for (const double r : radii) squares += (r - mean) * (r - mean);
+    squares = sumOver(ranks, squares);
     return squares <= kNarrowDeviation * kNarrowDeviation * mean * sum;
 }
 
@@ -31,8 +33,8 @@ const Paces::Steps Paces::kNarrow{{{{0.97, 0.07, 3}, 0.02},
                                    {{0.98, 0.15, 3}, 0.05},
                                    {{0.99, 0.20, 3}, 1}}};
 
-Paces::Paces(const std::vector<double>& radii)
-    : narrow_(areNearlyEqual(radii)), steps_(narrow_ ? &kNarrow : &kWide) {}
+Paces::Paces(const std::vector<double>& radii, Ranks* ranks)
+    : narrow_(areNearlyEqual(radii, ranks)), steps_(narrow_ ? &kNarrow : &kWide) {}
 
 std::size_t Paces::firstFor(double gain) const {
     std::size_t k = 0;

@@ -13,7 +13,8 @@ namespace vdbpack {
 class Paces {
 public:
     /// @param radii  of the spheres that move, mm.
-    explicit Paces(const std::vector<double>& radii);
+    /// @param ranks  of whose spheres these are a share; null: they are all.
+    explicit Paces(const std::vector<double>& radii, Ranks* ranks = nullptr);
 
     /// The quickest pace worth a try for a gain in solid fraction over the front's.
     std::size_t firstFor(double gain) const;

@@ -27,14 +27,17 @@ constexpr float kNearlyApart = 0.01f, kStays = 0.8f;
 
 /// As fine as the front's quantum, unless the largest spheres would not fit into 2^28 quanta; mm.
 template <int Dim>
-double quantumOf(const std::vector<Sphere<Dim>>& spheres) {
+double quantumOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks) {
     double sum = 0, most = 0;
     for (const auto& s : spheres) {
         sum += s.radius;
         most = std::max(most, s.radius);
     }
+    sum = sumOver(ranks, sum);
+    most = maxOver(ranks, most);
     if (!(sum > 0)) return 1;
-    const double mean = sum / static_cast<double>(spheres.size());
+    const double mean =
+        sum / static_cast<double>(sumOver(ranks, std::uint64_t{spheres.size()}));
     return std::max(std::exp2(std::floor(std::log2(mean)) - 22),
                     std::exp2(std::ceil(std::log2(most)) - 27));
 }
@@ -75,7 +78,7 @@ template <int Dim>
 Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                             std::size_t fixed, const std::vector<std::int32_t>& regions,
                             std::uint64_t seed)
-    : quantum_(quantumOf(spheres)),
+    : quantum_(quantumOf(spheres, nullptr)),
       given_(spheres),
       regions_(regions),
       fixed_(static_cast<std::uint32_t>(fixed)),
@@ -93,6 +96,30 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
 }
 
 template <int Dim>
+Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
+                            Ranks& ranks, const std::vector<std::uint32_t>& labels, double further,
+                            std::uint64_t seed)
+    : quantum_(quantumOf(spheres, &ranks)),
+      fixed_(0),
+      seed_(seed),
+      walls_(domain, quantum_),
+      ranks_(&ranks),
+      further_(static_cast<float>(further / quantum_)),
+      slots_(labels) {
+    const std::uint64_t all = sumOver(&ranks, std::uint64_t{spheres.size()});
+    if (all > 0x7fffffff)
+        throw ResourceError(fmt::format("densify: {} {} are more than 2^31 - 1; pack in parts", all,
+                                        Measure<Dim>::kSpheres));
+    if (all == 0) return;
+    setRadii(spheres);
+    placeSlots(spheres);
+    now_.labels = now_.places = labels;
+    isNearSlot_.assign(spheres.size(), 0);
+    ready_ = true;
+    sort();
+}
+
+template <int Dim>
 void Relaxation<Dim>::setRadii(const std::vector<Sphere<Dim>>& spheres) {
     double least = std::numeric_limits<double>::infinity(), smallest = least, most = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
@@ -101,6 +128,9 @@ void Relaxation<Dim>::setRadii(const std::vector<Sphere<Dim>>& spheres) {
         smallest = std::min(smallest, r);
         if (i >= fixed_) least = std::min(least, r);
     }
+    least = minOver(ranks_, least);
+    smallest = minOver(ranks_, smallest);
+    most = maxOver(ranks_, most);
     least_ = static_cast<float>(least / quantum_);
     most_ = static_cast<float>(most / quantum_);
     smallest_ = static_cast<float>(smallest / quantum_);
@@ -112,11 +142,7 @@ void Relaxation<Dim>::setRadii(const std::vector<Sphere<Dim>>& spheres) {
 template <int Dim>
 void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
     const std::size_t n = spheres.size();
-    now_.resize(n);
-    sorted_.resize(n);
-    next_.resize(n + 8);
-    listedRadii_.resize(n);
-    touching_.resize(n);
+    resizeSlots(n);
     forAll(n, [&](std::size_t i) {
         Home& home = now_.homes[i];
         home = {};
@@ -130,6 +156,15 @@ void Relaxation<Dim>::placeSlots(const std::vector<Sphere<Dim>>& spheres) {
         now_.vicinities[i] = {};
         if (i < fixed_) now_.vicinities[i].roam = std::numeric_limits<float>::infinity();
     });
+}
+
+template <int Dim>
+void Relaxation<Dim>::resizeSlots(std::size_t n) {
+    now_.resize(n);
+    sorted_.resize(n);
+    next_.resize(n + 8);
+    listedRadii_.resize(n);
+    touching_.resize(n);
 }
 
 template <int Dim>
@@ -165,13 +200,14 @@ float Relaxation<Dim>::stepAll(bool exchanges, float inertia, float cap, float& 
         else
             stepRun<false>(runs_[k], inertia, cap);
     });
-    float worst = 0;
-    fastest = 0;
+    Extremes all;
     for (const Run& run : runs_) {
-        worst = std::max(worst, run.worst);
-        fastest = std::max(fastest, run.fastest);
+        all.worst = std::max(all.worst, run.worst);
+        all.fastest = std::max(all.fastest, run.fastest);
     }
-    return worst;
+    all = agreed(all);
+    fastest = all.fastest;
+    return all.worst;
 }
 
 template <int Dim>
@@ -189,11 +225,18 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
     Stuck stuck(pace);
     float fastest = cap * cap;  // squared, of the last step
     for (;; ++outcome.steps) {
-        if (callbacks.isCancelled()) {
+        Extremes all;
+        all.cancelled = callbacks.isCancelled();
+        for (const Run& run : runs_) {
+            all.coincides = std::max(all.coincides, std::uint32_t{run.coincides});
+            all.grown = std::max(all.grown, run.grown);
+        }
+        all = agreed(all);
+        if (all.cancelled) {
             outcome.interrupted = true;
             return outcome;
         }
-        renewLists(fastest, cap, outcome.worst);
+        renewLists(all, fastest, cap, outcome.worst);
         const bool exchanges =
             pace.swapEvery > 0 && clock_ % static_cast<std::uint64_t>(pace.swapEvery) == 0;
         const float worst = stepAll(exchanges, inertia, cap, fastest);
@@ -210,7 +253,13 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         if (exchanges) {
             tbb::parallel_for(std::size_t(0), runs_.size(),
                               [&](std::size_t k) { swapRun(runs_[k]); });
-            if (stuck.isStuck(worst)) loosen(worst);
+            refreshNear();
+            if (stuck.isStuck(worst)) {
+                loosen(worst);
+                refreshNear();
+            }
+        } else {
+            refreshNear();
         }
         ++clock_;
     }

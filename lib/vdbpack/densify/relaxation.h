@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/densify/body.h"
@@ -16,6 +17,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -43,6 +45,11 @@ public:
     /// @throws ResourceError above 2^31 spheres.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed);
+    /// Over ranks: spheres of this one, of which all move, in one region.
+    /// @param labels  of the spheres: their numbers among those of all ranks, rising.
+    /// @param further  radius of the spheres for which vacancies are sought, mm; 0: none are.
+    Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres, Ranks& ranks,
+               const std::vector<std::uint32_t>& labels, double further, std::uint64_t seed);
     ~Relaxation();
     Relaxation(const Relaxation&) = delete;
     Relaxation& operator=(const Relaxation&) = delete;
@@ -65,6 +72,20 @@ public:
     std::vector<Sphere<Dim>> vacancies(const std::vector<double>& radii,
                                        const std::vector<std::int32_t>& regions,
                                        std::uint64_t salt);
+
+    /// The same over ranks: of those vacancies that this rank finds.
+    struct Vacancy {
+        std::uint64_t number;  ///< among the radii
+        Vec<Dim> center;       ///< mm
+    };
+    std::vector<Vacancy> vacanciesHere(const std::vector<double>& radii, std::uint64_t salt);
+
+    /// Over ranks: what is left of a sphere of any of them.
+    struct Settled {
+        std::uint32_t label, place;  ///< its number, and that of the sphere that was there at first
+        Vec<Dim> center;             ///< mm
+    };
+    std::vector<Settled> settled() const;
 
     /// The spheres in the order of the constructor, at their current positions: whole multiples of
     /// `quantum` except for the fixed ones.
@@ -97,6 +118,7 @@ private:
     /// A run of slots with their neighbors.
     struct Run {
         std::uint32_t first = 0, last = 0;
+        std::uint32_t number = 0;  ///< of the first slot among those of all ranks
         std::vector<std::uint32_t> ids;   ///< neighbors, filled up to eights with the slot itself
         std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
         std::vector<WallPlane> planes;    ///< walls that are near
@@ -108,8 +130,15 @@ private:
         float grown = 0;  ///< largest growth of a slot's radius since lists were made
     };
 
+    /// Largest values of all runs, of all ranks.
+    struct Extremes {
+        float worst = 0, fastest = 0, grown = 0, moved = 0;
+        std::uint32_t coincides = 0, cancelled = 0;
+    };
+
     void setRadii(const std::vector<Sphere<Dim>>& spheres);
     void placeSlots(const std::vector<Sphere<Dim>>& spheres);
+    void resizeSlots(std::size_t n);
     /// One step of all runs, into `next_`. @return the worst overlap, and the squared largest step.
     float stepAll(bool exchanges, float inertia, float cap, float& fastest);
 
@@ -118,13 +147,29 @@ private:
     Vec<Dim> vacancyNear(std::uint32_t slot, double radius, RandomStream& random,
                          std::vector<Body>& around);
 
+    // relaxation_ranks.cpp
+    Extremes agreed(const Extremes& own) const;
+    void sortOverRanks();
+    struct Layers;
+    struct Traveler;
+    Layers layersOverRanks() const;
+    /// Moves slots to other ranks, and those of others here, behind the own ones.
+    /// @param to  rank of each slot.
+    void send(const std::vector<int>& to);
+    void sortLocally(std::vector<std::pair<std::uint64_t, std::uint64_t>>& keys);
+    void addNear(const Layers& layers);
+    /// Tells other ranks where the slots are now that are near theirs.
+    void refreshNear();
+
     // neighbor_lists.cpp
     void sort();
+    /// Takes up where the bodies are by now.
+    void moveHomes();
     /// @param rough  whether overlaps are still large: walls are then queried less often.
     void rebuild(bool rough);
     /// Rebuilds the lists where they may miss a neighbor or are far too long.
-    void renewLists(float fastest, float cap, double worst);
-    bool listsExpired();
+    void renewLists(const Extremes& all, float fastest, float cap, double worst);
+    bool listsExpired(const Extremes& all);
     void listNeighbors();
     void listRun(Run& run);
     void rankRun(Run& run);
@@ -183,6 +228,14 @@ private:
     WallPlanes<Dim> walls_;
     BodyCells cells_;
     std::vector<Run> runs_;
+    // Over ranks: slots of others that are near own ones stand among them, in the order of all.
+    Ranks* ranks_ = nullptr;
+    float further_ = 0;                              ///< quanta
+    std::vector<std::uint32_t> slots_;               ///< number of each among those of all ranks
+    std::vector<std::uint8_t> isNearSlot_;           ///< 1 for those of others
+    std::vector<std::vector<std::uint32_t>> tell_;   ///< own slots that are near each rank's
+    std::vector<std::vector<std::uint32_t>> heard_;  ///< slots here that each rank tells of
+
     bool wraps_ = false;  ///< whether far spheres may have near low bits
     bool ready_ = false;
 };

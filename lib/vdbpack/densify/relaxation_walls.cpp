@@ -60,7 +60,7 @@ bool Relaxation<Dim>::keepsWall() {
         keeps.store(false, std::memory_order_relaxed);
         listPlanes(run);
     });
-    return keeps;
+    return !anyOver(ranks_, !keeps);
 }
 
 template void Relaxation<2>::askWalls();

@@ -69,6 +69,28 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
 }
 
 template <int Dim>
+std::vector<typename Relaxation<Dim>::Vacancy> Relaxation<Dim>::vacanciesHere(
+    const std::vector<double>& radii, std::uint64_t salt) {
+    std::vector<Vacancy> found;
+    if (!ready_) return found;
+    std::uint64_t own = 0;
+    for (const std::uint8_t near : isNearSlot_) own += near == 0;
+    const auto slots = static_cast<double>(sumOver(ranks_, own));
+    std::vector<Body> around;
+    for (std::size_t k = 0; k < radii.size(); ++k) {
+        RandomStream random(seed_ ^ mix64(salt), k);
+        const auto anchor = static_cast<std::uint32_t>((static_cast<double>(k) + random.uniform()) /
+                                                       static_cast<double>(radii.size()) * slots);
+        const auto at = std::lower_bound(slots_.begin(), slots_.end(), anchor);
+        if (at == slots_.end() || *at != anchor) continue;
+        const auto slot = static_cast<std::uint32_t>(at - slots_.begin());
+        if (isNearSlot_[slot]) continue;
+        found.push_back({k, vacancyNear(slot, radii[k] / quantum_, random, around)});
+    }
+    return found;
+}
+
+template <int Dim>
 Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomStream& random,
                                       std::vector<Body>& around) {
     DomainSampler<Dim>& sampler = walls_.sampler();
@@ -97,6 +119,10 @@ Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomS
     return best;
 }
 
+template std::vector<Relaxation<2>::Vacancy> Relaxation<2>::vacanciesHere(
+    const std::vector<double>&, std::uint64_t);
+template std::vector<Relaxation<3>::Vacancy> Relaxation<3>::vacanciesHere(
+    const std::vector<double>&, std::uint64_t);
 template std::vector<Sphere<2>> Relaxation<2>::vacancies(const std::vector<double>&,
                                                          const std::vector<std::int32_t>&,
                                                          std::uint64_t);

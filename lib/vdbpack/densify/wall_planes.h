@@ -59,6 +59,11 @@ public:
 
     const Wall& operator[](std::uint32_t wall) const { return walls_[wall]; }
 
+    /// Takes over a wall that is known elsewhere. @return its number
+    std::uint32_t add(const Wall& wall) {
+        return static_cast<std::uint32_t>(walls_.push_back(wall) - walls_.begin());
+    }
+
     /// How far a sphere may go along a wall before the next query, in its radii.
     void setSlide(float slide) { slide_ = slide; }
     /// Whether a sphere that has used up its way needs a new query.

@@ -1,3 +1,4 @@
+#include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/pack/kernel_settings.h"
 #include "vdbpack/pack/packer.h"
@@ -48,13 +49,7 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     const auto fractionAt = [&](double scale) {
         trial.sizes = options.sizes.scaled(scale);
         const auto result = packSpheres(domain, trial, quiet, existing);
-        // In whole parts, so that the sum is the same in any order, over any number of ranks.
-        constexpr double kParts = 0x1p62;
-        std::uint64_t sum = 0;
-        for (const auto& s : result.pack.spheres)
-            sum += static_cast<std::uint64_t>(Measure<Dim>::ball(s.radius + shell) /
-                                              domain.volume() * kParts);
-        return static_cast<double>(sumOver(options.ranks, sum)) / kParts;
+        return ballShare(result.pack.spheres, domain.volume(), options.ranks, shell);
     };
     // Room beside the existing spheres.
     double taken = 0;

@@ -3,11 +3,13 @@
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/space_shares.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/recipe.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -15,11 +17,33 @@ namespace vdbpack {
 
 namespace {
 
+constexpr auto& kTolerances = Report::Densified::kContactTolerances;
+
+/// The coordination numbers without walls; over ranks: of the spheres of all.
+/// @param labels  over ranks: a number of each sphere.
 template <int Dim>
-std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres) {
+std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
+                                 const std::vector<std::int64_t>& labels) {
     std::array<double, 3> means{};
+    if (ranks) {
+        SpaceShares<Dim> shares(*ranks, spheres, labels,
+                                *std::max_element(kTolerances.begin(), kTolerances.end()));
+        std::vector<std::uint64_t> partners(means.size() + 1);
+        partners.back() = spheres.size();
+        for (std::size_t round = 0; round < shares.rounds(); ++round) {
+            const auto part = shares.part(round);
+            for (std::size_t k = 0; k < means.size(); ++k)
+                for (const std::int32_t n :
+                     contactsOfPart(part.spheres, part.own, kTolerances[k]).partners)
+                    partners[k] += static_cast<std::uint64_t>(n);
+        }
+        ranks->sum(partners);
+        for (std::size_t k = 0; k < means.size(); ++k)
+            means[k] = static_cast<double>(partners[k]) / static_cast<double>(partners.back());
+        return means;
+    }
     for (std::size_t k = 0; k < means.size(); ++k)
-        means[k] = countContacts(spheres, Report::Densified::kContactTolerances[k]).meanOfSpheres;
+        means[k] = countContacts(spheres, kTolerances[k]).meanOfSpheres;
     return means;
 }
 
@@ -31,24 +55,32 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     Clock clock;
     Report::Densified told;
     if (std::isfinite(setting.fraction)) told.requested = setting.fraction;
-    told.contactsBefore = contactsOf(pack.spheres);
+    Ranks* const ranks = setting.ranks;
+    told.contactsBefore = contactsOf(pack.spheres, ranks, pack.order);
     DensifyOptions options;
     options.fraction = setting.fraction;
     if (setting.sizes) options.sizes = *setting.sizes;
     options.gap = setting.gap;
     options.seed = setting.seed;
     options.fixed = setting.fixed;
-    options.regions = pack.region;
+    if (ranks) {
+        options.ranks = ranks;
+        options.labels.assign(pack.order.begin(), pack.order.end());
+        options.pieces = *setting.pieces;
+    } else {
+        options.regions = pack.region;
+    }
     auto result = densify(domain, pack.spheres, options, callbacks);
     const std::size_t before = pack.spheres.size();
     told.before = result.before;
     told.after = result.after;
-    told.inserted = result.spheres.size() - before;
+    told.inserted = sumOver(ranks, std::uint64_t{result.spheres.size() - before});
     told.steps = result.steps;
     told.stages = result.stages;
+    const std::vector<std::int64_t> labels(result.labels.begin(), result.labels.end());
     if (!result.interrupted) {
-        told.contactsAfter = contactsOf(result.spheres);
-        told.solidLike = solidLikeShare(result.spheres);
+        told.contactsAfter = contactsOf(result.spheres, ranks, labels);
+        if (!ranks) told.solidLike = solidLikeShare(result.spheres);
     }
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
@@ -56,6 +88,10 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     result.spheres.resize(before);
     pack.spheres = std::move(result.spheres);
     pack = appended(std::move(pack), added.spheres);
+    if (ranks) {
+        pack.order = labels;
+        *setting.pieces = std::move(result.pieces);
+    }
     if (!result.regions.empty()) pack.region = std::move(result.regions);
     if (result.interrupted)
         report.interrupted = true;

@@ -3,12 +3,14 @@
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/report/report.h"
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 namespace vdbpack {
 
@@ -18,6 +20,8 @@ struct DensifySetting {
     double gap = 0;                           ///< mm
     std::uint64_t seed = 1;
     std::size_t fixed = 0;  ///< the first spheres, which stay where they are
+    Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
+    std::vector<std::int64_t>* pieces = nullptr;  ///< over ranks: as in PackResult, brought up to date
 };
 
 /// Moves and adds spheres. Those of the pack keep their indices and attributes, except depths and

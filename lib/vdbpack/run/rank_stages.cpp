@@ -32,7 +32,8 @@ void checkRanks(const PackRecipe& recipe) {
     };
     const VoidMethod method = methodOf(recipe.voids);
     const char* const alone = "leave it out, or start one process with all threads";
-    refuse(recipe.densify > 0, "`densify`", alone);
+    refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
+           alone);
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
@@ -73,8 +74,9 @@ public:
     std::uint64_t count() const { return total(0); }
     /// Kolmogorov-Smirnov distance, as exact as the classes are narrow: to 2e-5 for radii that
     /// are spread evenly.
-    template <class Share>
-    double distance(bool byVolume, const Share& below) const {
+    /// @param upTo, below  share of radii <= r and < r, as for `ksDistance`.
+    template <class Share, class ShareBelow>
+    double distance(bool byVolume, const Share& upTo, const ShareBelow& below) const {
         const std::size_t first = byVolume ? kClasses : 0;
         const auto all = static_cast<double>(total(first));
         std::uint64_t sum = 0;
@@ -82,7 +84,10 @@ public:
         for (std::size_t k = 0; k < kClasses; ++k) {
             sum += shares_[first + k];
             const double edge = least_ + static_cast<double>(k + 1) * width_;
-            largest = std::max(largest, std::fabs(static_cast<double>(sum) / all - below(edge)));
+            const double share = static_cast<double>(sum) / all;
+            // A radius of a discrete distribution may lie on an edge.
+            largest = std::max({largest, below(edge * (1 - kRounding)) - share,
+                                share - upTo(edge * (1 + kRounding))});
         }
         return largest;
     }
@@ -187,8 +192,12 @@ void compareSizes(Run<Dim>& run) {
         const RadiusClasses<Dim> classes(ranks, pack.spheres, sizes.min(), sizes.max(), counts);
         count = classes.count();
         if (count == 0) return false;
-        ks = classes.distance(false, [&](double r) { return sizes.cdf(r); });
-        ksByVolume = classes.distance(true, [&](double r) { return volume(sizes.cdf(r)); });
+        ks = classes.distance(
+            false, [&](double r) { return sizes.cdf(r); },
+            [&](double r) { return sizes.cdfBelow(r); });
+        ksByVolume = classes.distance(
+            true, [&](double r) { return volume(sizes.cdf(r)); },
+            [&](double r) { return volume(sizes.cdfBelow(r)); });
         return true;
     };
     Report::WallSizes all, wall;

@@ -1,8 +1,8 @@
 // The run that packs: `vdb_pack pack`.
+#include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/density.h"
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/measure_stage.h"
@@ -98,13 +98,6 @@ constexpr double kMostGain = Dim == 3 ? 0.045 : 0.02;
 /// About the solid fraction of walls a few spheres thick.
 constexpr double kThinWalls = 0.45;
 
-template <int Dim>
-std::vector<Sphere<Dim>> joinedSpheres(std::vector<Sphere<Dim>> spheres,
-                                       const std::vector<Sphere<Dim>>& more) {
-    spheres.insert(spheres.end(), more.begin(), more.end());
-    return spheres;
-}
-
 /// Packs so many spheres that about `target` remain, counting those that densifying will add and
 /// without those that voids will remove.
 template <int Dim>
@@ -124,7 +117,8 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
         counted.share = prepared.radii.share;
     auto result = packToCount(domain, options, target, run.callbacks, existing, counted);
     if (recipe.densify > 0 && !result.interrupted) {
-        const double front = solidFraction(joinedSpheres(existing, result.pack.spheres), domain);
+        double front = ballShare(result.pack.spheres, domain.volume(), run.ranks());
+        front += ballShare(existing, domain.volume());
         const double after =
             std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
         if (after > front)  // fewer, larger spheres

@@ -92,9 +92,10 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 
 template <int Dim>
 void densifyStage(Run<Dim>& run, double fraction, double gap) {
-    if (!run.goesOn() || run.pack.spheres.empty()) return;
-    densifyPack(run.filled(), {fraction, run.sizes, gap, run.settings.seed, run.fixed}, run.pack,
-                run.report, run.callbacks);
+    if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
+    densifyPack(run.filled(),
+                {fraction, run.sizes, gap, run.settings.seed, run.fixed, run.ranks(), &run.pieces},
+                run.pack, run.report, run.callbacks);
     run.report.seconds.densify += run.clock.lap();
 }
 

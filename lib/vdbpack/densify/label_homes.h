@@ -1,0 +1,61 @@
+// Private to densify: which rank keeps the sphere of a label.
+#pragma once
+
+#include "vdbpack/core/ranks.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// Spheres are relaxed where they are, and kept by the rank that placed them: their homes. Those
+/// that are added are shared out in equal parts.
+class LabelHomes {
+public:
+    /// @param labels  of this rank. @param pieces  as in DensifyOptions.
+    LabelHomes(Ranks& ranks, const std::vector<std::uint32_t>& labels,
+               std::vector<std::int64_t> pieces);
+
+    /// Adds labels after the last one. @return the first
+    std::uint32_t add(std::size_t count);
+    int of(std::uint32_t label) const;
+    const std::vector<std::int64_t>& pieces() const { return pieces_; }
+
+    /// The position of a label among rising ones.
+    static std::size_t indexOf(const std::vector<std::uint32_t>& labels, std::uint32_t label);
+
+    /// Sends values to the homes of labels. @return those that came here
+    template <class T, class LabelOf>
+    std::vector<T> delivered(Ranks& ranks, const std::vector<T>& values,
+                             const LabelOf& labelOf) const {
+        std::vector<std::vector<T>> lists(static_cast<std::size_t>(ranks.count()));
+        for (const T& value : values)
+            lists[static_cast<std::size_t>(of(labelOf(value)))].push_back(value);
+        std::vector<Ranks::Bytes> bytes;
+        for (auto& list : lists) {
+            bytes.push_back(bytesOf(list));
+            list = {};
+        }
+        std::vector<T> here;
+        for (const auto& list : ranks.exchange(std::move(bytes))) {
+            const auto some = valuesOf<T>(list);
+            here.insert(here.end(), some.begin(), some.end());
+        }
+        return here;
+    }
+
+    /// Looks values up at the homes of `wanted`.
+    /// @param labels, values  of this rank.
+    std::vector<std::uint32_t> valuesAt(Ranks& ranks, const std::vector<std::uint32_t>& wanted,
+                                        const std::vector<std::uint32_t>& labels,
+                                        const std::vector<std::uint32_t>& values) const;
+
+private:
+    std::vector<std::int64_t> pieces_;
+    std::vector<int> owners_;  // of the pieces
+    int ranks_;
+};
+
+}  // namespace vdbpack
