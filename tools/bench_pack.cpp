@@ -113,7 +113,8 @@ const Command kCommands[] = {
          return 0;
      }},
     {"ranks", "[--quick] [--threads T]",
-     "blocks, what smaller ones cost, and the efficiency that a model predicts for many cores;\n    "
+     "blocks, what smaller ones cost, and the efficiency that a model predicts for many cores;\n   "
+     " "
      "started by mpirun -n P: time, messages and bytes of P ranks, beside the prediction",
      0, 0,
      [](const Arguments& a) {

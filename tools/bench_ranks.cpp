@@ -219,8 +219,8 @@ void printTable(const BlockTimes& times, const BlockTimes& usual, double edge, d
             static_cast<double>(lattice.size()) * usual.total / usual.spheres / perSphere;
         fmt::print("{:>9.0e} {:>10} {:>8}", count, lattice.size(), lattice.longestChain());
         for (const int c : cores) {
-            const double span = schedule.run(c / kThreads, kThreads, inMeans(times),
-                                             kLatency / times.mean);
+            const double span =
+                schedule.run(c / kThreads, kThreads, inMeans(times), kLatency / times.mean);
             fmt::print(" {:>6.2f}", alone / (span * c));
             std::fflush(stdout);
         }
@@ -243,9 +243,10 @@ void benchAlone(bool quick) {
                    t.spheres / static_cast<double>(lattice.size()), 1e3 * t.mean, t.spread,
                    t.solidFraction, 1e6 * t.total / t.spheres);
     }
-    fmt::print("\nmodel: ranks of 16 threads, a message takes 0.1 ms; efficiency against one core "
-               "with blocks of {:.0f} mm\n",
-               latticeOf(kSide, cubeOptions(1)).own(0).size()[0]);
+    fmt::print(
+        "\nmodel: ranks of 16 threads, a message takes 0.1 ms; efficiency against one core "
+        "with blocks of {:.0f} mm\n",
+        latticeOf(kSide, cubeOptions(1)).own(0).size()[0]);
     for (std::size_t k = 0; k < edges.size(); ++k) {
         if (quick && k > 1) break;
         // Small blocks for as many spheres as the memory of this machine describes.

@@ -37,7 +37,8 @@ TEST_CASE("a pack through every format and back is the same doubles", "[convert]
     auto pack = latticePack<3>(300, {{0, 10, 40}}, 30, 2);
     writePack(pack, scratch.file("first.csv"), {});
     std::string from = scratch.file("first.csv");
-    for (const std::string to : {"a.npz", "b.xyz", "c.vtp", "d.vtkhdf", "d.vdb", "e.csv", "f.data"}) {
+    for (const std::string to :
+         {"a.npz", "b.xyz", "c.vtp", "d.vtkhdf", "d.vdb", "e.csv", "f.data"}) {
         CAPTURE(from, to);
         const auto result = runConvert(recipeFor(from, {scratch.file(to)}));
         REQUIRE(result.kind == "spheres");

@@ -40,8 +40,8 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
         PackRecipe recipe = test::recipeFor(file, radius);
         recipe.targetCount = target;
         recipe.domain.unit = moved.unit;
-        for (const char* name : {"p.vdb", "p.csv", "p.vtp", "q.pvtp", "p.vtkhdf", "p.npz", "p.ply",
-                                 "p.xyz", "p.data"})
+        for (const char* name :
+             {"p.vdb", "p.csv", "p.vtp", "q.pvtp", "p.vtkhdf", "p.npz", "p.ply", "p.xyz", "p.data"})
             recipe.outputs.push_back(folder.file(name));
         recipe.outputs.push_back("yade:" + folder.file("p.txt"));
         const auto run = runPack(recipe);

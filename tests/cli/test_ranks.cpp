@@ -56,21 +56,21 @@ std::vector<std::string> filesIn(const std::string& folder) {
 
 TEST_CASE("any number of processes make the pack of one, and measure it alike", "[cli][ranks]") {
     const TemporaryFolder folder;
-    std::string job = GENERATE(as<std::string>{},  //
-                               "ball:28 --radius uniform:1,2 --gap 0.05 --block-side 17",
-                               "rect:300,250 --radius uniform:1,2",
-                               "box:90,80,70 --radius uniform:0.8,4",
-                               "box:90,80,70 --radius uniform:1,2 --voids boolean --shell 5",
-                               "box:60,50,45 --target-count 9000 --voids boolean "
-                               "--void-radius constant:6 --target-bvtv 0.5",
-                               "box:90,80,70 --target-count 9000 --existing EXISTING --max-count "
-                               "8000",
-                               "box:60,50,45 --radius uniform:1,2 --densify 0.66 --gap 0.01",
-                               "ball:16 --radius constant:1 --densify 0.63",
-                               "rect:90,80 --radius uniform:0.5,3 --densify 0.85",
-                               "box:50,45,40 --target-count 4000 --densify 0.65 --voids boolean "
-                               "--void-radius constant:6",
-                               "MESH --target-count 20000 --seed 3");
+    std::string job =
+        GENERATE(as<std::string>{},  //
+                 "ball:28 --radius uniform:1,2 --gap 0.05 --block-side 17",
+                 "rect:300,250 --radius uniform:1,2", "box:90,80,70 --radius uniform:0.8,4",
+                 "box:90,80,70 --radius uniform:1,2 --voids boolean --shell 5",
+                 "box:60,50,45 --target-count 9000 --voids boolean "
+                 "--void-radius constant:6 --target-bvtv 0.5",
+                 "box:90,80,70 --target-count 9000 --existing EXISTING --max-count "
+                 "8000",
+                 "box:60,50,45 --radius uniform:1,2 --densify 0.66 --gap 0.01",
+                 "ball:16 --radius constant:1 --densify 0.63",
+                 "rect:90,80 --radius uniform:0.5,3 --densify 0.85",
+                 "box:50,45,40 --target-count 4000 --densify 0.65 --voids boolean "
+                 "--void-radius constant:6",
+                 "MESH --target-count 20000 --seed 3");
     if (const auto at = job.find("EXISTING"); at != std::string::npos) {
         const std::string file = folder.file("existing.csv");
         REQUIRE(vdbPack("pack box:60,60,40 --radius uniform:3,5 -o " + file).code == 0);
@@ -89,8 +89,8 @@ TEST_CASE("any number of processes make the pack of one, and measure it alike", 
         CHECK(several["hash"] == one["hash"]);
         CHECK(several["spheres"]["count"] == one["spheres"]["count"]);
         CHECK(several["spheres"]["requested"] == one["spheres"]["requested"]);
-        for (const char* key : {"pairs", "wall", "histogram", "components", "largestComponent",
-                                "fabric"})
+        for (const char* key :
+             {"pairs", "wall", "histogram", "components", "largestComponent", "fabric"})
             CHECK(several["contacts"][key] == one["contacts"][key]);
         CHECK(several["overlap"] == one["overlap"]);
         CHECK(several["protrusion"] == one["protrusion"]);
@@ -128,9 +128,9 @@ TEST_CASE("processes write the files of one", "[cli][ranks]") {
     for (const std::string& name : filesIn(several.file(""))) {
         CHECK_THAT(name, !Catch::Matchers::EndsWith(".tmp"));
         if (name.rfind("p_", 0) == 0)
-            points += nlohmann::json::parse(vdbPack("verify --json " + several.file(name)).text)
-                          ["spheres"]["count"]
-                              .get<std::uint64_t>();
+            points += nlohmann::json::parse(
+                          vdbPack("verify --json " + several.file(name)).text)["spheres"]["count"]
+                          .get<std::uint64_t>();
     }
     CHECK(points == together["spheres"]["count"]);
 }
@@ -139,8 +139,8 @@ TEST_CASE("what is not done by several processes is refused by all, once", "[cli
     const TemporaryFolder folder;
     const std::string pack = "pack box:40,40,40 --radius uniform:1,2 -o " + folder.file("p.csv");
     for (const std::string& options :
-         {pack + " --keep-connected --voids boolean", pack + " -o " + folder.file("p.npz"), pack + " --no-such",
-          "verify " + folder.file("p.csv")}) {
+         {pack + " --keep-connected --voids boolean", pack + " -o " + folder.file("p.npz"),
+          pack + " --no-such", "verify " + folder.file("p.csv")}) {
         CAPTURE(options);
         const Output refused = shell(mpirun(3) + options);
         CHECK(refused.code == 2);
@@ -156,7 +156,8 @@ TEST_CASE("what is not done by several processes is refused by all, once", "[cli
 TEST_CASE("where one process is killed, the others end and leave no file", "[cli][ranks]") {
     const double seconds = GENERATE(0.3, 0.8, 1.5);
     const TemporaryFolder folder;
-    const std::string job = mpirun(3) + "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
+    const std::string job = mpirun(3) +
+                            "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
                             folder.file("p.csv") + " -o " + folder.file("p.vtkhdf");
     Output ended{0, {}};
     std::thread running([&] { ended = shell(job); });
@@ -175,10 +176,10 @@ TEST_CASE("where one process is killed, the others end and leave no file", "[cli
         CHECK_THAT(name, Catch::Matchers::EndsWith(".tmp"));
 }
 
-TEST_CASE("processes that are asked to stop end together, with what is complete",
-          "[cli][ranks]") {
+TEST_CASE("processes that are asked to stop end together, with what is complete", "[cli][ranks]") {
     const TemporaryFolder folder;
-    const std::string job = mpirun(3) + "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
+    const std::string job = mpirun(3) +
+                            "pack box:420,420,420 --radius uniform:1,2 --threads 1 -o " +
                             folder.file("p.vtkhdf");
     Output ended{0, {}};
     std::thread running([&] { ended = shell(job); });

@@ -59,11 +59,10 @@ TEST_CASE("a .vtkhdf gives back every number bit for bit", "[formats]") {
     const auto asMicrometers = [](const Pack<3>& given) {
         std::vector<Sphere<3>> spheres;
         for (const auto& s : given.spheres)
-            spheres.push_back(
-                {{fromMillimeters(s.center[0], Unit::micrometer),
-                  fromMillimeters(s.center[1], Unit::micrometer),
-                  fromMillimeters(s.center[2], Unit::micrometer)},
-                 fromMillimeters(s.radius, Unit::micrometer)});
+            spheres.push_back({{fromMillimeters(s.center[0], Unit::micrometer),
+                                fromMillimeters(s.center[1], Unit::micrometer),
+                                fromMillimeters(s.center[2], Unit::micrometer)},
+                               fromMillimeters(s.radius, Unit::micrometer)});
         return spheres;
     };
     CHECK(asMicrometers(read) == asMicrometers(pack));
@@ -93,8 +92,9 @@ TEST_CASE("files that are no VTKHDF of points are refused with the cause", "[for
     const std::string whole = contentOf(file);
     for (const double share : {0.02, 0.3, 0.9}) {
         CAPTURE(share);
-        putContent(file, whole.substr(0, static_cast<std::size_t>(
-                                            share * static_cast<double>(whole.size()))));
+        putContent(
+            file,
+            whole.substr(0, static_cast<std::size_t>(share * static_cast<double>(whole.size()))));
         CHECK_THROWS_AS(readPack(file), InputError);
     }
 }
@@ -119,9 +119,8 @@ TEST_CASE("ranks write one pack, whatever their shares", "[formats][ranks]") {
     RankOffice office(4);
     onRanks(office, [&](Ranks& ranks) {
         // The first rank and the last have none.
-        const Pack<3> share = ranks.rank() == 0 || ranks.rank() == 3
-                                  ? Pack<3>{}
-                                  : shareOf(pack, ranks.rank() - 1, 2);
+        const Pack<3> share =
+            ranks.rank() == 0 || ranks.rank() == 3 ? Pack<3>{} : shareOf(pack, ranks.rank() - 1, 2);
         const PackView view(share, Unit::millimeter);
         if (file == "p.pvtp")
             writePvtp(&ranks, view, {}, scratch.file(file));

@@ -90,7 +90,8 @@ TEMPLATE_TEST_CASE_SIG("parts of space find what one pass over all spheres finds
         ContactSums together;
         std::copy(fabric.begin(), fabric.end(), together.fabric.begin());
         CHECK(networkOf(together, Dim).fabric == all.fabric);
-        for (std::size_t i = 0; i < own.size(); ++i) partners[static_cast<std::size_t>(rows[i])] = counts[i];
+        for (std::size_t i = 0; i < own.size(); ++i)
+            partners[static_cast<std::size_t>(rows[i])] = counts[i];
     });
     CHECK(partners == all.counts);
 }

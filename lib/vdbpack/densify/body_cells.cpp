@@ -158,8 +158,8 @@ bool BodyCells::sort(const std::vector<Home>& homes, const Body* bodies, float l
     order_.resize(n);
     std::vector<std::atomic<std::uint32_t>> fill(cells);
     forAll(n, [&](std::size_t i) {
-        cells_[i] = static_cast<std::uint32_t>(
-            cellAt(levels_[levelOf(bodies[i].radius)], homes[i]));
+        cells_[i] =
+            static_cast<std::uint32_t>(cellAt(levels_[levelOf(bodies[i].radius)], homes[i]));
         fill[cells_[i]].fetch_add(1, std::memory_order_relaxed);
     });
     firstPositions(fill, starts_, "spheres", "densify fewer spheres");

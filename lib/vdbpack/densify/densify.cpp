@@ -259,13 +259,13 @@ private:
 
     /// The same as `relax`, over ranks.
     bool relaxOverRanks(const RelaxationPace& pace, double fraction,
-                        std::vector<Sphere<Dim>>& spheres,
-                        const std::vector<std::uint32_t>& labels, const LabelHomes& homes) {
+                        std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels,
+                        const LabelHomes& homes) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), *ranks_, labels, 0,
                                    options_.seed + stage_);
         if (!isRelaxed(relaxation, pace, fraction, spheres.size())) return false;
-        const auto settled = homes.delivered(*ranks_, relaxation.settled(),
-                                             [](const auto& s) { return s.label; });
+        const auto settled =
+            homes.delivered(*ranks_, relaxation.settled(), [](const auto& s) { return s.label; });
         std::vector<std::uint32_t> places(spheres.size());
         for (const auto& s : settled) {
             const std::size_t i = LabelHomes::indexOf(labels, s.label);
@@ -331,7 +331,7 @@ private:
     Paces paces_;
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
-    std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
+    std::uint64_t stage_ = 0;          ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first
 };

@@ -31,7 +31,8 @@ struct DensifyOptions {
     /// the spheres that it placed, which do not overlap: no regions, none is fixed, and `sizes` are
     /// given.
     Ranks* ranks = nullptr;
-    std::vector<std::uint32_t> labels;  ///< of the spheres: their numbers among those of all, rising
+    std::vector<std::uint32_t>
+        labels;  ///< of the spheres: their numbers among those of all, rising
     /// From one of these numbers to the next, all spheres are those of one rank; the last is the
     /// number of all.
     std::vector<std::int64_t> pieces;

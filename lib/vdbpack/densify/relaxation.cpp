@@ -36,8 +36,7 @@ double quantumOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks) {
     sum = sumOver(ranks, sum);
     most = maxOver(ranks, most);
     if (!(sum > 0)) return 1;
-    const double mean =
-        sum / static_cast<double>(sumOver(ranks, std::uint64_t{spheres.size()}));
+    const double mean = sum / static_cast<double>(sumOver(ranks, std::uint64_t{spheres.size()}));
     return std::max(std::exp2(std::floor(std::log2(mean)) - 22),
                     std::exp2(std::ceil(std::log2(most)) - 27));
 }

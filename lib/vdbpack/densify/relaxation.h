@@ -118,7 +118,7 @@ private:
     /// A run of slots with their neighbors.
     struct Run {
         std::uint32_t first = 0, last = 0;
-        std::uint32_t number = 0;  ///< of the first slot among those of all ranks
+        std::uint32_t number = 0;         ///< of the first slot among those of all ranks
         std::vector<std::uint32_t> ids;   ///< neighbors, filled up to eights with the slot itself
         std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
         std::vector<WallPlane> planes;    ///< walls that are near

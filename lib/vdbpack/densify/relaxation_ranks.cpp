@@ -85,9 +85,8 @@ typename Relaxation<Dim>::Layers Relaxation<Dim>::layersOverRanks() const {
     // Equal shares along the axis, of all levels together.
     std::vector<std::size_t> order(counts.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-        return positions[a] < positions[b];
-    });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return positions[a] < positions[b]; });
     layers.owner.resize(counts.size());
     const auto ranks = static_cast<std::uint64_t>(ranks_->count());
     const std::uint64_t total = std::max<std::uint64_t>(layers.firstSlot.back(), 1);
@@ -117,8 +116,15 @@ void Relaxation<Dim>::send(const std::vector<int>& to) {
             slots_[kept++] = slots_[i];
             continue;
         }
-        Traveler t{now_.bodies[i], now_.motions[i], now_.homes[i], slots_[i], now_.labels[i],
-                   now_.places[i], 0,               vicinity.roam, {}};
+        Traveler t{now_.bodies[i],
+                   now_.motions[i],
+                   now_.homes[i],
+                   slots_[i],
+                   now_.labels[i],
+                   now_.places[i],
+                   0,
+                   vicinity.roam,
+                   {}};
         if (vicinity.wall != WallPlanes<Dim>::kNone) {
             t.hasWall = 1;
             t.wall = walls_[vicinity.wall];
@@ -188,15 +194,15 @@ void Relaxation<Dim>::sortOverRanks() {
     }
     now_.resize(own);
     slots_.resize(own);
-    wraps_ = cells_.lay(now_.homes, now_.bodies.data(), smallest_, most_,
-                        {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)},
-                        ranks_);
+    wraps_ =
+        cells_.lay(now_.homes, now_.bodies.data(), smallest_, most_,
+                   {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)}, ranks_);
     const Layers layers = layersOverRanks();
     const auto layerOf = [&](std::size_t i) {
         const std::size_t k = cells_.levelOf(now_.bodies[i].radius);
         return layers.first[k] +
-               static_cast<std::size_t>(cells_.layerAt(
-                   cells_.levels()[k], now_.homes[i][Layers::kAxis], Layers::kAxis));
+               static_cast<std::size_t>(
+                   cells_.layerAt(cells_.levels()[k], now_.homes[i][Layers::kAxis], Layers::kAxis));
     };
     std::vector<int> to(own);
     for (std::size_t i = 0; i < own; ++i) to[i] = layers.owner[layerOf(i)];
@@ -359,10 +365,10 @@ std::vector<typename Relaxation<Dim>::Settled> Relaxation<Dim>::settled() const 
     return all;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                              \
+#define VDBPACK_INSTANTIATE(Dim)                                                                \
     template typename Relaxation<Dim>::Extremes Relaxation<Dim>::agreed(const Extremes&) const; \
-    template void Relaxation<Dim>::sortOverRanks();                                           \
-    template void Relaxation<Dim>::refreshNear();                                             \
+    template void Relaxation<Dim>::sortOverRanks();                                             \
+    template void Relaxation<Dim>::refreshNear();                                               \
     template std::vector<Relaxation<Dim>::Settled> Relaxation<Dim>::settled() const;
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -36,8 +36,9 @@ void writeVtkHdf(Ranks* ranks, const PackView& pack, const PackWriteOptions& opt
                  const std::string& path);
 
 /// Writes the pack of all ranks; called by all. Text files are one file with its rows in order, the
-/// same for any number of ranks. .vtkhdf is one file, .pvtp and .vdb one piece a rank: NAME_0000.vtp
-/// and so on beside NAME.pvtp, and NAME_0000.vdb, of which the first has the level sets.
+/// same for any number of ranks. .vtkhdf is one file, .pvtp and .vdb one piece a rank:
+/// NAME_0000.vtp and so on beside NAME.pvtp, and NAME_0000.vdb, of which the first has the level
+/// sets.
 /// @return the files, on each rank. @throws ParameterError, IoError
 template <int Dim>
 std::vector<std::string> writeShare(const PackShare<Dim>& share, const std::string& file,

@@ -12,7 +12,8 @@ namespace {
 
 constexpr const char* kWritten =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, "
-    "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or fog:FILE.vdb for surfaces, "
+    "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or "
+    "fog:FILE.vdb for surfaces, "
     "blender:FILE.py, contacts: or list:FILE.csv";
 constexpr const char* kRead =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "

@@ -89,9 +89,9 @@ private:
 
     /// The text of an attribute of the group; empty: there is none.
     std::string textOf(const char* name) const {
-        const Hdf5 attribute(H5Aexists(group_, name) > 0 ? H5Aopen(group_, name, H5P_DEFAULT)
-                                                         : H5I_INVALID_HID,
-                             H5Aclose);
+        const Hdf5 attribute(
+            H5Aexists(group_, name) > 0 ? H5Aopen(group_, name, H5P_DEFAULT) : H5I_INVALID_HID,
+            H5Aclose);
         if (!attribute.isValid()) return {};
         const Hdf5 type(H5Aget_type(attribute), H5Tclose);
         const Hdf5 space(H5Aget_space(attribute), H5Sclose);
@@ -127,8 +127,8 @@ private:
     }
 
     Array arrayOf(hid_t group, const std::string& name) const {
-        Array array{name, Hdf5(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose), false, 0, 1,
-                    {},   {}};
+        Array array{
+            name, Hdf5(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose), false, 0, 1, {}, {}};
         if (!array.set.isValid())
             fail(fmt::format("array {} cannot be read; the file is damaged", quotedExcerpt(name)));
         const Hdf5 type(H5Dget_type(array.set), H5Tclose);

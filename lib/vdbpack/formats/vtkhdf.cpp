@@ -52,9 +52,9 @@ public:
         const hsize_t two = 2;
         const std::array<std::int64_t, 2> version{1, 0};
         const Hdf5 space(H5Screate_simple(1, &two, nullptr), H5Sclose);
-        const Hdf5 attribute(made(H5Acreate2(group_, "Version", H5T_NATIVE_INT64, space,
-                                             H5P_DEFAULT, H5P_DEFAULT)),
-                             H5Aclose);
+        const Hdf5 attribute(
+            made(H5Acreate2(group_, "Version", H5T_NATIVE_INT64, space, H5P_DEFAULT, H5P_DEFAULT)),
+            H5Aclose);
         made(H5Awrite(attribute, H5T_NATIVE_INT64, version.data()));
         note("Type", "UnstructuredGrid");
     }

@@ -228,8 +228,8 @@ AllAtoms allAtoms(const PackView& pack) {
     return {pack.size(), AtomTypes(pack).count(), pack.bounds()};
 }
 
-PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options,
-                        const AllAtoms& all, const std::vector<std::uint64_t>& rows) {
+PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options, const AllAtoms& all,
+                        const std::vector<std::uint64_t>& rows) {
     return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
 }
 

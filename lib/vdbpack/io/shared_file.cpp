@@ -19,8 +19,8 @@ SharedFile::SharedFile(Ranks* ranks, const std::string& path) : ranks_(ranks), p
         temporaryPath_ = file_->temporaryPath();
     }
     if (ranks) {
-        const auto names = gathered(
-            ranks, std::vector<char>(temporaryPath_.begin(), temporaryPath_.end()));
+        const auto names =
+            gathered(ranks, std::vector<char>(temporaryPath_.begin(), temporaryPath_.end()));
         temporaryPath_.assign(names.front().begin(), names.front().end());
     }
     descriptor_ = ::open(temporaryPath_.c_str(), O_WRONLY | O_CLOEXEC);

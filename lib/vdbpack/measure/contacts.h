@@ -55,9 +55,9 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
 /// What the contacts of a pack add up to, of which parts can be counted one by one.
 struct ContactSums {
     std::uint64_t spheres = 0;
-    std::uint64_t partners = 0;      ///< touching spheres of each sphere
-    std::uint64_t wallContacts = 0;  ///< spheres that touch the wall
-    std::uint64_t few = 0;           ///< spheres with fewer contacts than hold them in place
+    std::uint64_t partners = 0;             ///< touching spheres of each sphere
+    std::uint64_t wallContacts = 0;         ///< spheres that touch the wall
+    std::uint64_t few = 0;                  ///< spheres with fewer contacts than hold them in place
     std::array<std::uint64_t, 6> fabric{};  ///< fixed-point sum of n n^T, modulo 2^64
     std::vector<std::uint64_t> histogram;   ///< spheres with 0, 1, 2, ... contacts
     double smallestGap = std::numeric_limits<double>::infinity();  ///< mm

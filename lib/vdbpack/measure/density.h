@@ -12,7 +12,8 @@ namespace vdbpack {
 
 /// Sum of the sphere volumes / volume of the domain (2D: areas). The spheres are assumed to be
 /// disjoint and inside.
-/// @param ranks  of whose spheres these are a share; null: they are all. @throws InputError if the domain has no volume.
+/// @param ranks  of whose spheres these are a share; null: they are all. @throws InputError if the
+/// domain has no volume.
 template <int Dim>
 double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
                      Ranks* ranks = nullptr);

@@ -14,10 +14,9 @@ void JoinedComponents::add(std::size_t own, const std::vector<std::uint32_t>& co
     std::vector<std::uint32_t> size(component.size());
     std::vector<std::uint8_t> reaches(component.size());
     for (std::size_t i = 0; i < own; ++i) ++size[component[i]];
-    const std::uint64_t part =
-        (parts_++ * static_cast<std::uint64_t>(ranks_.count()) +
-         static_cast<std::uint64_t>(ranks_.rank()))
-        << 32;
+    const std::uint64_t part = (parts_++ * static_cast<std::uint64_t>(ranks_.count()) +
+                                static_cast<std::uint64_t>(ranks_.rank()))
+                               << 32;
     for (std::size_t i = 0; i < component.size(); ++i) {
         // Those without own spheres are the matter of other parts.
         if (!shared[i] || size[component[i]] == 0) continue;

@@ -44,8 +44,8 @@ std::size_t SpaceShares<Dim>::cellAt(double x, int axis) const {
     const double at = (x - bounds_.lo[axis]) / (bounds_.hi[axis] - bounds_.lo[axis]);
     // Rises with x, so that a range of positions is a range of cells whatever the rounding.
     if (!(at > 0)) return 0;
-    return std::min(cells - 1, static_cast<std::size_t>(std::min(at, 1.0) *
-                                                        static_cast<double>(cells)));
+    return std::min(cells - 1,
+                    static_cast<std::size_t>(std::min(at, 1.0) * static_cast<double>(cells)));
 }
 
 template <int Dim>

@@ -22,9 +22,9 @@ template <int Dim>
 class SpaceShares {
 public:
     struct Part {
-        std::size_t own = 0;  ///< spheres with centers in the part, which come first
+        std::size_t own = 0;               ///< spheres with centers in the part, which come first
         std::vector<Sphere<Dim>> spheres;  ///< these, and those of other parts near them
-        std::vector<std::int64_t> rows;   ///< of each sphere
+        std::vector<std::int64_t> rows;    ///< of each sphere
         std::vector<std::uint8_t> shared;  ///< of each: 1 if several parts have it
     };
 
@@ -59,7 +59,7 @@ private:
     double largest_ = 0;  // radius
     Box<Dim> bounds_;     // of the centers
     std::size_t rounds_ = 1;
-    std::array<std::size_t, Dim> cells_{};  // along each axis: slices, and parts of a slice
+    std::array<std::size_t, Dim> cells_{};        // along each axis: slices, and parts of a slice
     std::vector<std::vector<std::size_t>> sent_;  // spheres that each rank had as its own
     std::vector<std::size_t> received_;           // own spheres from each rank
 };

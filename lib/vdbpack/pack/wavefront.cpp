@@ -121,9 +121,7 @@ private:
     }
 
     bool isOwn(std::uint32_t b) const { return ownerOf(b) == rank(); }
-    int ownerOf(std::uint32_t b) const {
-        return ranks_ ? lattice_.owner(b, ranks_->count()) : 0;
-    }
+    int ownerOf(std::uint32_t b) const { return ranks_ ? lattice_.owner(b, ranks_->count()) : 0; }
     int rank() const { return ranks_ ? ranks_->rank() : 0; }
 
     void process(std::uint32_t b) {
@@ -206,7 +204,8 @@ private:
             using Microseconds = std::chrono::microseconds;
             pause = busy ? kLeastPause : std::min(2 * pause, kMostPause);
             std::unique_lock<std::mutex> lock(posting_);
-            if (!busy) posted_.wait_for(lock, Microseconds(pause), [&] { return !outbox_.empty(); });
+            if (!busy)
+                posted_.wait_for(lock, Microseconds(pause), [&] { return !outbox_.empty(); });
         }
         if (failure_) std::rethrow_exception(failure_);
     }
@@ -460,7 +459,7 @@ private:
     Ranks* const ranks_;                        // null: this one fills all blocks
     tbb::concurrent_queue<std::pair<int, std::vector<std::byte>>> outbox_;
     std::mutex posting_;
-    std::condition_variable posted_;  // to the outbox
+    std::condition_variable posted_;      // to the outbox
     std::atomic<std::size_t> filled_{0};  // own blocks that are filled, and told of
     std::exception_ptr failure_;
     std::function<bool()> cancelled_;

@@ -19,9 +19,10 @@ struct DensifySetting {
     const SizeDistribution* sizes = nullptr;  ///< of what is added; null: those of the pack
     double gap = 0;                           ///< mm
     std::uint64_t seed = 1;
-    std::size_t fixed = 0;  ///< the first spheres, which stay where they are
+    std::size_t fixed = 0;   ///< the first spheres, which stay where they are
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
-    std::vector<std::int64_t>* pieces = nullptr;  ///< over ranks: as in PackResult, brought up to date
+    std::vector<std::int64_t>* pieces =
+        nullptr;  ///< over ranks: as in PackResult, brought up to date
 };
 
 /// Moves and adds spheres. Those of the pack keep their indices and attributes, except depths and

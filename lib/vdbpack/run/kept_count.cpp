@@ -35,8 +35,7 @@ double keptShare(const VoidRecipe& voids, const Extent& extent) {
 
 template <int Dim>
 double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double largest) {
-    const auto placed =
-        static_cast<double>(sumOver(run_.ranks(), std::uint64_t{trial.size()}));
+    const auto placed = static_cast<double>(sumOver(run_.ranks(), std::uint64_t{trial.size()}));
     const VoidRecipe& recipe = *run_.voidRecipe;
     // Where the solid is filled, no void removes a sphere.
     if (recipe.empty() || (run_.solid && !recipe.keepConnected)) return placed;

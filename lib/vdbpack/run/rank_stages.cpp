@@ -27,8 +27,8 @@ namespace vdbpack {
 void checkRanks(const PackRecipe& recipe) {
     const auto refuse = [&](bool wanted, const char* what, const char* instead) {
         if (wanted)
-            throw ParameterError(fmt::format("{}: is not done over several processes; {}", what,
-                                             instead));
+            throw ParameterError(
+                fmt::format("{}: is not done over several processes; {}", what, instead));
     };
     const VoidMethod method = methodOf(recipe.voids);
     const char* const alone = "leave it out, or start one process with all threads";
@@ -38,8 +38,8 @@ void checkRanks(const PackRecipe& recipe) {
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
     refuse(!recipe.preview.file.empty(), "a picture", "draw it from a file that was written");
-    refuse(!recipe.reportFile.empty() && extensionOf(recipe.reportFile) != ".json",
-           "a report page", "write the report as .json");
+    refuse(!recipe.reportFile.empty() && extensionOf(recipe.reportFile) != ".json", "a report page",
+           "write the report as .json");
     for (const std::string& output : recipe.outputs) {
         const OutputKind kind = targetOf(output).kind;
         if (kind == OutputKind::pack) checkShareFormat(output);
@@ -140,7 +140,8 @@ void mergeWorst(Ranks& ranks, std::vector<std::pair<double, std::array<Named<Dim
     std::vector<Finding> found;
     for (const auto& [value, spheres] : own) found.push_back({value, spheres[0], spheres[1]});
     std::vector<Finding> all;
-    for (const auto& list : gathered(&ranks, found)) all.insert(all.end(), list.begin(), list.end());
+    for (const auto& list : gathered(&ranks, found))
+        all.insert(all.end(), list.begin(), list.end());
     std::sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) {
         return std::make_tuple(-a.value, a.a.row, a.b.row) <
                std::make_tuple(-b.value, b.a.row, b.b.row);
@@ -225,7 +226,8 @@ void measureOverRanks(Run<Dim>& run) {
     run.spans = rowSpans(ranks, pack.order, run.fixed, run.pieces);
     std::vector<std::int64_t> rows(spheres.size());
     for (const RowSpan& span : run.spans)
-        for (std::size_t i = span.begin; i < span.end; ++i) rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
+        for (std::size_t i = span.begin; i < span.end; ++i)
+            rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
 
     report.dim = Dim;
     report.ranks = ranks.count();
@@ -334,10 +336,10 @@ std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
     return files;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                             \
-    template void compareSizes(Run<Dim>&);                                                   \
-    template void measureOverRanks(Run<Dim>&);                                               \
-    template std::vector<std::string> writeOverRanks(const std::vector<std::string>&,        \
+#define VDBPACK_INSTANTIATE(Dim)                                                      \
+    template void compareSizes(Run<Dim>&);                                            \
+    template void measureOverRanks(Run<Dim>&);                                        \
+    template std::vector<std::string> writeOverRanks(const std::vector<std::string>&, \
                                                      const RunOutputs<Dim>&, const Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

@@ -25,7 +25,7 @@ struct PackRecipe : RunSettings {
     Effort effort = Effort::normal;
     Order order = Order::sweep;
     double blockSide = 0;  ///< edge of a block, mm, as that of PackOptions; 0: chosen
-    double gap = 0;  ///< least distance between spheres and to the wall, mm
+    double gap = 0;        ///< least distance between spheres and to the wall, mm
     /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
     double densify = 0;
     VoidRecipe voids;

@@ -171,8 +171,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
     run.positionStep = result.quantum;
     run.pieces = std::move(result.pieces);
     if (!recipe.existing.empty()) {
-        const std::uint64_t added =
-            sumOver(run.ranks(), std::uint64_t{result.pack.spheres.size()});
+        const std::uint64_t added = sumOver(run.ranks(), std::uint64_t{result.pack.spheres.size()});
         if (added == 0 && !result.interrupted)
             run.callbacks.warn(recipe.existing + ": leaves no room for spheres of these radii");
         run.fixed = existing.size();

@@ -305,8 +305,8 @@ RunResult finishStage(Run<Dim>& run) {
     Report& report = run.report;
     report.seconds.write = run.clock.lap();
     report.seconds.total = run.clock.total();
-    report.peakMemoryBytes = static_cast<std::uint64_t>(
-        maxOver(run.ranks(), static_cast<double>(peakMemory())));
+    report.peakMemoryBytes =
+        static_cast<std::uint64_t>(maxOver(run.ranks(), static_cast<double>(peakMemory())));
     RunResult result;
     result.passed = !failedChecks(report).any();
     const std::string reportFile = reportFileOf(run.settings, report);

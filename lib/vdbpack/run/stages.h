@@ -13,11 +13,11 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/outputs.h"
-#include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
 
@@ -99,8 +99,9 @@ struct Run {
                                 : settings.contactTolerance;
     }
     VoidSetting<Dim> voidSetting() const {
-        return {*voidRecipe,   domain(), built.sliceHeight, settings.seed,
-                largestRadius, ranks() ? uncancelled : callbacks, ranks()};
+        return {*voidRecipe,   domain(),      built.sliceHeight,
+                settings.seed, largestRadius, ranks() ? uncancelled : callbacks,
+                ranks()};
     }
     /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {
