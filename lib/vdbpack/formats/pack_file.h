@@ -46,9 +46,9 @@ struct PackWriteOptions {
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), .pvtp, .vtkhdf, points: for a .vdb
-/// without level sets, and .svg for circles. Whole or absent: a
-/// former file stays as it is until the new one is complete.
+/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), .pvtp, .vtkhdf (.hdf), points: for
+/// a .vdb without level sets, and .svg for circles. Whole or absent: a former file stays as it is
+/// until the new one is complete.
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .pvtp names its one piece, NAME_0000.vtp. .vtkhdf, an unstructured grid of vertices, keeps every

@@ -30,6 +30,7 @@ constexpr FormatName kFormatNames[] = {
     {"vtp", PackFormat::vtp},
     {"pvtp", PackFormat::pvtp},
     {"vtkhdf", PackFormat::vtkhdf},
+    {"hdf", PackFormat::vtkhdf},
     {"ply", PackFormat::ply},
     {"csv", PackFormat::csv},
     {"points", PackFormat::points, false},

@@ -77,7 +77,8 @@ double fileBytes(const std::string& output, const Extent& e) {
         return faces > 0 ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
     if (faces > 0 && !cut && isShapeLevelSet(output)) return kShapeFile * faces;
     const bool text = format != ".vdb" && format != ".vtp" && format != ".pvtp" &&
-                      format != ".vtkhdf" && format != ".ply" && format != ".npz";
+                      format != ".vtkhdf" && format != ".hdf" && format != ".ply" &&
+                      format != ".npz";
     const double levelSets = cut ? kCutFace * faces : kVoxel * e.field.voxels();
     return (text ? kText : kBinary) * e.count + (isSolidOutput(output) ? levelSets : 0);
 }

@@ -312,7 +312,8 @@ void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callback
 /// Arrays of a .vtkhdf are numbers.
 template <int Dim>
 void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || extensionOf(target.file) != ".vtkhdf") return;
+    const std::string extension = extensionOf(target.file);
+    if (target.kind != OutputKind::pack || (extension != ".vtkhdf" && extension != ".hdf")) return;
     for (const Column& column : pack.columns)
         if (!column.texts.empty())
             callbacks.warn(fmt::format(
