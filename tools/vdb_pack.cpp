@@ -50,7 +50,7 @@ std::atomic<bool> interrupted{false};
 /// Whether there may be completed spheres to write.
 std::atomic<bool> worthKeeping{false};
 /// Whether this process speaks for all that work on one pack; the others tell errors alone.
-bool isSpeaker = true;
+std::atomic<bool> isSpeaker{true};
 
 template <std::size_t N>
 void sayFromHandler(const char (&text)[N]) {
@@ -66,6 +66,7 @@ void onSignal(int) {
         sayFromHandler("\nvdb_pack: interrupted.\n");
         ::_exit(kInterrupted);
     }
+    if (!isSpeaker) return;
     sayFromHandler(
         "\nvdb_pack: interrupted; the completed spheres of an unfinished pack are written to "
         "NAME.interrupted.EXT. Interrupt again to stop at once.\n");

@@ -146,6 +146,19 @@ TEST_CASE("a target count is the number of spheres that are written", "[voids][c
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
 }
 
+TEST_CASE("the voids around a solid have one size in all rounds of a target count",
+          "[.slow][voids][cli]") {
+    PackRecipe recipe = porousBall("ball:10");
+    recipe.radius = "uniform:1,2";
+    recipe.targetCount = 1500;
+    recipe.voids.fill = Fill::solid;
+    recipe.voids.radius.clear();  // from the radii of the spheres
+    recipe.voids.keepConnected = true;
+    recipe.densify = 0.62;
+    const RunResult run = runPack(recipe);
+    CHECK(static_cast<double>(run.report.count) == Approx(1500).epsilon(0.02));
+}
+
 TEST_CASE("a dry run predicts the spheres that voids leave, and the time of the voids",
           "[voids][cli]") {
     PackRecipe recipe = porousBall("ball:10");
