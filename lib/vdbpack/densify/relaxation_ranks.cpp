@@ -180,7 +180,7 @@ void Relaxation<Dim>::sortLocally(std::vector<std::pair<std::uint64_t, std::uint
 template <int Dim>
 void Relaxation<Dim>::sortOverRanks() {
     moveHomes();
-    // Those of others are told anew.
+    // Those of others come later.
     std::size_t own = 0;
     for (std::size_t i = 0; i < now_.labels.size(); ++i) {
         if (isNearSlot_[i]) continue;

@@ -225,6 +225,7 @@ void writeVtkHdf(Ranks* ranks, const PackView& pack, const PackWriteOptions& opt
                            static_cast<NumberType>(std::stoi(columns.substr(at, blank - at)))});
             at = end + 1;
         }
+        file.requireRoom(bytesOfVtkHdf(shares.total, all));
         const VtkHdfOffsets made =
             layOutVtkHdf(file.temporaryPath(), shares.counts, all, options.unit, options.generator);
         offsets = {made.points, made.types, made.connectivity, made.offsets};

@@ -45,6 +45,8 @@ public:
           data_(made(H5Gcreate2(group_, "PointData", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
                 H5Gclose),
           creation_(H5Pcreate(H5P_DATASET_CREATE), H5Pclose) {
+        // The same pack gives the same bytes at any time.
+        made(H5Pset_obj_track_times(creation_, false));
         // Room for all values at once, which are not set to zero first.
         made(H5Pset_layout(creation_, H5D_CONTIGUOUS));
         made(H5Pset_alloc_time(creation_, H5D_ALLOC_TIME_EARLY));
@@ -72,7 +74,7 @@ public:
         const hsize_t size = values.size();
         const Hdf5 space(H5Screate_simple(1, &size, nullptr), H5Sclose);
         const Hdf5 set(made(H5Dcreate2(group_, name, H5T_NATIVE_INT64, space, H5P_DEFAULT,
-                                       H5P_DEFAULT, H5P_DEFAULT)),
+                                       creation_, H5P_DEFAULT)),
                        H5Dclose);
         made(H5Dwrite(set, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
     }
@@ -124,9 +126,17 @@ const char* vtkNameOf(NumberType type) {
     }
 }
 
+std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn>& columns) {
+    std::uint64_t each = 3 * sizeof(double) + 1 + 2 * sizeof(std::int64_t);
+    for (const NumberColumn& column : columns) each += bytesOf(column.type);
+    return points * each;
+}
+
 VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint64_t>& pieces,
                            const std::vector<NumberColumn>& columns, Unit unit,
                            const std::string& generator) {
+    // After a write that failed, the library crashes at the end of the process.
+    H5dont_atexit();
     const Hdf5Quiet quiet;
     const std::uint64_t points = std::accumulate(pieces.begin(), pieces.end(), std::uint64_t{0});
     Writer file(path);

@@ -29,6 +29,9 @@ struct VtkHdfOffsets {
     std::vector<std::uint64_t> columns;
 };
 
+/// Bytes of the arrays of such a file.
+std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn>& columns);
+
 /// Makes the file of an unstructured grid of vertices, in pieces of so many points, with room for
 /// its arrays one after another: their values are then written as bytes, by any number of
 /// processes. @throws IoError

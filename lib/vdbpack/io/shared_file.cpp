@@ -1,6 +1,7 @@
 #include "vdbpack/io/shared_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/memory.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -31,6 +32,17 @@ SharedFile::SharedFile(Ranks* ranks, const std::string& path) : ranks_(ranks), p
 
 SharedFile::~SharedFile() {
     if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void SharedFile::requireRoom(std::uint64_t bytes) {
+    const auto fail = [&](int cause) {
+        throw IoError(path_ + ": writing failed: " + std::strerror(cause) +
+                      "; a previous file of that name is unchanged");
+    };
+    if (static_cast<double>(bytes) > availableSpace(path_)) fail(ENOSPC);
+    if (::ftruncate(descriptor_, static_cast<off_t>(bytes)) != 0 ||
+        ::ftruncate(descriptor_, 0) != 0)
+        fail(errno);
 }
 
 void SharedFile::writeAt(std::uint64_t offset, const void* data, std::size_t bytes) {

@@ -24,6 +24,9 @@ public:
     /// A name by which the file can be opened until `commit`; of the first rank.
     const std::string& temporaryPath() const { return temporaryPath_; }
 
+    /// Refuses a file of so many bytes, or more, where the disk or a limit has no room for it, as
+    /// far as that can be known before. @throws IoError
+    void requireRoom(std::uint64_t bytes);
     /// Unbuffered; from any number of threads. @throws IoError
     void writeAt(std::uint64_t offset, const void* data, std::size_t bytes);
     /// @throws IoError
