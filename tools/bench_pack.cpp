@@ -153,7 +153,10 @@ int main(int argc, char** argv) {
         const auto session = startRanks();
         if (session) {
             arguments.ranks = &session->ranks();
-            if (words.empty() || words[0] != "ranks" || !parse(words, arguments)) return 2;
+            if (words.empty() || words[0] != "ranks" || !parse(words, arguments))
+                return session->end(true, 2, [] {
+                    fmt::print(stderr, "bench_pack: several processes run `ranks` alone\n");
+                });
             benchRanks(arguments.threads, arguments.quick, arguments.ranks);
             return session->end(false, 0, {});
         }

@@ -19,6 +19,7 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cerrno>
 #include <csignal>
@@ -237,6 +238,19 @@ int runCommand(const CliOptions& options) {
     return std::visit(Perform{options.print, callbacks}, options.job);
 }
 
+/// Refuses processes that were started together, but each for a pack of its own.
+void requireSameCommand(Ranks& ranks, int argc, char** argv) {
+    std::vector<char> words;
+    for (int i = 1; i < argc; ++i)
+        words.insert(words.end(), argv[i], argv[i] + std::strlen(argv[i]) + 1);
+    const auto all = gathered(&ranks, words);
+    if (std::any_of(all.begin(), all.end(), [&](const auto& each) { return each != all.front(); }))
+        throw ParameterError(
+            "the processes were given different arguments: those that mpirun or srun starts "
+            "together share the work of one pack. Start processes for packs of their own by other "
+            "means (xargs -P, a loop, or srun --mpi=none)");
+}
+
 /// Lets several processes work on one pack, of which the first speaks for all.
 void shareOut(CliOptions& options, RankSession& session) {
     auto* const job = std::get_if<PackJob>(&options.job);
@@ -272,6 +286,7 @@ int main(int argc, char** argv) {
         if (!isSpeaker && !std::freopen("/dev/null", "w", stdout))
             throw IoError("/dev/null: cannot be opened");
         int exitCode = kDone;
+        if (session) requireSameCommand(session->ranks(), argc, argv);
         // What is wrong with it the first process alone tells.
         auto options = isSpeaker ? parseCommandLine(argc, argv, exitCode) : std::nullopt;
         if (session &&

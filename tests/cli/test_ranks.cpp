@@ -149,6 +149,13 @@ TEST_CASE("what is not done by several processes is refused by all, once", "[cli
         CHECK(refused.text.find("vdb_pack: ", first + 1) == std::string::npos);
         CHECK(folder.files() == 0);
     }
+    // As of a loop over bones that was started by mpirun.
+    const Output different =
+        shell(mpirun(1) + "pack ball:5 --radius constant:1 -o " + folder.file("a.csv") +
+              " : -n 1 " + kTool + " pack ball:6 --radius constant:1 -o " + folder.file("b.csv"));
+    CHECK(different.code == 2);
+    CHECK_THAT(different.text, Contains("different arguments"));
+    CHECK(folder.files() == 0);
     const Output missing = shell(mpirun(2) + "pack none.stl -o " + folder.file("p.csv"));
     CHECK(missing.code == 4);
 }

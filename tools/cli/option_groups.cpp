@@ -17,7 +17,8 @@ const char* const kDomainHelp =
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
-    "file to write; may be repeated. Packs: .vdb .vtp .ply .csv .xyz .npz, .data or lammps:FILE or "
+    "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz, .data or "
+    "lammps:FILE or "
     "liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), yade:FILE.txt, points:FILE.vdb "
     "(no level sets), .svg (circles). Solids: .stl (surface:FILE.stl, voids:FILE.stl or "
     "solid:FILE.stl selects one), levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that "
@@ -26,7 +27,8 @@ const char* const kOutputHelp =
 const char* const kReportHelp = "write the report as JSON, or as a page for the browser";
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), LAMMPS or "
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    "LAMMPS or "
     "LIGGGHTS data "
     "or "
     "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
