@@ -51,18 +51,25 @@ public:
     }
 
     void sum(std::vector<std::uint64_t>& numbers) override {
-        for (std::size_t first = 0; first < numbers.size(); first += kMostBytes / 8)
-            MPI_Allreduce(MPI_IN_PLACE, numbers.data() + first,
-                          static_cast<int>(std::min(kMostBytes / 8, numbers.size() - first)),
-                          MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD);
+        std::vector<MPI_Request> requests;
+        for (std::size_t first = 0; first < numbers.size(); first += kMostBytes / 8) {
+            requests.push_back(MPI_REQUEST_NULL);
+            MPI_Iallreduce(MPI_IN_PLACE, numbers.data() + first,
+                           static_cast<int>(std::min(kMostBytes / 8, numbers.size() - first)),
+                           MPI_UINT64_T, MPI_SUM, MPI_COMM_WORLD, &requests.back());
+        }
+        wait(requests);
     }
     std::vector<Bytes> exchange(std::vector<Bytes> toEach) override {
         const auto each = static_cast<std::size_t>(count_);
         std::vector<std::uint64_t> sizes, theirs(each);
         for (const Bytes& bytes : toEach) sizes.push_back(bytes.size());
-        MPI_Alltoall(sizes.data(), 1, MPI_UINT64_T, theirs.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD);
+        std::vector<MPI_Request> requests{MPI_REQUEST_NULL};
+        MPI_Ialltoall(sizes.data(), 1, MPI_UINT64_T, theirs.data(), 1, MPI_UINT64_T, MPI_COMM_WORLD,
+                      &requests.front());
+        wait(requests);
         std::vector<Bytes> fromEach(each);
-        std::vector<MPI_Request> requests;
+        requests.clear();
         const auto inPieces = [&](Bytes& bytes, const auto& call) {
             for (std::size_t first = 0; first < bytes.size(); first += kMostBytes) {
                 requests.push_back(MPI_REQUEST_NULL);
@@ -86,7 +93,7 @@ public:
                           request);
             });
         }
-        MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+        wait(requests);
         const auto self = static_cast<std::size_t>(rank_);
         fromEach[self] = std::move(toEach[self]);
         return fromEach;
@@ -99,6 +106,17 @@ private:
         Bytes bytes;
     };
 
+    /// Looks often at first, then leaves the core to others: MPI_Waitall would keep it busy.
+    static void wait(std::vector<MPI_Request>& requests) {
+        constexpr int kOften = 100;
+        for (int k = 0;; ++k) {
+            int done = 0;
+            MPI_Testall(static_cast<int>(requests.size()), requests.data(), &done,
+                        MPI_STATUSES_IGNORE);
+            if (done) return;
+            if (k > kOften) std::this_thread::sleep_for(std::chrono::microseconds(20));
+        }
+    }
     void forgetSent() {
         while (!sent_.empty()) {
             int done = 0;
