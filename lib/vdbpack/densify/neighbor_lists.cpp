@@ -49,12 +49,7 @@ void Relaxation<Dim>::sort() {
                          {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)});
     forAll(n, [&](std::size_t to) {
         const std::uint32_t i = cells_.order()[to];
-        sorted_.bodies[to] = now_.bodies[i];
-        sorted_.motions[to] = now_.motions[i];
-        sorted_.homes[to] = now_.homes[i];
-        sorted_.labels[to] = now_.labels[i];
-        sorted_.places[to] = now_.places[i];
-        sorted_.vicinities[to] = now_.vicinities[i];
+        sorted_.take(to, now_, i);
         listedRadii_[to] = now_.bodies[i].radius;
     });
     std::swap(now_, sorted_);

@@ -113,6 +113,15 @@ private:
         std::vector<typename WallPlanes<Dim>::Vicinity> vicinities;
 
         void resize(std::size_t n);
+        /// Takes slot `i` of others (or of these) as slot `to`.
+        void take(std::size_t to, const Slots& from, std::size_t i) {
+            bodies[to] = from.bodies[i];
+            motions[to] = from.motions[i];
+            homes[to] = from.homes[i];
+            labels[to] = from.labels[i];
+            places[to] = from.places[i];
+            vicinities[to] = from.vicinities[i];
+        }
     };
 
     /// A run of slots with their neighbors.

@@ -107,12 +107,7 @@ void Relaxation<Dim>::send(const std::vector<int>& to) {
     for (std::size_t i = 0; i < n; ++i) {
         auto& vicinity = now_.vicinities[i];
         if (to[i] == ranks_->rank()) {
-            now_.bodies[kept] = now_.bodies[i];
-            now_.motions[kept] = now_.motions[i];
-            now_.homes[kept] = now_.homes[i];
-            now_.labels[kept] = now_.labels[i];
-            now_.places[kept] = now_.places[i];
-            now_.vicinities[kept] = vicinity;
+            now_.take(kept, now_, i);
             slots_[kept++] = slots_[i];
             continue;
         }
@@ -165,12 +160,7 @@ void Relaxation<Dim>::sortLocally(std::vector<std::pair<std::uint64_t, std::uint
     std::vector<std::uint32_t> slots(n);
     forAll(n, [&](std::size_t to) {
         const auto i = static_cast<std::uint32_t>(keys[to].second);
-        sorted_.bodies[to] = now_.bodies[i];
-        sorted_.motions[to] = now_.motions[i];
-        sorted_.homes[to] = now_.homes[i];
-        sorted_.labels[to] = now_.labels[i];
-        sorted_.places[to] = now_.places[i];
-        sorted_.vicinities[to] = now_.vicinities[i];
+        sorted_.take(to, now_, i);
         slots[to] = slots_[i];
     });
     std::swap(now_, sorted_);
@@ -184,12 +174,7 @@ void Relaxation<Dim>::sortOverRanks() {
     std::size_t own = 0;
     for (std::size_t i = 0; i < now_.labels.size(); ++i) {
         if (isNearSlot_[i]) continue;
-        now_.bodies[own] = now_.bodies[i];
-        now_.motions[own] = now_.motions[i];
-        now_.homes[own] = now_.homes[i];
-        now_.labels[own] = now_.labels[i];
-        now_.places[own] = now_.places[i];
-        now_.vicinities[own] = now_.vicinities[i];
+        now_.take(own, now_, i);
         slots_[own++] = slots_[i];
     }
     now_.resize(own);

@@ -19,7 +19,7 @@ constexpr const char* kRead =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
     ".lammpstrj or dump:FILE, yade:FILE";
 
-/// A prefix ("yade:f.txt") or extension and what it stands for.
+/// A prefix ("yade:f.txt") or an extension, and the format that it names.
 struct FormatName {
     const char* name;
     PackFormat format;
