@@ -6,7 +6,7 @@
 #include <string>
 
 std::unique_ptr<RankSession> startRanks() {
-    for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE"})
+    for (const char* name : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "SLURM_STEP_NUM_TASKS"})
         if (const char* const count = std::getenv(name); count && std::atoi(count) > 1)
             throw vdbpack::ParameterError(
                 std::string(count) +

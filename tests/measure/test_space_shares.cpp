@@ -2,8 +2,14 @@
 #include "support/thread_ranks.h"
 
 #include "vdbpack/core/rng.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/measure/density.h"
+#include "vdbpack/measure/density_profile.h"
 #include "vdbpack/measure/joined_components.h"
+#include "vdbpack/measure/local_fraction.h"
+#include "vdbpack/measure/pair_correlation.h"
+#include "vdbpack/measure/radius_histogram.h"
 #include "vdbpack/measure/space_shares.h"
 #include "vdbpack/verify/overlap.h"
 
@@ -28,6 +34,13 @@ std::vector<Sphere<Dim>> someSpheres(std::size_t count, double side) {
         if (i % 500 == 0) spheres.push_back(s);  // a copy
     }
     return spheres;
+}
+
+template <int Dim>
+std::vector<double> radiiOf(const std::vector<Sphere<Dim>>& spheres) {
+    std::vector<double> radii;
+    for (const auto& s : spheres) radii.push_back(s.radius);
+    return radii;
 }
 
 }  // namespace
@@ -55,7 +68,7 @@ TEMPLATE_TEST_CASE_SIG("parts of space find what one pass over all spheres finds
                 own.push_back(spheres[i]);
                 rows.push_back(static_cast<std::int64_t>(i));
             }
-        SpaceShares<Dim> shares(ranks, own, rows, tolerance, perPart);
+        SpaceShares<Dim> shares(ranks, own, rows, {tolerance}, perPart);
         JoinedComponents components(ranks);
         ContactSums sums;
         std::vector<std::int32_t> counts(own.size());
@@ -94,4 +107,59 @@ TEMPLATE_TEST_CASE_SIG("parts of space find what one pass over all spheres finds
             partners[static_cast<std::size_t>(rows[i])] = counts[i];
     });
     CHECK(partners == all.counts);
+}
+
+TEMPLATE_TEST_CASE_SIG("ranks measure the structure that one does", "[measure][ranks]",
+                       ((int Dim), Dim), 2, 3) {
+    const double side = Dim == 3 ? 40 : 200;
+    Box<Dim> box;
+    box.lo = Box<Dim>::filled(0);
+    box.hi = Box<Dim>::filled(side);
+    const auto domain = boxDomain<Dim>(box);
+    const auto spheres = someSpheres<Dim>(30000, side);
+    std::vector<float> depth;
+    const auto sampler = domain->sampler();
+    for (const auto& s : spheres)
+        depth.push_back(static_cast<float>(-sampler->signedDistance(s.center)));
+    const double reach = 4, width = 0.5, edge = 5;
+    const auto pairs = [&](const auto& of, const auto& depths, const SphereRows& rows) {
+        return *pairCorrelation(of, depths, reach, std::pow(side - 2 * reach, Dim), 30, rows);
+    };
+    const auto g = pairs(spheres, depth, {});
+    const auto profile = densityProfile(spheres, *domain, width, 5.0);
+    const auto local = *localFraction(spheres, *domain, edge);
+    const auto radii = radiusHistogram(radiiOf(spheres));
+    const double interior = *interiorFraction(spheres, *domain, 3);
+    RankOffice office(GENERATE(1, 2, 5));
+    std::mutex checking;
+    onRanks(office, [&](Ranks& ranks) {
+        std::vector<Sphere<Dim>> own;
+        std::vector<float> ownDepth;
+        SphereRows rows{&ranks};
+        // The last of five has none.
+        for (std::size_t i = 0; i < spheres.size(); ++i)
+            if (static_cast<int>(i % 4) % ranks.count() == ranks.rank()) {
+                own.push_back(spheres[i]);
+                ownDepth.push_back(depth[i]);
+                rows.rows.push_back(static_cast<std::int64_t>(i));
+            }
+        const auto ownG = pairs(own, ownDepth, rows);
+        const auto ownProfile = densityProfile(own, *domain, width, 5.0, rows);
+        const auto ownLocal = *localFraction(own, *domain, edge, rows);
+        const auto ownRadii = radiusHistogram(radiiOf(own), {}, {}, 40, &ranks);
+        const double ownInterior = *interiorFraction(own, *domain, 3, rows);
+        const std::lock_guard<std::mutex> lock(checking);
+        CHECK(ownG.g == g.g);
+        CHECK(ownG.references == g.references);
+        CHECK(ownG.density == g.density);
+        CHECK(ownLocal.mean == local.mean);
+        CHECK(ownLocal.sd == local.sd);
+        CHECK(ownRadii.counts == radii.counts);
+        CHECK(ownInterior == Approx(interior).epsilon(1e-12));
+        REQUIRE(ownProfile.fraction.size() == profile.fraction.size());
+        for (std::size_t b = 0; b < profile.fraction.size(); ++b) {
+            CHECK(ownProfile.fraction[b] == Approx(profile.fraction[b]).epsilon(1e-12));
+            CHECK(ownProfile.error[b] == Approx(profile.error[b]).epsilon(1e-12));
+        }
+    });
 }

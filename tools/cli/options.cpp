@@ -88,8 +88,9 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
         ->group("Spheres");
     command
         ->add_option("--block-side", job.blockSide,
-                     "edge of the blocks of which each is filled by one thread. Shorter ones keep "
-                     "more than some 500 cores busy, and cost some solid fraction")
+                     "edge of the blocks of which each is filled by one thread, at least 8 largest "
+                     "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, "
+                     "and cost some solid fraction")
         ->option_text("MM")
         ->check(positive())
         ->group("Spheres");
@@ -124,7 +125,8 @@ void addSeeds(CLI::App& command, Study& study, const std::string& made) {
 /// Options of a run that `pack` alone has (several seeds, dry run), among the common ones.
 void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
     addSeeds(*command, job.study, "pack");
-    addThreads(*command, job.threads, "number of threads; the pack does not depend on it");
+    addThreads(*command, job.threads,
+               "number of threads (of each process); the pack does not depend on it");
     addMemoryLimit(*command, job.memoryLimit);
     command
         ->add_flag("--dry-run", job.dryRun,

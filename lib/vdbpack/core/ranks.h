@@ -93,4 +93,14 @@ inline bool anyOver(Ranks* ranks, bool value) {
     return sumOver(ranks, std::uint64_t{value}) > 0;
 }
 
+/// Which rows the spheres of a rank are in the pack of all; by default it has the whole pack.
+struct SphereRows {
+    Ranks* ranks = nullptr;
+    std::vector<std::int64_t> rows{};  ///< of each sphere; unused without `ranks`
+
+    std::size_t operator[](std::size_t i) const {
+        return ranks ? static_cast<std::size_t>(rows[i]) : i;
+    }
+};
+
 }  // namespace vdbpack

@@ -88,17 +88,18 @@ std::vector<unsigned char> partsDeeperThan(double depth, double deep,
 /// Volume of the parts of spheres that lie deeper than `depth`.
 template <int Dim>
 double coveredDeeperThan(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
-                         double depth) {
+                         double depth, const SphereRows& rows) {
     // A field that ends at `depth` is clamped there: rounding must not decide.
     const double deep = depth * (1 - 1e-6);
     Samplers<Dim> samplers(domain);
     const auto part = partsDeeperThan(depth, deep, spheres, domain, samplers);
     const auto crossings = static_cast<double>(
-        std::count(part.begin(), part.end(), static_cast<unsigned char>(crossing)));
+        sumOver(rows.ranks, static_cast<std::uint64_t>(std::count(
+                                part.begin(), part.end(), static_cast<unsigned char>(crossing)))));
     const auto points =
         static_cast<std::size_t>(std::clamp(kPoints / std::max(crossings, 1.0), 16.0, 1000.0));
     const BallPoints<Dim> ball(16384 + points);
-    return tbb::parallel_deterministic_reduce(
+    const double own = tbb::parallel_deterministic_reduce(
         Blocks(0, spheres.size(), 512), 0.0,
         [&](const Blocks& block, double sum) {
             auto& sampler = samplers.local();
@@ -107,7 +108,7 @@ double coveredDeeperThan(const std::vector<Sphere<Dim>>& spheres, const Domain<D
                 double share = 1;
                 if (part[i] == crossing) {
                     std::size_t inside = 0;
-                    ball.visit(spheres[i], i, points, [&](const Vec<Dim>& x) {
+                    ball.visit(spheres[i], rows[i], points, [&](const Vec<Dim>& x) {
                         inside += -sampler.signedDistance(x) >= deep;
                     });
                     share = static_cast<double>(inside) / static_cast<double>(points);
@@ -117,6 +118,7 @@ double coveredDeeperThan(const std::vector<Sphere<Dim>>& spheres, const Domain<D
             return sum;
         },
         std::plus<>());
+    return sumOver(rows.ranks, own);
 }
 
 }  // namespace
@@ -133,7 +135,8 @@ double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>&
 
 template <int Dim>
 std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
-                                       const Domain<Dim>& domain, double depth, Ranks* ranks) {
+                                       const Domain<Dim>& domain, double depth,
+                                       const SphereRows& rows) {
     const double known = domain.fieldDepth();
     if (!(depth >= 0) || depth > known * (1 + 1e-6))
         throw ParameterError(
@@ -143,14 +146,14 @@ std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
     requireUsable(spheres);
     const double volume = domain.volumeDeeperThan(depth);
     if (!(volume > 1e-9 * domain.volume())) return std::nullopt;
-    return sumOver(ranks, coveredDeeperThan(spheres, domain, depth)) / volume;
+    return coveredDeeperThan(spheres, domain, depth, rows) / volume;
 }
 
 template double solidFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&, Ranks*);
 template double solidFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&, Ranks*);
 template std::optional<double> interiorFraction<2>(const std::vector<Sphere<2>>&, const Domain<2>&,
-                                                   double, Ranks*);
+                                                   double, const SphereRows&);
 template std::optional<double> interiorFraction<3>(const std::vector<Sphere<3>>&, const Domain<3>&,
-                                                   double, Ranks*);
+                                                   double, const SphereRows&);
 
 }  // namespace vdbpack

@@ -24,12 +24,12 @@ double solidFraction(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>&
 /// low-discrepancy points each, about four million together: standard error below
 /// 3e-4 * (spheres that cross / all that count), so about 1e-4 for a pack of 100 radii across.
 /// @param depth  mm, >= 0 and at most `domain.fieldDepth()`; usually three largest radii.
-/// @param ranks  as for `solidFraction`.
+/// @param rows   where ranks share the pack: called by all of them.
 /// @return nothing if no part of the domain is that deep.
 /// @throws ParameterError for another depth; InputError for an unusable sphere.
 template <int Dim>
 std::optional<double> interiorFraction(const std::vector<Sphere<Dim>>& spheres,
                                        const Domain<Dim>& domain, double depth,
-                                       Ranks* ranks = nullptr);
+                                       const SphereRows& rows = {});
 
 }  // namespace vdbpack

@@ -59,7 +59,7 @@ void addSphere(const Sphere<Dim>& sphere, std::size_t seed, int points, double w
 
 template <int Dim>
 BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain, double width,
-                   std::size_t count) {
+                   std::size_t count, const SphereRows& rows) {
     const double known = domain.fieldDepth();
     // Spheres that may lie in a bin, partly or wholly.
     Samplers<Dim> samplers(domain);
@@ -73,9 +73,10 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
             near[i] = d >= known * (1 - 1e-6) || d - spheres[i].radius < end;
         }
     });
-    const auto crossing = static_cast<double>(std::count(near.begin(), near.end(), 1));
+    const auto crossing = static_cast<double>(
+        sumOver(rows.ranks, static_cast<std::uint64_t>(std::count(near.begin(), near.end(), 1))));
     const int points = static_cast<int>(std::clamp(1.2e7 / std::max(crossing, 1.0), 16.0, 1000.0));
-    return tbb::parallel_deterministic_reduce(
+    const BinSums own = tbb::parallel_deterministic_reduce(
         Blocks(0, spheres.size(), 8192), BinSums{},
         [&](const Blocks& block, BinSums mine) {
             mine.covered.resize(count);
@@ -83,7 +84,8 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
             auto& sampler = samplers.local();
             std::vector<int> hits(count);
             for (std::size_t i = block.begin(); i < block.end(); ++i)
-                if (near[i]) addSphere(spheres[i], i, points, width, rough, sampler, hits, mine);
+                if (near[i])
+                    addSphere(spheres[i], rows[i], points, width, rough, sampler, hits, mine);
             return mine;
         },
         [&](BinSums a, const BinSums& b) {
@@ -91,13 +93,20 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
             a.add(b);
             return a;
         });
+    BinSums all;
+    all.covered.resize(count);
+    all.variance.resize(count);
+    const auto covered = gathered(rows.ranks, own.covered);
+    const auto variance = gathered(rows.ranks, own.variance);
+    for (std::size_t r = 0; r < covered.size(); ++r) all.add({covered[r], variance[r]});
+    return all;
 }
 
 }  // namespace
 
 template <int Dim>
 DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
-                              double width, double deepest) {
+                              double width, double deepest, const SphereRows& rows) {
     const double known = domain.fieldDepth();
     if (!(width > 0 && deepest >= width) || deepest > known * (1 + 1e-6))
         throw ParameterError(
@@ -111,7 +120,7 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
             fmt::format("profile: {} bins are more than the 100000 that it may have; give wider "
                         "ones than {} mm",
                         count, width));
-    const BinSums sum = sumsOfBins(spheres, domain, width, count);
+    const BinSums sum = sumsOfBins(spheres, domain, width, count, rows);
     DensityProfile profile;
     profile.width = width;
     double outer = domain.volumeDeeperThan(0);
@@ -121,17 +130,16 @@ DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Dom
         const double part = outer - inner;
         outer = inner;
         if (!(part > 1e-9 * domain.volume())) break;
-        const bool any = !sum.covered.empty();
         profile.volume.push_back(part);
-        profile.fraction.push_back(any ? sum.covered[b] / part : 0);
-        profile.error.push_back(any ? std::sqrt(sum.variance[b]) / part : 0);
+        profile.fraction.push_back(sum.covered[b] / part);
+        profile.error.push_back(std::sqrt(sum.variance[b]) / part);
     }
     return profile;
 }
 
 template DensityProfile densityProfile<2>(const std::vector<Sphere<2>>&, const Domain<2>&, double,
-                                          double);
+                                          double, const SphereRows&);
 template DensityProfile densityProfile<3>(const std::vector<Sphere<3>>&, const Domain<3>&, double,
-                                          double);
+                                          double, const SphereRows&);
 
 }  // namespace vdbpack

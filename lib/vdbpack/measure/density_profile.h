@@ -1,6 +1,7 @@
 // Solid fraction by distance to the wall.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
 
@@ -22,9 +23,10 @@ struct DensityProfile {
 /// errors are those of as many independent points, which are larger. The volume of each bin is
 /// `Domain::volumeDeeperThan`'s.
 /// @param deepest  mm, at most `domain.fieldDepth()`.
+/// @param rows     where ranks share the pack: called by all of them.
 /// @throws ParameterError for other widths and depths; InputError for an unusable sphere.
 template <int Dim>
 DensityProfile densityProfile(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& domain,
-                              double width, double deepest);
+                              double width, double deepest, const SphereRows& rows = {});
 
 }  // namespace vdbpack

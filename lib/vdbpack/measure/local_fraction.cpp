@@ -66,16 +66,18 @@ private:
 
 /// What spheres cover of each cell, in `unit`s.
 template <int Dim>
-std::vector<std::atomic<std::int64_t>> coveredParts(const std::vector<Sphere<Dim>>& spheres,
-                                                    const CoarseGrid<Dim>& grid, double unit) {
-    std::vector<std::atomic<std::int64_t>> covered(grid.cells());
+std::vector<std::uint64_t> coveredParts(const std::vector<Sphere<Dim>>& spheres,
+                                        const CoarseGrid<Dim>& grid, double unit,
+                                        const SphereRows& rows) {
+    std::vector<std::atomic<std::uint64_t>> covered(grid.cells());
     tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const Sphere<Dim>& s = spheres[i];
             const double ball = Measure<Dim>::ball(s.radius);
             const auto add = [&](std::size_t cell, double volume) {
                 if (cell < covered.size())
-                    covered[cell].fetch_add(std::llround(volume / unit), std::memory_order_relaxed);
+                    covered[cell].fetch_add(static_cast<std::uint64_t>(std::llround(volume / unit)),
+                                            std::memory_order_relaxed);
             };
             Vec<Dim> lo = s.center, hi = s.center;
             for (int d = 0; d < Dim; ++d) lo[d] -= s.radius, hi[d] += s.radius;
@@ -84,13 +86,15 @@ std::vector<std::atomic<std::int64_t>> coveredParts(const std::vector<Sphere<Dim
                 add(home, ball);
                 continue;
             }
-            Spread<Dim> spread(i);
+            Spread<Dim> spread(rows[i]);
             for (int k = 0; k < kPoints; ++k)
                 add(grid.cellAt(s.center + ballPoint<Dim>(spread.next()) * s.radius),
                     ball / kPoints);
         }
     });
-    return covered;
+    std::vector<std::uint64_t> all(covered.begin(), covered.end());
+    if (rows.ranks) rows.ranks->sum(all);
+    return all;
 }
 
 /// Whether the circumscribed sphere of each cell lies in the domain.
@@ -114,7 +118,8 @@ std::vector<unsigned char> cellsInside(const CoarseGrid<Dim>& grid, const Domain
 
 template <int Dim>
 std::optional<LocalFraction> localFraction(const std::vector<Sphere<Dim>>& spheres,
-                                           const Domain<Dim>& domain, double edge) {
+                                           const Domain<Dim>& domain, double edge,
+                                           const SphereRows& rows) {
     if (!(edge > 0) || !std::isfinite(edge))
         throw ParameterError(
             fmt::format("local fraction: cells of {} mm; give a positive edge", edge));
@@ -128,14 +133,14 @@ std::optional<LocalFraction> localFraction(const std::vector<Sphere<Dim>>& spher
                         wanted, edge));
     const CoarseGrid<Dim> grid(bounds, edge);
     if (grid.cells() == 0) return std::nullopt;
-    const auto covered = coveredParts(spheres, grid, kPart * std::pow(edge, Dim));
+    const auto covered = coveredParts(spheres, grid, kPart * std::pow(edge, Dim), rows);
     const auto inside = cellsInside(grid, domain, edge);
     LocalFraction result;
     result.edge = edge;
     double sum = 0, squares = 0;
     for (std::size_t c = 0; c < grid.cells(); ++c) {
         if (!inside[c]) continue;
-        const double f = static_cast<double>(covered[c].load()) * kPart;
+        const double f = static_cast<double>(covered[c]) * kPart;
         sum += f;
         squares += f * f;
         ++result.cells;
@@ -148,8 +153,8 @@ std::optional<LocalFraction> localFraction(const std::vector<Sphere<Dim>>& spher
 }
 
 template std::optional<LocalFraction> localFraction<2>(const std::vector<Sphere<2>>&,
-                                                       const Domain<2>&, double);
+                                                       const Domain<2>&, double, const SphereRows&);
 template std::optional<LocalFraction> localFraction<3>(const std::vector<Sphere<3>>&,
-                                                       const Domain<3>&, double);
+                                                       const Domain<3>&, double, const SphereRows&);
 
 }  // namespace vdbpack

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/space_shares.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
@@ -18,41 +19,20 @@ namespace {
 constexpr std::size_t kFewestReferences = 100;
 constexpr std::size_t kMostReferences = 100'000;
 
-}  // namespace
+using Counts = std::vector<std::uint64_t>;
 
+/// Adds the distances below `reach` from the spheres at `references` to all others.
 template <int Dim>
-std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
-                                               const std::vector<float>& depth, double reach,
-                                               double volume, int bins) {
-    if (!(reach > 0 && std::isfinite(reach)) || bins < 1 || bins > 1'000'000)
-        throw ParameterError(
-            fmt::format("pair correlation: {} bins up to {} mm; give a positive number of each, "
-                        "at most 1,000,000 bins",
-                        bins, reach));
-    if (depth.size() != spheres.size())
-        throw ParameterError(fmt::format("pair correlation: {} depths for {} {}; give one each",
-                                         depth.size(), spheres.size(), Measure<Dim>::kSpheres));
-    requireUsable(spheres);
-    std::vector<std::uint32_t> deep;
-    for (std::size_t i = 0; i < spheres.size(); ++i)
-        if (static_cast<double>(depth[i]) >= reach) deep.push_back(static_cast<std::uint32_t>(i));
-    if (deep.size() < kFewestReferences || !(volume > 0)) return std::nullopt;
-    PairCorrelation result;
-    result.width = reach / bins;
-    result.density = static_cast<double>(deep.size()) / volume;
-    // Evenly along the pack's order, which is not spatial alone.
-    const std::size_t stride = (deep.size() + kMostReferences - 1) / kMostReferences;
-    result.references = (deep.size() + stride - 1) / stride;
-
+void addPairs(const std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& references,
+              double reach, Counts& pairs) {
     const CellLevels<Dim> cells(spheres);
-    using Counts = std::vector<std::uint64_t>;
-    tbb::enumerable_thread_specific<Counts> counts(Counts(static_cast<std::size_t>(bins)));
-    const double perBin = 1 / result.width;
+    tbb::enumerable_thread_specific<Counts> counts(Counts(pairs.size()));
+    const double perBin = static_cast<double>(pairs.size()) / reach;
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, result.references, 64), [&](const auto& block) {
+        tbb::blocked_range<std::size_t>(0, references.size(), 64), [&](const auto& block) {
             Counts& mine = counts.local();
             for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                const std::uint32_t i = deep[k * stride];
+                const std::uint32_t i = references[k];
                 const Vec<Dim>& x = spheres[i].center;
                 cells.forEachNear(x, reach, [&](std::uint32_t j, const Sphere<Dim>& s) {
                     const double square = squaredLength(s.center - x);
@@ -63,9 +43,61 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
                 });
             }
         });
-    for (std::size_t b = 0; b < static_cast<std::size_t>(bins); ++b) {
-        double pairs = 0;
-        for (const Counts& c : counts) pairs += static_cast<double>(c[b]);
+    for (const Counts& mine : counts)
+        for (std::size_t b = 0; b < pairs.size(); ++b) pairs[b] += mine[b];
+}
+
+}  // namespace
+
+template <int Dim>
+std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
+                                               const std::vector<float>& depth, double reach,
+                                               double volume, int bins, const SphereRows& rows) {
+    if (!(reach > 0 && std::isfinite(reach)) || bins < 1 || bins > 1'000'000)
+        throw ParameterError(
+            fmt::format("pair correlation: {} bins up to {} mm; give a positive number of each, "
+                        "at most 1,000,000 bins",
+                        bins, reach));
+    if (depth.size() != spheres.size())
+        throw ParameterError(fmt::format("pair correlation: {} depths for {} {}; give one each",
+                                         depth.size(), spheres.size(), Measure<Dim>::kSpheres));
+    requireUsable(spheres);
+    const auto isDeep = [&](std::size_t i) { return static_cast<double>(depth[i]) >= reach; };
+    std::uint64_t deep = 0;
+    for (std::size_t i = 0; i < spheres.size(); ++i) deep += isDeep(i);
+    deep = sumOver(rows.ranks, deep);
+    if (deep < kFewestReferences || !(volume > 0)) return std::nullopt;
+    PairCorrelation result;
+    result.width = reach / bins;
+    result.density = static_cast<double>(deep) / volume;
+    // Evenly along the pack's order, which is not spatial alone.
+    const std::uint64_t stride = (deep + kMostReferences - 1) / kMostReferences;
+    const auto isReference = [&](std::size_t i) { return isDeep(i) && rows[i] % stride == 0; };
+
+    Counts counts(static_cast<std::size_t>(bins));
+    if (!rows.ranks) {
+        std::vector<std::uint32_t> references;
+        for (std::size_t i = 0; i < spheres.size(); ++i)
+            if (isReference(i)) references.push_back(static_cast<std::uint32_t>(i));
+        result.references = references.size();
+        addPairs(spheres, references, reach, counts);
+    } else {
+        std::vector<std::int64_t> marks(spheres.size());
+        for (std::size_t i = 0; i < spheres.size(); ++i) marks[i] = isReference(i);
+        SpaceShares<Dim> shares(*rows.ranks, spheres, marks, {0, reach});
+        for (std::size_t round = 0; round < shares.rounds(); ++round) {
+            const auto part = shares.part(round);
+            std::vector<std::uint32_t> references;
+            for (std::size_t i = 0; i < part.own; ++i)
+                if (part.rows[i]) references.push_back(static_cast<std::uint32_t>(i));
+            result.references += references.size();
+            addPairs(part.spheres, references, reach, counts);
+        }
+        result.references = sumOver(rows.ranks, result.references);
+        rows.ranks->sum(counts);
+    }
+    for (std::size_t b = 0; b < counts.size(); ++b) {
+        const auto pairs = static_cast<double>(counts[b]);
         const double shell = Measure<Dim>::ball(static_cast<double>(b + 1) * result.width) -
                              Measure<Dim>::ball(static_cast<double>(b) * result.width);
         const double expected = static_cast<double>(result.references) * result.density * shell;
@@ -75,11 +107,11 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
     return result;
 }
 
-template std::optional<PairCorrelation> pairCorrelation<2>(const std::vector<Sphere<2>>&,
-                                                           const std::vector<float>&, double,
-                                                           double, int);
-template std::optional<PairCorrelation> pairCorrelation<3>(const std::vector<Sphere<3>>&,
-                                                           const std::vector<float>&, double,
-                                                           double, int);
+template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<2>>&,
+                                                        const std::vector<float>&, double, double,
+                                                        int, const SphereRows&);
+template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<3>>&,
+                                                        const std::vector<float>&, double, double,
+                                                        int, const SphereRows&);
 
 }  // namespace vdbpack

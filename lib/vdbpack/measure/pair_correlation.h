@@ -1,6 +1,7 @@
 // Pair correlation of sphere centers.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
@@ -26,13 +27,17 @@ struct PairCorrelation {
 /// @param volume  of the part of the domain that is at least `reach` deep (2D: area), mm^dim: with
 ///                the centers in it, the mean density.
 /// @param bins    > 0.
+/// @param rows    where ranks share the pack: called by all of them, with the same arguments but
+/// for
+///                the spheres of each.
 /// @return nothing for fewer than 100 references, with which g is noise.
 /// @throws ParameterError for other arguments, InputError for an unusable sphere.
-/// The same for any number of threads. Cost: about 1 microsecond per reference at `reach` of three
-/// mean diameters.
+/// The same for any number of threads and ranks. Cost: about 1 microsecond per reference at `reach`
+/// of three mean diameters.
 template <int Dim>
 std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
                                                const std::vector<float>& depth, double reach,
-                                               double volume, int bins);
+                                               double volume, int bins,
+                                               const SphereRows& rows = {});
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace vdbpack {
 
@@ -18,11 +19,16 @@ constexpr double kOneSize = 1e-4;
 
 RadiusHistogram radiusHistogram(const std::vector<double>& radii,
                                 const std::function<double(double)>& askedBelow,
-                                std::pair<double, double> range, int bins) {
+                                std::pair<double, double> range, int bins, Ranks* ranks) {
     RadiusHistogram result;
-    if (radii.empty()) return result;
-    auto [low, high] = std::minmax_element(radii.begin(), radii.end());
-    double from = *low, to = *high;
+    double from = std::numeric_limits<double>::infinity(), to = 0;
+    for (const double r : radii) {
+        from = std::min(from, r);
+        to = std::max(to, r);
+    }
+    from = minOver(ranks, from);
+    to = maxOver(ranks, to);
+    if (!(from <= to)) return result;
     if (askedBelow) {
         from = std::min(from, range.first);
         to = std::max(to, range.second);
@@ -41,6 +47,7 @@ RadiusHistogram radiusHistogram(const std::vector<double>& radii,
         const double at = (r * (1 + kRounding) - from) / result.width;
         result.counts[static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, bins - 1.0))]++;
     }
+    if (ranks) ranks->sum(result.counts);
     if (!askedBelow) return result;
     double before = 0;
     for (std::size_t b = 0; b < n; ++b) {

@@ -1,6 +1,8 @@
 // Histograms of the radii of a pack and of the requested distribution.
 #pragma once
 
+#include "vdbpack/core/ranks.h"
+
 #include <cstdint>
 #include <functional>
 #include <utility>
@@ -20,8 +22,10 @@ struct RadiusHistogram {
 /// @param askedBelow  requested share of radii < r; empty: none.
 /// @param range       smallest and largest requested radius, mm; unused without `askedBelow`.
 /// @param bins        > 0.
+/// @param ranks       that have radii, and all call this; null: this one alone.
 RadiusHistogram radiusHistogram(const std::vector<double>& radii,
                                 const std::function<double(double)>& askedBelow = {},
-                                std::pair<double, double> range = {}, int bins = 40);
+                                std::pair<double, double> range = {}, int bins = 40,
+                                Ranks* ranks = nullptr);
 
 }  // namespace vdbpack

@@ -18,9 +18,9 @@ std::size_t divisorOf(std::size_t n) {
 
 template <int Dim>
 SpaceShares<Dim>::SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                              const std::vector<std::int64_t>& rows, double slack,
+                              const std::vector<std::int64_t>& rows, const Near& near,
                               std::uint64_t perPart)
-    : ranks_(ranks), spheres_(spheres), rows_(rows), slack_(slack) {
+    : ranks_(ranks), spheres_(spheres), rows_(rows), near_(near) {
     for (const Sphere<Dim>& s : spheres) {
         bounds_.add(s.center);
         largest_ = std::max(largest_, s.radius);
@@ -55,7 +55,8 @@ auto SpaceShares<Dim>::part(std::size_t round) -> Part {
     sent_.assign(each, {});
     for (std::size_t i = 0; i < spheres_.size(); ++i) {
         const Sphere<Dim>& s = spheres_[i];
-        const double reach = (s.radius * (1 + slack_) + largest_) * (1 + 1e-9);
+        const double touching = s.radius * (1 + near_.slack) + largest_;
+        const double reach = std::max(touching, near_.reach) * (1 + 1e-9);
         if (cellAt(s.center[0] - reach, 0) > round || cellAt(s.center[0] + reach, 0) < round)
             continue;
         const bool inSlice = cellAt(s.center[0], 0) == round;

@@ -28,12 +28,17 @@ public:
         std::vector<std::uint8_t> shared;  ///< of each: 1 if several parts have it
     };
 
-    /// @param spheres  of this rank. @param rows  a number of each, unique among all ranks.
-    /// @param slack    spheres are near up to a gap of `slack` times the smaller radius.
+    /// Which spheres are near to which.
+    struct Near {
+        double slack;      ///< up to a gap of `slack` times the smaller radius,
+        double reach = 0;  ///< and up to a distance of the centers, mm
+    };
+
+    /// @param spheres  of this rank. @param rows  a number that goes with each.
     /// @param perPart  own spheres of a part, about: 40 bytes each while they are sent, and as much
     ///                 again for their measures.
     SpaceShares(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                const std::vector<std::int64_t>& rows, double slack,
+                const std::vector<std::int64_t>& rows, const Near& near,
                 std::uint64_t perPart = 250'000);
 
     std::size_t rounds() const { return rounds_; }
@@ -55,7 +60,7 @@ private:
     Ranks& ranks_;
     const std::vector<Sphere<Dim>>& spheres_;
     const std::vector<std::int64_t>& rows_;
-    double slack_;
+    Near near_;
     double largest_ = 0;  // radius
     Box<Dim> bounds_;     // of the centers
     std::size_t rounds_ = 1;

@@ -27,7 +27,7 @@ std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks*
     std::array<double, 3> means{};
     if (ranks) {
         SpaceShares<Dim> shares(*ranks, spheres, labels,
-                                *std::max_element(kTolerances.begin(), kTolerances.end()));
+                                {*std::max_element(kTolerances.begin(), kTolerances.end())});
         std::vector<std::uint64_t> partners(means.size() + 1);
         partners.back() = spheres.size();
         for (std::size_t round = 0; round < shares.rounds(); ++round) {

@@ -73,11 +73,11 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
 /// The layer of a thickness along the wall, and the part that it encloses, if any.
 template <int Dim>
 std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& domain,
-                                      double shell, double solidFraction) {
+                                      double shell, double solidFraction, const SphereRows& rows) {
     const Domain<Dim>& envelope = domain.envelope();
     const double all = domain.volume(), core = coreVolume(domain, shell);
     // Spheres lie in the domain: those below the shell of the envelope are in the core.
-    const auto inner = interiorFraction(pack.spheres, envelope, shell);
+    const auto inner = interiorFraction(pack.spheres, envelope, shell, rows);
     const double coreSolid = inner && core > 0 ? *inner * envelope.volumeDeeperThan(shell) : 0;
     RegionFraction outside, inside;
     outside.name = "cortical";
@@ -92,8 +92,11 @@ std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& 
         ++region.count;
         region.meanRadius += pack.spheres[i].radius;
     }
-    for (RegionFraction* region : {&outside, &inside})
+    for (RegionFraction* region : {&outside, &inside}) {
+        region->count = sumOver(rows.ranks, region->count);
+        region->meanRadius = sumOver(rows.ranks, region->meanRadius);
         if (region->count > 0) region->meanRadius /= static_cast<double>(region->count);
+    }
     if (!(core > 1e-9 * all)) return {outside};
     return {outside, inside};
 }
@@ -157,9 +160,9 @@ void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& 
 
 template <int Dim>
 Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
-                           double shell, const Callbacks& callbacks) {
+                           double shell, const Callbacks& callbacks, const SphereRows& rows) {
     Structure result;
-    if (pack.spheres.empty()) return result;
+    if (report.count == 0) return result;
     result.dim = Dim;
     result.meanDiameter = 2 * report.radius.mean;
     const double known =
@@ -169,11 +172,11 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         const double width = kProfileWidth * result.meanDiameter;
         const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
         if (deepest >= width)
-            result.profile = densityProfile(pack.spheres, *domain, width, deepest);
+            result.profile = densityProfile(pack.spheres, *domain, width, deepest, rows);
         callbacks.stopIfCancelled();
         const double edge = kLocalEdge * result.meanDiameter;
         if (domain->bounds().volume() < 1e8 * std::pow(edge, Dim))
-            result.local = localFraction(pack.spheres, *domain, edge);
+            result.local = localFraction(pack.spheres, *domain, edge, rows);
     }
     callbacks.stopIfCancelled();
     // The largest range with enough centers at that depth. Without a domain the density is unknown.
@@ -182,7 +185,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         if (!domain || reach > known) continue;
         result.pairCorrelation =
             pairCorrelation(pack.spheres, pack.depth, reach, domain->volumeDeeperThan(reach),
-                            static_cast<int>(diameters * kPairBins));
+                            static_cast<int>(diameters * kPairBins), rows);
         if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
     }
     callbacks.stopIfCancelled();
@@ -192,15 +195,15 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
                 "`shell` {} mm: the field has depths up to {:.4g} mm; give a thinner shell", shell,
                 known));
         result.shell = shell;
-        result.regions = regionsOf(pack, *domain, shell, *report.solidFractionTotal);
+        result.regions = regionsOf(pack, *domain, shell, *report.solidFractionTotal, rows);
     }
     return result;
 }
 
 template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const Report&, double,
-                                       const Callbacks&);
+                                       const Callbacks&, const SphereRows&);
 template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double,
-                                       const Callbacks&);
+                                       const Callbacks&, const SphereRows&);
 template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
 template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
 template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,

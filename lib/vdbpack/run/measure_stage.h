@@ -31,9 +31,11 @@ void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& 
 /// `measurePack`.
 /// @param domain  null: none of these that need a domain.
 /// @param shell   thickness of the layer along the wall that is measured separately, mm; 0: none.
+/// @param rows    where ranks share the pack: called by all of them.
 /// @throws Interrupted
 template <int Dim>
 Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
-                           double shell, const Callbacks& callbacks = {});
+                           double shell, const Callbacks& callbacks = {},
+                           const SphereRows& rows = {});
 
 }  // namespace vdbpack

@@ -37,9 +37,9 @@ void checkRanks(const PackRecipe& recipe) {
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
-    refuse(!recipe.preview.file.empty(), "a picture", "draw it from a file that was written");
-    refuse(!recipe.reportFile.empty() && extensionOf(recipe.reportFile) != ".json", "a report page",
-           "write the report as .json");
+    const PreviewRecipe& preview = recipe.preview;
+    refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::radius,
+           "a picture", "draw it from a file that was written");
     for (const std::string& output : recipe.outputs) {
         const OutputKind kind = targetOf(output).kind;
         if (kind == OutputKind::pack) checkShareFormat(output);
@@ -215,6 +215,16 @@ void compareSizes(Run<Dim>& run) {
 }
 
 template <int Dim>
+SphereRows rowsOf(const Run<Dim>& run) {
+    if (!run.ranks()) return {};
+    SphereRows all{run.ranks(), std::vector<std::int64_t>(run.pack.spheres.size())};
+    for (const RowSpan& span : run.spans)
+        for (std::size_t i = span.begin; i < span.end; ++i)
+            all.rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
+    return all;
+}
+
+template <int Dim>
 void measureOverRanks(Run<Dim>& run) {
     Ranks& ranks = *run.settings.ranks;
     Report& report = run.report;
@@ -224,10 +234,8 @@ void measureOverRanks(Run<Dim>& run) {
     const double tolerance = run.settings.contactTolerance;
 
     run.spans = rowSpans(ranks, pack.order, run.fixed, run.pieces);
-    std::vector<std::int64_t> rows(spheres.size());
-    for (const RowSpan& span : run.spans)
-        for (std::size_t i = span.begin; i < span.end; ++i)
-            rows[i] = static_cast<std::int64_t>(span.row + (i - span.begin));
+    SphereRows mine = rowsOf(run);
+    std::vector<std::int64_t>& rows = mine.rows;
 
     report.dim = Dim;
     report.ranks = ranks.count();
@@ -260,16 +268,15 @@ void measureOverRanks(Run<Dim>& run) {
     protrusion.spheres = sumOver(&ranks, protrusion.spheres);
     protrusion.centersOutside = sumOver(&ranks, protrusion.centersOutside);
     report.protrusion = protrusion;
-    report.solidFractionTotal = protrusion.spheres > 0
-                                    ? interiorFraction(spheres, domain, 0, &ranks)
-                                    : solidFraction(spheres, domain, &ranks);
+    report.solidFractionTotal = protrusion.spheres > 0 ? interiorFraction(spheres, domain, 0, mine)
+                                                       : solidFraction(spheres, domain, &ranks);
     if (const double interior = 3 * report.radius.max; interior <= domain.fieldDepth())
-        report.solidFractionInterior = interiorFraction(spheres, domain, interior, &ranks);
+        report.solidFractionInterior = interiorFraction(spheres, domain, interior, mine);
 
     // What it takes neighbors for, part by part.
     const double gap = report.requestedGap;
     const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
-    SpaceShares<Dim> shares(ranks, spheres, rows, slack);
+    SpaceShares<Dim> shares(ranks, spheres, rows, {slack});
     JoinedComponents components(ranks);
     ContactSums sums;
     OverlapCheck overlap;
@@ -338,6 +345,7 @@ std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
 
 #define VDBPACK_INSTANTIATE(Dim)                                                      \
     template void compareSizes(Run<Dim>&);                                            \
+    template SphereRows rowsOf(const Run<Dim>&);                                      \
     template void measureOverRanks(Run<Dim>&);                                        \
     template std::vector<std::string> writeOverRanks(const std::vector<std::string>&, \
                                                      const RunOutputs<Dim>&, const Run<Dim>&);

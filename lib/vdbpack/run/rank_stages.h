@@ -21,6 +21,10 @@ void compareSizes(Run<Dim>& run);
 template <int Dim>
 void measureOverRanks(Run<Dim>& run);
 
+/// The rows of the spheres, as `measureOverRanks` found them.
+template <int Dim>
+SphereRows rowsOf(const Run<Dim>& run);
+
 /// Writes outputs of the spheres of all ranks. @return the files, on each of them.
 /// @throws ParameterError, IoError
 template <int Dim>

@@ -33,14 +33,15 @@ std::string jsonText(const Json& json) {
 
 /// Of the spheres that were added; those that stood are not this run's choice.
 template <int Dim>
-RadiusHistogram histogramOf(const Pack<Dim>& pack, std::uint64_t existing,
-                            const SizeDistribution* sizes) {
+RadiusHistogram histogramOf(const Pack<Dim>& pack, std::size_t existing,
+                            const SizeDistribution* sizes, Ranks* ranks = nullptr) {
     std::vector<double> radii;
     for (std::size_t i = existing; i < pack.spheres.size(); ++i)
         radii.push_back(pack.spheres[i].radius);
     if (!sizes) return radiusHistogram(radii);
-    return radiusHistogram(radii, [&](double r) { return sizes->cdfBelow(r); },
-                           {sizes->min(), sizes->max()});
+    return radiusHistogram(
+        radii, [&](double r) { return sizes->cdfBelow(r); }, {sizes->min(), sizes->max()}, 40,
+        ranks);
 }
 
 /// The rows of a table; settings that were not requested have none.
@@ -198,20 +199,21 @@ bool isPage(const std::string& reportFile) {
 }
 
 template <int Dim>
-PageDetails pageDetails(const Pack<Dim>& pack, const DomainSource& source,
+PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSource& source,
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
-                        const Report& report, const Callbacks& callbacks) {
+                        const Report& report, const Callbacks& callbacks, const SphereRows& rows) {
     PageDetails details;
-    details.radii = histogramOf(pack, report.existing, &sizes);
+    details.radii = histogramOf(pack, fixed, &sizes, rows.ranks);
     const double shell = report.voids ? report.voids->shell : 0;
     const double depth = structureDepth(report.radius, shell);
-    if (pack.spheres.empty() || domain.fieldDepth() >= depth) {
-        details.structure = measureStructure(pack, &domain, report, shell, callbacks);
+    if (report.count == 0 || domain.fieldDepth() >= depth) {
+        details.structure = measureStructure(pack, &domain, report, shell, callbacks, rows);
         return details;
     }
     const auto built =
         source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3, callbacks);
-    details.structure = measureStructure(pack, ofDim<Dim>(built).get(), report, shell, callbacks);
+    details.structure =
+        measureStructure(pack, ofDim<Dim>(built).get(), report, shell, callbacks, rows);
     return details;
 }
 
@@ -283,9 +285,11 @@ void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
     write(recipe.reportFile, reportPage(page, figures));
 }
 
-template PageDetails pageDetails<2>(const Pack<2>&, const DomainSource&, const Domain<2>&,
-                                    const SizeDistribution&, const Report&, const Callbacks&);
-template PageDetails pageDetails<3>(const Pack<3>&, const DomainSource&, const Domain<3>&,
-                                    const SizeDistribution&, const Report&, const Callbacks&);
+template PageDetails pageDetails<2>(const Pack<2>&, std::size_t, const DomainSource&,
+                                    const Domain<2>&, const SizeDistribution&, const Report&,
+                                    const Callbacks&, const SphereRows&);
+template PageDetails pageDetails<3>(const Pack<3>&, std::size_t, const DomainSource&,
+                                    const Domain<3>&, const SizeDistribution&, const Report&,
+                                    const Callbacks&, const SphereRows&);
 
 }  // namespace vdbpack

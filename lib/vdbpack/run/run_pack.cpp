@@ -294,8 +294,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
-            details = pageDetails(run.pack, run.filledSource(), run.filled(), options.sizes,
-                                  run.report, callbacks);
+            details =
+                pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(), options.sizes,
+                            run.report, run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
         });
     RunResult result = finishStage(run);
     if (run.isFirst()) writeReport(result, details, recipe);

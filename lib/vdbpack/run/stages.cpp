@@ -282,7 +282,7 @@ void write(Run<Dim>& run) {
 template <int Dim>
 void draw(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
-    if (settings.preview.file.empty() && !isPage(settings.reportFile)) return;
+    if (run.ranks() || (settings.preview.file.empty() && !isPage(settings.reportFile))) return;
     if (run.hasPack && run.pack.spheres.empty()) return;
     if (run.report.interrupted) return;
     run.callbacks.report("write", 0, 0);
