@@ -52,6 +52,7 @@ const Names<Cull> kCulls{
 const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::together},
                                                 {"separate", RepairComponents::separate}};
 
+const Names<ImageSpace> kSpaces{{"lps", ImageSpace::lps}, {"ras", ImageSpace::ras}};
 const Names<ShellFrom> kShellFrom{{"walls", ShellFrom::walls}, {"outer", ShellFrom::outer}};
 
 /// More gain nothing anywhere, and each takes memory.
@@ -195,8 +196,26 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->group("Domain");
     command
         .add_option("--threshold", domain.threshold,
-                    "take a fog volume of a .vdb as the domain: where its values are larger than V")
+                    "take an image, or a fog volume of a .vdb, as the domain where its values are "
+                    "at least V")
         ->option_text("V")
+        ->group("Domain");
+    command
+        .add_option("--label", domain.label,
+                    "label of an image to fill, by value or name; A+B joins two")
+        ->option_text("L")
+        ->check(notEmpty())
+        ->group("Domain");
+    command
+        .add_option("--voxel-spacing", domain.voxelSpacing,
+                    "distances of an image's voxels, mm, in place of its own; TIFF files need it")
+        ->option_text("X,Y,Z|D")
+        ->check(notEmpty())
+        ->group("Domain");
+    addChoice(command, "--space", domain.space, kSpaces,
+              "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
+              "(x to the right, y to the front, as in NIfTI)")
+        ->option_text("lps|ras [lps]")
         ->group("Domain");
     command
         .add_option("--slice", domain.slice,

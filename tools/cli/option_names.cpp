@@ -73,6 +73,9 @@ constexpr OptionName kOptionNames[] = {
     {"voids.voxelSize", "--void-voxel"},
     {"voxelSize", "--voxel"},
     {"weightBy", "--weight-by"},
+    {"label", "--label"},
+    {"space", "--space"},
+    {"voxelSpacing", "--voxel-spacing"},
 };
 
 }  // namespace

@@ -75,6 +75,15 @@ double parseSlice(const std::string& text) {
     return v[0];
 }
 
+Vec<3> parseVoxelSpacing(const std::string& text) {
+    const std::string what = fmt::format("`voxelSpacing` '{}'", text);
+    const char* form = "X,Y,Z or a single distance, in mm";
+    auto v = numbersIn(what, text, form);
+    if (v.size() == 1) v.resize(3, v.front());
+    if (v.size() != 3 || !(v[0] > 0 && v[1] > 0 && v[2] > 0)) malformed(what, form);
+    return {{v[0], v[1], v[2]}};
+}
+
 std::optional<NamedShape> parseShape(const std::string& text) {
     const auto colon = text.find(':');
     if (colon == std::string::npos) return std::nullopt;

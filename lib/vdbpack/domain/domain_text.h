@@ -42,4 +42,7 @@ std::vector<HalfSpace<3>> parseClip(const std::string& text);
 /// The height in z=V, mm. @throws ParameterError
 double parseSlice(const std::string& text);
 
+/// The distances of voxels in X,Y,Z, or in D for all three, mm. @throws ParameterError
+Vec<3> parseVoxelSpacing(const std::string& text);
+
 }  // namespace vdbpack

@@ -24,6 +24,16 @@ void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words) 
     for (auto word = rest.next(); !word.empty(); word = rest.next()) words.push_back(word);
 }
 
+std::vector<std::string> splitAt(std::string_view text, char separator) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(separator, begin), text.size());
+        parts.emplace_back(trimmed(text.substr(begin, end - begin)));
+        begin = end + 1;
+    }
+    return parts;
+}
+
 std::string lowered(std::string_view text) {
     std::string result(text);
     std::transform(result.begin(), result.end(), result.begin(), lower);

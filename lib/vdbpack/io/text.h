@@ -41,6 +41,9 @@ private:
 /// Replaces `words` by those of `line`.
 void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words);
 
+/// The texts between the separators of `text`, without blanks at their ends.
+std::vector<std::string> splitAt(std::string_view text, char separator);
+
 /// `text` with small letters for A to Z.
 std::string lowered(std::string_view text);
 /// Whether `text` is `lowerText`, which has no capital letters, in any case.

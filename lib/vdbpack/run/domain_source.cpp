@@ -4,11 +4,13 @@
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/domain/slice_domain.h"
+#include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_sides.h"
+#include "vdbpack/run/image_domain.h"
 
 #include <fmt/format.h>
 
@@ -137,6 +139,8 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     } else if (extensionOf(text) == ".vdb") {
         levelSet_ = domainLevelSet(recipe, scale);
         mesh_ = levelSetMesh(*levelSet_, text);
+    } else if (namesImage(text)) {
+        mesh_ = imageMesh(recipe, callbacks);
     } else {
         mesh_ = readDomainMesh(recipe, callbacks, repair_);
     }
@@ -144,7 +148,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     fileBounds_ = mesh_->bounds();
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
     checkSize(fileBounds_, recipe, callbacks);
-    if (!levelSet_) warnOfLostDigits(*mesh_, recipe, callbacks);
+    if (!levelSet_ && !namesImage(text)) warnOfLostDigits(*mesh_, recipe, callbacks);
 }
 
 void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
@@ -175,11 +179,17 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     const bool levelSet = extensionOf(text) == ".vdb";
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
-    if (recipe.threshold && !levelSet)
-        callbacks.warn(
-            fmt::format("`threshold` {:g} has no effect: {} is no .vdb", *recipe.threshold, text));
-    if (levelSet && (recipe.repair || !recipe.cavities.empty()))
-        callbacks.warn("`repair` and `cavities` have no effect: " + text + " is a level set");
+    const bool image = source.isFile() && namesImage(text);
+    if (recipe.threshold && !levelSet && !image)
+        callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
+                                   *recipe.threshold, text));
+    if (!image && (!recipe.label.empty() || !recipe.voxelSpacing.empty() ||
+                   recipe.space != ImageSpace::lps))
+        callbacks.warn("`label`, `voxelSpacing` and `space` have no effect: " + text +
+                       " is no image");
+    if ((levelSet || image) && (recipe.repair || !recipe.cavities.empty()))
+        callbacks.warn("`repair` and `cavities` have no effect: " + text +
+                       (image ? " is an image" : " is a level set"));
     if (recipe.shellFrom == ShellFrom::outer && recipe.clips.empty() && !source.hasCavities())
         callbacks.warn("`shellFrom` outer changes nothing: " + text +
                        " has neither cavities nor clips");

@@ -22,14 +22,22 @@ namespace vdbpack {
 /// alone, without the walls of cavities and clips.
 enum class ShellFrom { walls, outer };
 
+/// The axes of the world that an image is placed in: x to the left and y to the back of the patient
+/// as in DICOM, or x to the right and y to the front as in NIfTI.
+enum class ImageSpace { lps, ras };
+
 struct DomainRecipe {
-    /// A file (.stl .obj .ply .off .vtp .vtk .vdb) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1
+    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1
     /// ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R (mm, centered at the origin).
     std::string source;
     Unit unit = Unit::millimeter;     ///< of the file
     double scale = 1;                 ///< further factor on the file's lengths
     std::string gridName;             ///< level set in a .vdb; empty: the first
-    std::optional<double> threshold;  ///< value of a fog volume in a .vdb at its surface
+    /// Value at the surface, of a fog volume in a .vdb or of an image.
+    std::optional<double> threshold;
+    std::string label;         ///< of an image: a value or a name, or several joined by "+"
+    std::string voxelSpacing;  ///< "X,Y,Z" or "D", mm, in place of an image's own; empty: its own
+    ImageSpace space = ImageSpace::lps;  ///< of an image
     std::string slice;                ///< "z=V" (mm): a plane of the domain; empty: all of it
     std::vector<std::string> clips;   ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
     double voxelSize = 0;             ///< mm; 0: chosen

@@ -61,6 +61,7 @@ public:
         if (domain.unit != Unit::millimeter) add("--unit", unitName(domain.unit));
         if (domain.scale != 1) add("--scale", domain.scale);
         add("--grid", domain.gridName);
+        add("--label", domain.label);
         if (domain.threshold) add("--threshold", fmt::format("{:g}", *domain.threshold));
         add("--slice", domain.slice);
         add("--clip", domain.clips);

@@ -1,0 +1,70 @@
+// Label maps and grey images as arrays.
+#pragma once
+
+#include "vdbpack/image/image_grid.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
+
+std::size_t bytesOf(VoxelType type);
+/// Such as "uint8".
+const char* nameOf(VoxelType type);
+
+/// A name that a file gives to a label.
+struct LabelName {
+    std::string name;
+    std::int64_t value = 0;
+    std::size_t layer = 0;
+};
+
+struct FreeBytes {
+    void operator()(std::byte* bytes) const { std::free(bytes); }
+};
+
+/// Values at the voxels of a grid, as a file has them.
+struct Image {
+    ImageGrid grid;
+    std::size_t layers = 1;  ///< values of each voxel, one after another: overlapping segmentations
+    VoxelType type = VoxelType::uint8;
+    /// Of all values in this machine's order; allocated by malloc.
+    std::unique_ptr<std::byte[], FreeBytes> bytes;
+    double slope = 1, intercept = 0;  ///< value = slope * number + intercept
+    std::vector<LabelName> names;     ///< empty: the file has none
+    std::string format;               ///< such as "NIfTI"
+
+    std::size_t values() const { return grid.voxels() * layers; }
+    /// Calls `work(numbers)` with the array in its own type.
+    template <class Work>
+    decltype(auto) visit(const Work& work) const {
+        const std::byte* const data = bytes.get();
+        switch (type) {
+            case VoxelType::int8:
+                return work(reinterpret_cast<const std::int8_t*>(data));
+            case VoxelType::uint16:
+                return work(reinterpret_cast<const std::uint16_t*>(data));
+            case VoxelType::int16:
+                return work(reinterpret_cast<const std::int16_t*>(data));
+            case VoxelType::uint32:
+                return work(reinterpret_cast<const std::uint32_t*>(data));
+            case VoxelType::int32:
+                return work(reinterpret_cast<const std::int32_t*>(data));
+            case VoxelType::float32:
+                return work(reinterpret_cast<const float*>(data));
+            case VoxelType::float64:
+                return work(reinterpret_cast<const double*>(data));
+            case VoxelType::uint8:
+                break;
+        }
+        return work(reinterpret_cast<const std::uint8_t*>(data));
+    }
+};
+
+}  // namespace vdbpack

@@ -1,0 +1,101 @@
+#include "vdbpack/image/image_axes.h"
+
+#include "vdbpack/core/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+namespace {
+
+/// Cosines between axes that count as rounding, and those that are worth a word.
+constexpr double kRounding = 1e-3, kWorthAWord = 1e-5;
+/// No common compression makes a file smaller than this share of its content (deflate: 1/1032).
+constexpr double kMostCompression = 1100;
+
+/// The perpendicular directions nearest to three others.
+/// Source: the iteration of Higham (1986), "Computing the polar decomposition",
+/// doi:10.1137/0907079: the mean of a matrix and its inverse transposed.
+std::array<Vec<3>, 3> perpendicular(std::array<Vec<3>, 3> a) {
+    for (int round = 0; round < 20; ++round) {
+        const double volume = dot(a[0], cross(a[1], a[2]));
+        const std::array<Vec<3>, 3> inverse{cross(a[1], a[2]) * (1 / volume),
+                                            cross(a[2], a[0]) * (1 / volume),
+                                            cross(a[0], a[1]) * (1 / volume)};
+        for (std::size_t i = 0; i < 3; ++i) a[i] = 0.5 * (a[i] + inverse[i]);
+    }
+    return a;
+}
+
+}  // namespace
+
+void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callbacks) {
+    const Vec<3> spacing = grid.spacing();
+    std::array<Vec<3>, 3> unit;
+    for (int d = 0; d < 3; ++d) {
+        if (!(spacing[d] > 0) || !std::isfinite(spacing[d]))
+            throw InputError(
+                fmt::format("{}: the voxels are {:g} x {:g} x {:g} mm apart; set `voxelSpacing`",
+                            path, spacing[0], spacing[1], spacing[2]));
+        const auto k = static_cast<std::size_t>(d);
+        unit[k] = grid.step[k] * (1 / spacing[d]);
+    }
+    if (!isFinite(grid.origin))
+        throw InputError(path + ": the position of its first voxel is not a number");
+    if (std::fabs(dot(unit[0], cross(unit[1], unit[2]))) < 1e-3)
+        throw InputError(path +
+                         ": its axes lie in one plane; write the image again, with axes "
+                         "that span space");
+    const double skew =
+        std::max({std::fabs(dot(unit[0], unit[1])), std::fabs(dot(unit[1], unit[2])),
+                  std::fabs(dot(unit[2], unit[0]))});
+    if (skew > kRounding)
+        callbacks.warn(fmt::format(
+            "{}: its axes are sheared by {:.2g} degrees, and are taken as they are; programs that "
+            "cannot do so show the image otherwise",
+            path, std::asin(std::min(1.0, skew)) * 180 / 3.14159265358979323846));
+    if (skew > kRounding || skew == 0) return;
+    if (skew > kWorthAWord)
+        callbacks.warn(
+            fmt::format("{}: its axes are perpendicular only up to {:.1e}, and were "
+                        "made so",
+                        path, skew));
+    unit = perpendicular(unit);
+    for (std::size_t k = 0; k < 3; ++k) grid.step[k] = unit[k] * spacing.c[k];
+}
+
+Image emptyImage(const std::string& path, const ImageGrid& grid, std::size_t layers, VoxelType type,
+                 std::uint64_t fileBytes) {
+    const auto& size = grid.size;
+    double count = static_cast<double>(bytesOf(type)) * static_cast<double>(layers);
+    for (const std::size_t n : size) {
+        if (n < 1 || n > 65534)
+            throw InputError(fmt::format(
+                "{}: has {} x {} x {} voxels; from 1 to 65,534 along each axis can be read", path,
+                size[0], size[1], size[2]));
+        count *= static_cast<double>(n);
+    }
+    if (count > kMostCompression * static_cast<double>(fileBytes))
+        throw InputError(
+            fmt::format("{}: says that it has {} x {} x {} voxels, which a file of {} "
+                        "bytes cannot hold; it is damaged or incomplete",
+                        path, size[0], size[1], size[2], fileBytes));
+    Image image;
+    image.grid = grid;
+    image.layers = layers;
+    image.type = type;
+    // Not set to 0: pages that a truncated file does not fill are never used.
+    image.bytes.reset(static_cast<std::byte*>(std::malloc(static_cast<std::size_t>(count))));
+    if (!image.bytes)
+        throw ResourceError(
+            fmt::format("{}: its {} x {} x {} voxels take {:.3g} GB of memory, "
+                        "which are not available",
+                        path, size[0], size[1], size[2], count / 1e9));
+    return image;
+}
+
+}  // namespace vdbpack

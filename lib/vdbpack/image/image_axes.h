@@ -1,0 +1,21 @@
+// Private to image: axes as files have them, checked.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/image/image.h"
+
+#include <string>
+
+namespace vdbpack {
+
+/// Makes axes perpendicular that are so up to rounding, as `readImage` says, and warns of others.
+/// @throws InputError for axes without length or in one plane.
+void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callbacks);
+
+/// An image of such a grid, whose numbers are still to be set.
+/// @param fileBytes  of what they are read from; more than a compressed file of that size can hold
+///                   is refused. @throws InputError, ResourceError
+Image emptyImage(const std::string& path, const ImageGrid& grid, std::size_t layers, VoxelType type,
+                 std::uint64_t fileBytes);
+
+}  // namespace vdbpack

@@ -1,0 +1,120 @@
+#include "vdbpack/image/image_file.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/image/itk_image.h"
+#include "vdbpack/image/nifti.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+bool isTiff(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".tif" || extension == ".tiff";
+}
+
+/// By the numbers in names: slice2 before slice10.
+bool inOrder(const std::string& a, const std::string& b) {
+    const auto digit = [](char c) { return c >= '0' && c <= '9'; };
+    std::size_t i = 0, j = 0;
+    while (i < a.size() && j < b.size()) {
+        if (!digit(a[i]) || !digit(b[j])) {
+            if (a[i] != b[j]) return a[i] < b[j];
+            ++i;
+            ++j;
+            continue;
+        }
+        std::size_t m = i, n = j;
+        while (m < a.size() && digit(a[m])) ++m;
+        while (n < b.size() && digit(b[n])) ++n;
+        while (i + 1 < m && a[i] == '0') ++i;
+        while (j + 1 < n && b[j] == '0') ++j;
+        if (m - i != n - j) return m - i < n - j;
+        const int order = a.compare(i, m - i, b, j, n - j);
+        if (order != 0) return order < 0;
+        i = m;
+        j = n;
+    }
+    return a.size() - i < b.size() - j;
+}
+
+/// Whether a name fits a pattern, in which * stands for any characters.
+bool fits(const char* name, const char* pattern) {
+    if (*pattern == '*') return fits(name, pattern + 1) || (*name != 0 && fits(name + 1, pattern));
+    if (*pattern == 0 || *name == 0) return *pattern == *name;
+    return *name == *pattern && fits(name + 1, pattern + 1);
+}
+
+/// The TIFF files of a folder whose names fit a pattern, in order.
+std::vector<std::string> tiffFiles(const std::filesystem::path& folder,
+                                   const std::string& pattern) {
+    std::vector<std::string> files;
+    std::error_code failed;
+    const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
+    for (const auto& entry : std::filesystem::directory_iterator(shown, failed)) {
+        const std::string name = entry.path().filename().string();
+        if (isTiff(name) && fits(name.c_str(), pattern.c_str()))
+            files.push_back((folder / name).string());
+    }
+    if (failed)
+        throw IoError(fmt::format("{}: cannot be read: {}", shown.string(), failed.message()));
+    std::sort(files.begin(), files.end(), inOrder);
+    return files;
+}
+
+bool isFolder(const std::string& path) {
+    std::error_code ignored;
+    return std::filesystem::is_directory(path, ignored);
+}
+
+bool isPattern(const std::string& path) {
+    return isTiff(path) &&
+           std::filesystem::path(path).filename().string().find('*') != std::string::npos;
+}
+
+bool isNifti(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".nii" || extension == ".hdr" ||
+           (extension == ".gz" && extensionOf(path.substr(0, path.size() - 3)) == ".nii");
+}
+
+}  // namespace
+
+bool namesImage(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    for (const char* other : {".nrrd", ".nhdr", ".mha", ".mhd", ".dcm"})
+        if (extension == other) return true;
+    return isNifti(path) || isTiff(path) || isFolder(path);
+}
+
+Image readImage(const std::string& path, const ImageReadOptions& options) {
+    if (options.spacing)
+        for (const double s : options.spacing->c)
+            if (!(s > 0) || !std::isfinite(s))
+                throw ParameterError(fmt::format(
+                    "`voxelSpacing` {:g},{:g},{:g}: distances of voxels are positive",
+                    (*options.spacing)[0], (*options.spacing)[1], (*options.spacing)[2]));
+    if (isFolder(path)) {
+        const auto files = tiffFiles(path, "*");
+        return files.empty() ? readDicomFolder(path, options) : readTiffStack(files, options);
+    }
+    if (isPattern(path)) {
+        const std::filesystem::path pattern = path;
+        const auto files = tiffFiles(pattern.parent_path(), pattern.filename().string());
+        if (files.empty()) throw IoError(path + ": no file has such a name");
+        return readTiffStack(files, options);
+    }
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) throw IoError(path + ": there is no such file");
+    return isNifti(path) ? readNifti(path, options) : readByItk(path, options);
+}
+
+}  // namespace vdbpack

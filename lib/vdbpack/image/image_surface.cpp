@@ -1,0 +1,274 @@
+#include "vdbpack/image/image_surface.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <type_traits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr std::size_t kMostLabels = 1000;
+/// Voxels around a selection that are looked at with it: its neighbors shape its surface.
+constexpr std::size_t kMargin = 3;
+
+/// Voxels along rows that have the same value, by value.
+struct Tally {
+    std::map<std::int64_t, LabelCount> counts;
+    bool whole = true;
+};
+
+/// Part of a grid, by indices.
+struct Region {
+    std::array<std::size_t, 3> first{}, size{};
+};
+
+Region around(const Box<3>& voxels, const ImageGrid& grid) {
+    Region region;
+    for (int d = 0; d < 3; ++d) {
+        const auto k = static_cast<std::size_t>(d);
+        const auto lo = static_cast<std::size_t>(voxels.lo[d]);
+        const auto hi = static_cast<std::size_t>(voxels.hi[d]);
+        region.first[k] = lo > kMargin ? lo - kMargin : 0;
+        region.size[k] = std::min(grid.size[k], hi + kMargin + 1) - region.first[k];
+    }
+    return region;
+}
+
+ImageGrid gridOf(const Region& region, ImageGrid grid) {
+    Vec<3> first;
+    for (std::size_t d = 0; d < 3; ++d) first.c[d] = static_cast<double>(region.first[d]);
+    grid.origin = grid.at(first);
+    grid.size = region.size;
+    return grid;
+}
+
+/// Calls `work(from, to, count)` for each row of a region: index of its first voxel in the image,
+/// and in the region.
+template <class Work>
+void forEachRow(const ImageGrid& grid, const Region& region, const Work& work) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, region.size[1] * region.size[2], 64),
+                      [&](const tbb::blocked_range<std::size_t>& rows) {
+                          for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+                              const std::size_t y = region.first[1] + row % region.size[1];
+                              const std::size_t z = region.first[2] + row / region.size[1];
+                              work((z * grid.size[1] + y) * grid.size[0] + region.first[0],
+                                   row * region.size[0]);
+                          }
+                      });
+}
+
+}  // namespace
+
+std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
+    const auto& size = image.grid.size;
+    tbb::enumerable_thread_specific<std::vector<Tally>> tallies(
+        [&] { return std::vector<Tally>(image.layers); });
+    image.visit([&](const auto* numbers) {
+        tbb::parallel_for(
+            tbb::blocked_range<std::size_t>(0, size[1] * size[2], 64),
+            [&](const tbb::blocked_range<std::size_t>& rows) {
+                auto& mine = tallies.local();
+                for (std::size_t layer = 0; layer < image.layers; ++layer) {
+                    Tally& tally = mine[layer];
+                    for (std::size_t row = rows.begin(); row < rows.end() && tally.whole; ++row) {
+                        const auto* const at = numbers + row * size[0] * image.layers + layer;
+                        const auto valueAt = [&](std::size_t x) {
+                            return image.slope * static_cast<double>(at[x * image.layers]) +
+                                   image.intercept;
+                        };
+                        for (std::size_t x = 0; x < size[0];) {
+                            const double value = valueAt(x);
+                            std::size_t end = x + 1;
+                            while (end < size[0] && valueAt(end) == value) ++end;
+                            if (!(std::fabs(value) < 1e9) || value != std::floor(value)) {
+                                tally.whole = false;
+                                break;
+                            }
+                            if (value != 0) {
+                                LabelCount& label = tally.counts[static_cast<std::int64_t>(value)];
+                                label.voxels += end - x;
+                                const auto y = static_cast<double>(row % size[1]);
+                                const auto z = static_cast<double>(row / size[1]);
+                                label.voxelBox.add({{static_cast<double>(x), y, z}});
+                                label.voxelBox.add({{static_cast<double>(end - 1), y, z}});
+                                if (tally.counts.size() > kMostLabels) tally.whole = false;
+                            }
+                            x = end;
+                        }
+                    }
+                }
+            });
+    });
+    std::vector<LabelCount> labels;
+    for (std::size_t layer = 0; layer < image.layers; ++layer) {
+        std::map<std::int64_t, LabelCount> all;
+        for (const auto& mine : tallies) {
+            if (!mine[layer].whole) return std::nullopt;
+            for (const auto& [value, count] : mine[layer].counts) {
+                LabelCount& label = all[value];
+                label.value = value;
+                label.layer = layer;
+                label.voxels += count.voxels;
+                label.voxelBox.add(count.voxelBox.lo);
+                label.voxelBox.add(count.voxelBox.hi);
+            }
+        }
+        if (all.size() > kMostLabels) return std::nullopt;
+        for (const auto& [value, label] : all) labels.push_back(label);
+    }
+    for (LabelCount& label : labels)
+        for (const LabelName& known : image.names)
+            if (known.value == label.value && known.layer == label.layer) label.name = known.name;
+    return labels;
+}
+
+namespace {
+
+std::string listOf(const std::vector<LabelCount>& labels) {
+    constexpr std::size_t kMost = 40;
+    std::string text;
+    for (std::size_t i = 0; i < std::min(labels.size(), kMost); ++i) {
+        text += (i > 0 ? ", " : "") + std::to_string(labels[i].value);
+        if (!labels[i].name.empty()) text += " (" + labels[i].name + ")";
+    }
+    return labels.size() > kMost ? text + ", ..." : text;
+}
+
+/// The label that a value or a name stands for.
+const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>& labels,
+                          const std::string& path) {
+    std::vector<const LabelCount*> found;
+    for (const LabelCount& label : labels)
+        if (label.name == text) found.push_back(&label);
+    if (found.empty())
+        for (const LabelCount& label : labels)
+            if (std::to_string(label.value) == text) found.push_back(&label);
+    if (found.size() == 1) return *found.front();
+    if (found.empty())
+        throw ParameterError(
+            fmt::format("`label` {}: {} has no such label; it has {}", text, path, listOf(labels)));
+    throw ParameterError(fmt::format(
+        "`label` {}: {} layers of {} have such a label; give its name. The labels are {}", text,
+        found.size(), path, listOf(labels)));
+}
+
+}  // namespace
+
+std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,
+                                   const std::string& path) {
+    std::vector<LabelPart> parts;
+    if (labels.empty()) throw InputError(path + ": has no label, all voxels are 0");
+    if (text == "all") {
+        for (const LabelCount& label : labels)
+            parts.push_back(
+                {label.name.empty() ? std::to_string(label.value) : label.name, {label}});
+        return parts;
+    }
+    std::vector<const LabelCount*> used;
+    for (const std::string& one : splitAt(text, ',')) {
+        LabelPart part;
+        part.name = one;
+        for (const std::string& name : splitAt(one, '+')) {
+            const LabelCount& label = labelOf(name, labels, path);
+            if (std::find(used.begin(), used.end(), &label) != used.end())
+                throw ParameterError("`label` " + text + ": has " + name + " twice");
+            used.push_back(&label);
+            part.labels.push_back(label);
+        }
+        parts.push_back(part);
+    }
+    return parts;
+}
+
+std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelPart>& parts) {
+    const std::size_t layer = parts.front().labels.front().layer;
+    // The numbers of labels in the net: those of parts by part, then all others.
+    std::map<std::int64_t, std::uint16_t> numbers;
+    std::vector<std::uint16_t> ends;
+    Box<3> box;
+    std::uint16_t next = 1;
+    for (const LabelPart& part : parts) {
+        for (const LabelCount& label : part.labels) {
+            numbers[label.value] = next;
+            box.add(label.voxelBox.lo);
+            box.add(label.voxelBox.hi);
+        }
+        ++next;
+    }
+    const auto known = labelsOf(image);
+    for (const LabelCount& label : *known)
+        if (label.layer == layer && numbers.emplace(label.value, next).second) ++next;
+
+    const Region region = around(box, image.grid);
+    LabelVoxels voxels;
+    voxels.size = region.size;
+    voxels.labels.resize(region.size[0] * region.size[1] * region.size[2]);
+    image.visit([&](const auto* values) {
+        forEachRow(image.grid, region, [&](std::size_t from, std::size_t to) {
+            std::int64_t last = 0;
+            std::uint16_t number = 0;
+            for (std::size_t x = 0; x < region.size[0]; ++x) {
+                const auto value = static_cast<std::int64_t>(
+                    image.slope * static_cast<double>(values[(from + x) * image.layers + layer]) +
+                    image.intercept);
+                if (value != last) {
+                    last = value;
+                    number = value == 0 ? std::uint16_t{0} : numbers.at(value);
+                }
+                voxels.labels[to + x] = number;
+            }
+        });
+    });
+    SurfaceNet net = surfaceNet(voxels);
+    smooth(net, voxels.size);
+    const ImageGrid grid = gridOf(region, image.grid);
+    std::vector<TriangleMesh> meshes;
+    for (std::size_t p = 0; p < parts.size(); ++p)
+        meshes.push_back(surfaceOf(net, grid, [p](std::uint16_t label) { return label == p + 1; }));
+    return meshes;
+}
+
+TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path) {
+    LabelVoxels voxels;
+    voxels.size = image.grid.size;
+    voxels.labels.resize(image.grid.voxels());
+    return image.visit([&](const auto* values) {
+        const auto valueAt = [&](std::size_t i) {
+            return image.slope * static_cast<double>(values[i * image.layers]) + image.intercept;
+        };
+        std::atomic<std::size_t> inside{0};
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voxels.labels.size(), 65536),
+                          [&](const tbb::blocked_range<std::size_t>& block) {
+                              std::size_t count = 0;
+                              for (std::size_t i = block.begin(); i < block.end(); ++i)
+                                  count += voxels.labels[i] = valueAt(i) >= threshold;
+                              inside += count;
+                          });
+        if (inside == 0 || inside == voxels.labels.size())
+            throw InputError(
+                fmt::format("{}: {} of its values are {:g} or more; set `threshold` "
+                            "to a value between those of bone and of what surrounds it",
+                            path, inside == 0 ? "none" : "all", threshold));
+        SurfaceNet net = surfaceNet(voxels);
+        interpolate(net, voxels, [&](std::size_t a, std::size_t b) {
+            const double low = valueAt(a), high = valueAt(b);
+            const double share = (threshold - low) / (high - low);
+            // A value that is not a number, or exactly the threshold.
+            return share >= 0 && share <= 1 ? share : 0.5;
+        });
+        return surfaceOf(net, image.grid, [](std::uint16_t label) { return label == 1; });
+    });
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,50 @@
+// Surfaces of labels and of grey values above a threshold.
+#pragma once
+
+#include "vdbpack/image/image.h"
+#include "vdbpack/image/surface_net.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// A value of a label map and how often it occurs.
+struct LabelCount {
+    std::int64_t value = 0;
+    std::size_t layer = 0;
+    std::size_t voxels = 0;
+    Box<3> voxelBox;   ///< of their indices
+    std::string name;  ///< empty: none in the file
+};
+
+/// The labels of an image, but for 0, by layer and value; nothing if it is no label map: if its
+/// values are not whole numbers, or there are more than 1,000 different ones.
+/// Cost: about 1 ns a voxel on two threads.
+std::optional<std::vector<LabelCount>> labelsOf(const Image& image);
+
+/// Labels that are one solid together.
+struct LabelPart {
+    std::string name;                ///< as requested
+    std::vector<LabelCount> labels;  ///< of one layer
+};
+
+/// What a request means: labels by value or name, joined to one part by "+", parts separated by
+/// ","; "all": each label is a part. @param path  of the image, for messages.
+/// @throws ParameterError for labels that do not occur, with those that do.
+std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,
+                                   const std::string& path);
+
+/// The surfaces of parts, mm: closed, smooth, and where parts touch, with the same triangles on
+/// both sides. Labels that belong to no part have surfaces of their own there.
+/// @param parts  of one layer. @throws ResourceError
+std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelPart>& parts);
+
+/// The surface around the values of at least `threshold`, mm, placed between voxels by their
+/// values. @throws InputError if all values or none are that high; ResourceError
+TriangleMesh thresholdSurface(const Image& image, double threshold, const std::string& path);
+
+}  // namespace vdbpack

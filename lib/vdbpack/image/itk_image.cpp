@@ -1,0 +1,426 @@
+#include "vdbpack/image/itk_image.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/image/image_axes.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+#include <itkGDCMImageIO.h>
+#include <itkGDCMSeriesFileNames.h>
+#include <itkMetaDataObject.h>
+#include <itkMetaImageIO.h>
+#include <itkNrrdImageIO.h>
+#include <itkTIFFImageIO.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+using Io = itk::ImageIOBase::Pointer;
+
+/// The first line of what ITK reports.
+std::string causeOf(const itk::ExceptionObject& failure) {
+    std::string text = failure.GetDescription();
+    // "ITK ERROR: Class(0x...): cause"
+    if (const auto at = text.find("): "); at != std::string::npos) text.erase(0, at + 3);
+    while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text.substr(0, 300);
+}
+
+/// What ITK does to a file, its exceptions as those of vdb_pack.
+template <class Work>
+auto byItk(const std::string& path, const Work& work) {
+    itk::Object::GlobalWarningDisplayOff();
+    try {
+        return work();
+    } catch (const itk::MemoryAllocationError&) {
+        throw ResourceError(path + ": its voxels take more memory than there is");
+    } catch (const itk::ExceptionObject& failure) {
+        throw InputError(fmt::format("{}: cannot be read as an image: {}", path, causeOf(failure)));
+    }
+}
+
+Io ioOf(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    if (extension == ".nrrd" || extension == ".nhdr") return itk::NrrdImageIO::New().GetPointer();
+    if (extension == ".mha" || extension == ".mhd") return itk::MetaImageIO::New().GetPointer();
+    if (extension == ".tif" || extension == ".tiff") return itk::TIFFImageIO::New().GetPointer();
+    return itk::GDCMImageIO::New().GetPointer();
+}
+
+/// An io that knows the header of a file.
+Io opened(const std::string& path) {
+    return byItk(path, [&] {
+        Io io = ioOf(path);
+        io->SetFileName(path);
+        if (!std::ifstream(path, std::ios::binary))
+            throw IoError(path + ": cannot be opened for reading");
+        io->ReadImageInformation();
+        return io;
+    });
+}
+
+VoxelType typeOf(const itk::ImageIOBase& io, const std::string& path) {
+    using Type = itk::IOComponentEnum;
+    const bool longs = sizeof(long) == 4;
+    switch (io.GetComponentType()) {
+        case Type::UCHAR:
+            return VoxelType::uint8;
+        case Type::CHAR:
+            return VoxelType::int8;
+        case Type::USHORT:
+            return VoxelType::uint16;
+        case Type::SHORT:
+            return VoxelType::int16;
+        case Type::UINT:
+            return VoxelType::uint32;
+        case Type::INT:
+            return VoxelType::int32;
+        case Type::ULONG:
+            if (longs) return VoxelType::uint32;
+            break;
+        case Type::LONG:
+            if (longs) return VoxelType::int32;
+            break;
+        case Type::FLOAT:
+            return VoxelType::float32;
+        case Type::DOUBLE:
+            return VoxelType::float64;
+        default:
+            break;
+    }
+    throw InputError(fmt::format(
+        "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
+        path, itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())));
+}
+
+/// The grid that an io reports, with one slice if it is flat.
+ImageGrid gridOf(const itk::ImageIOBase& io, const std::string& path) {
+    const unsigned dimensions = io.GetNumberOfDimensions();
+    for (unsigned d = 3; d < dimensions; ++d)
+        if (io.GetDimensions(d) > 1)
+            throw InputError(fmt::format(
+                "{}: has {} dimensions, {} values along the fourth; give an image of one volume",
+                path, dimensions, io.GetDimensions(3)));
+    ImageGrid grid;
+    for (unsigned d = 0; d < 3; ++d) {
+        grid.size[d] = d < dimensions ? io.GetDimensions(d) : 1;
+        if (d >= dimensions) continue;
+        grid.origin.c[d] = io.GetOrigin(d);
+        const std::vector<double> direction = io.GetDirection(d);
+        for (unsigned row = 0; row < 3; ++row)
+            grid.step[d].c[row] = row < direction.size() ? direction[row] * io.GetSpacing(d) : 0;
+    }
+    return grid;
+}
+
+/// A text header: lines of "key: value" or "key = value", keys in lower case.
+struct Header {
+    std::multimap<std::string, std::string> lines;
+    std::size_t end = 0;  // where data may begin
+};
+
+/// The lines until an empty one or the name of the data, in the first 64 kB.
+Header headerOf(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::string text(65536, ' ');
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
+    Header header;
+    while (header.end < text.size()) {
+        const std::size_t end = std::min(text.find('\n', header.end), text.size());
+        const std::string_view line =
+            trimmed(std::string_view(text).substr(header.end, end - header.end));
+        header.end = end + 1;
+        if (line.empty() && !header.lines.empty()) break;
+        const std::size_t mark = line.find_first_of(":=");
+        if (mark == std::string_view::npos) continue;
+        std::string key = lowered(trimmed(line.substr(0, mark)));
+        std::string_view value = line.substr(mark + 1);
+        if (!value.empty() && value.front() == '=') value.remove_prefix(1);  // ":=" in NRRD
+        const bool last = key == "elementdatafile";
+        header.lines.emplace(std::move(key), std::string(trimmed(value)));
+        if (last) break;
+    }
+    return header;
+}
+
+std::string valueOf(const Header& header, const char* key) {
+    const auto at = header.lines.find(key);
+    return at == header.lines.end() ? "" : at->second;
+}
+
+std::uint64_t sizeOf(const std::string& path) {
+    std::error_code failed;
+    const auto size = std::filesystem::file_size(path, failed);
+    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
+    return size;
+}
+
+/// Bytes of the files that hold the voxels of a NRRD or MetaImage.
+std::uint64_t bytesBehind(const std::string& path, const Header& header) {
+    std::string data = valueOf(header, "data file");
+    if (data.empty()) data = valueOf(header, "datafile");
+    if (data.empty()) data = valueOf(header, "elementdatafile");
+    if (data.empty() || data == "LOCAL") return sizeOf(path);
+    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
+    // Of a list or a pattern, all files in the folder.
+    std::error_code ignored;
+    if (std::filesystem::is_regular_file(folder / data, ignored))
+        return sizeOf((folder / data).string());
+    std::uint64_t sum = 0;
+    const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
+    for (const auto& entry : std::filesystem::directory_iterator(shown, ignored))
+        if (entry.is_regular_file(ignored)) sum += entry.file_size(ignored);
+    return sum;
+}
+
+/// MetaIO takes a file that ends early for one of zeros. @throws InputError
+void requireData(const std::string& path, const Header& header, std::size_t bytes) {
+    if (lowered(valueOf(header, "compresseddata")) == "true") return;
+    const bool local = lowered(valueOf(header, "elementdatafile")) == "local";
+    const std::uint64_t there = bytesBehind(path, header);
+    if (there < bytes + (local ? header.end : 0))
+        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
+}
+
+/// Names of labels as 3D Slicer writes them into .seg.nrrd.
+std::vector<LabelName> namesOf(const Header& header) {
+    std::vector<LabelName> names;
+    for (int k = 0;; ++k) {
+        const std::string segment = "segment" + std::to_string(k) + "_";
+        const std::string name = valueOf(header, (segment + "name").c_str());
+        const std::string value = valueOf(header, (segment + "labelvalue").c_str());
+        const std::string layer = valueOf(header, (segment + "layer").c_str());
+        if (name.empty() && value.empty()) break;
+        LabelName label;
+        label.name = name;
+        label.value = std::strtol(value.c_str(), nullptr, 10);
+        label.layer = std::strtoul(layer.c_str(), nullptr, 10);
+        names.push_back(label);
+    }
+    return names;
+}
+
+/// Sets distances of voxels. @throws InputError where there are none
+void space(ImageGrid& grid, const ImageReadOptions& options, bool known, const std::string& path) {
+    if (options.spacing)
+        for (int d = 0; d < 3; ++d) {
+            Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
+            if (!(squaredLength(step) > 0)) step[d] = 1;
+            step = normalized(step) * (*options.spacing)[d];
+        }
+    else if (!known)
+        throw InputError(path + ": does not say how far its voxels are apart; set `voxelSpacing`");
+}
+
+void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
+    byItk(path, [&] {
+        itk::ImageIORegion region(io.GetNumberOfDimensions());
+        for (unsigned d = 0; d < io.GetNumberOfDimensions(); ++d) {
+            region.SetIndex(d, 0);
+            region.SetSize(d, io.GetDimensions(d));
+        }
+        io.SetIORegion(region);
+        io.Read(to);
+        return 0;
+    });
+}
+
+}  // namespace
+
+Image readByItk(const std::string& path, const ImageReadOptions& options) {
+    const Io io = opened(path);
+    ImageGrid grid = gridOf(*io, path);
+    const std::string extension = extensionOf(path);
+    const bool nrrd = extension == ".nrrd" || extension == ".nhdr";
+    const bool meta = extension == ".mha" || extension == ".mhd";
+    Header header;
+    if (nrrd || meta) header = headerOf(path);
+    const bool spaced =
+        nrrd   ? header.lines.count("space directions") || header.lines.count("spacings")
+        : meta ? header.lines.count("elementspacing") || header.lines.count("elementsize")
+               : extension != ".tif" && extension != ".tiff" && grid.size[2] > 1;
+    if (grid.size[2] <= 1 && !nrrd && !meta)
+        throw InputError(path + ": is a single slice; give the folder of all slices");
+    space(grid, options, spaced, path);
+    if (nrrd && !header.lines.count("space") && !header.lines.count("space dimension"))
+        options.callbacks.warn(path +
+                               ": does not say in which space its axes lie: which side is "
+                               "left is unknown");
+    checkAxes(grid, path, options.callbacks);
+    Image image = emptyImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
+                             nrrd || meta ? bytesBehind(path, header) : sizeOf(path));
+    if (!nrrd && image.layers > 1)
+        throw InputError(
+            fmt::format("{}: has {} values at each voxel, such as colors; convert it "
+                        "to one",
+                        path, image.layers));
+    options.callbacks.stopIfCancelled();
+    if (meta) requireData(path, header, image.values() * bytesOf(image.type));
+    readVoxels(*io, path, image.bytes.get());
+    image.names = namesOf(header);
+    image.format = nrrd                          ? "NRRD"
+                   : meta                        ? "MetaImage"
+                   : grid.size[2] > 1 && !spaced ? "TIFF"
+                                                 : "DICOM";
+    if (extension == ".tif" || extension == ".tiff") image.format = "TIFF";
+    return image;
+}
+
+namespace {
+
+/// One file of a series.
+struct Slice {
+    std::string file;
+    Io io;
+    ImageGrid grid;
+    double along = 0;  // mm, across the slices
+};
+
+/// Reads slices one after another into an image of `grid`. Where they are stored as numbers of
+/// different types, as DICOM with different scales may be, as floats.
+Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std::string& path,
+             const ImageReadOptions& options) {
+    VoxelType type = typeOf(*slices.front().io, slices.front().file);
+    std::uint64_t bytes = 0;
+    bool alike = true;
+    for (const Slice& slice : slices) {
+        bytes += sizeOf(slice.file);
+        alike = alike && typeOf(*slice.io, slice.file) == type;
+        if (slice.io->GetNumberOfComponents() != 1)
+            throw InputError(slice.file +
+                             ": has several values at each pixel, such as colors; "
+                             "convert it to one");
+    }
+    if (!alike) type = VoxelType::float32;
+    Image image = emptyImage(path, grid, 1, type, bytes);
+    const std::size_t pixels = grid.size[0] * grid.size[1];
+    for (std::size_t z = 0; z < slices.size(); ++z) {
+        options.callbacks.stopIfCancelled();
+        const Slice& slice = slices[z];
+        std::byte* const to = image.bytes.get() + z * pixels * bytesOf(type);
+        if (alike) {
+            readVoxels(*slice.io, slice.file, to);
+            continue;
+        }
+        Image own = emptyImage(slice.file, slice.grid, 1, typeOf(*slice.io, slice.file), bytes);
+        readVoxels(*slice.io, slice.file, own.bytes.get());
+        own.visit([&](const auto* numbers) {
+            auto* const floats = reinterpret_cast<float*>(to);
+            for (std::size_t i = 0; i < pixels; ++i) floats[i] = static_cast<float>(numbers[i]);
+        });
+    }
+    return image;
+}
+
+void requireAlike(const Slice& slice, const Slice& first) {
+    if (slice.grid.size[0] != first.grid.size[0] || slice.grid.size[1] != first.grid.size[1])
+        throw InputError(
+            fmt::format("{}: has {} x {} pixels, {} has {} x {}; give slices of one "
+                        "series",
+                        slice.file, slice.grid.size[0], slice.grid.size[1], first.file,
+                        first.grid.size[0], first.grid.size[1]));
+}
+
+}  // namespace
+
+Image readDicomFolder(const std::string& folder, const ImageReadOptions& options) {
+    const auto files = byItk(folder, [&] {
+        auto names = itk::GDCMSeriesFileNames::New();
+        names->SetUseSeriesDetails(true);
+        names->SetDirectory(folder);
+        const auto series = names->GetSeriesUIDs();
+        if (series.empty())
+            throw InputError(folder + ": has no DICOM image files and no .tif files");
+        if (series.size() > 1) {
+            std::string list;
+            for (const auto& id : series)
+                list += fmt::format("\n  {} files, such as {}", names->GetFileNames(id).size(),
+                                    names->GetFileNames(id).front());
+            throw InputError(
+                fmt::format("{}: has {} series of images; move each into a folder of "
+                            "its own:{}",
+                            folder, series.size(), list));
+        }
+        return names->GetFileNames(series.front());
+    });
+    if (files.size() == 1) return readByItk(files.front(), options);
+    std::vector<Slice> slices;
+    for (const std::string& file : files) {
+        options.callbacks.stopIfCancelled();
+        Slice slice{file, opened(file), {}, 0};
+        slice.grid = gridOf(*slice.io, file);
+        slices.push_back(std::move(slice));
+    }
+    const Slice& any = slices.front();
+    const Vec<3> across = normalized(cross(any.grid.step[0], any.grid.step[1]));
+    for (Slice& slice : slices) {
+        requireAlike(slice, any);
+        for (std::size_t axis = 0; axis < 2; ++axis)
+            if (length(slice.grid.step[axis] - any.grid.step[axis]) >
+                1e-3 * length(any.grid.step[axis]))
+                throw InputError(
+                    fmt::format("{}: its pixels do not lie along those of {}; give "
+                                "slices of one series",
+                                slice.file, any.file));
+        slice.along = dot(slice.grid.origin, across);
+    }
+    std::sort(slices.begin(), slices.end(),
+              [](const Slice& a, const Slice& b) { return a.along < b.along; });
+    const Slice &first = slices.front(), &last = slices.back();
+    const auto gaps = static_cast<double>(slices.size() - 1);
+    ImageGrid grid = first.grid;
+    grid.size[2] = slices.size();
+    grid.step[2] = (last.grid.origin - first.grid.origin) * (1 / gaps);
+    const double mean = (last.along - first.along) / gaps;
+    for (std::size_t k = 1; k < slices.size(); ++k) {
+        const double gap = slices[k].along - slices[k - 1].along;
+        if (!(gap > 1e-6))
+            throw InputError(
+                fmt::format("{} and {}: lie at the same position; give the slices of "
+                            "one volume",
+                            slices[k - 1].file, slices[k].file));
+        if (std::fabs(gap - mean) > 0.05 * mean)
+            throw InputError(fmt::format(
+                "{} and {}: are {:.4g} mm apart, slices of this series {:.4g} mm on average; a "
+                "slice is missing, or they are not evenly spaced: resample the series",
+                slices[k - 1].file, slices[k].file, gap, mean));
+    }
+    if (options.spacing) space(grid, options, true, folder);
+    checkAxes(grid, folder, options.callbacks);
+    Image image = joined(slices, grid, folder, options);
+    image.format = "DICOM";
+    return image;
+}
+
+Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions& options) {
+    std::vector<Slice> slices;
+    for (const std::string& file : files) {
+        options.callbacks.stopIfCancelled();
+        Slice slice{file, opened(file), {}, 0};
+        slice.grid = gridOf(*slice.io, file);
+        if (slice.grid.size[2] != 1)
+            throw InputError(file + ": has several pages; give it alone, or files of one slice");
+        slices.push_back(std::move(slice));
+        requireAlike(slices.back(), slices.front());
+    }
+    ImageGrid grid = slices.front().grid;
+    grid.size[2] = slices.size();
+    space(grid, options, false, files.front());
+    Image image = joined(slices, grid, files.front(), options);
+    image.format = "TIFF";
+    return image;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,20 @@
+// Private to image: what ITK reads.
+#pragma once
+
+#include "vdbpack/image/image_file.h"
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// .nrrd, .nhdr, .mha, .mhd, one .dcm or .tif. @throws as `readImage`
+Image readByItk(const std::string& path, const ImageReadOptions& options);
+
+/// A folder of DICOM files of one series. @throws as `readImage`
+Image readDicomFolder(const std::string& folder, const ImageReadOptions& options);
+
+/// Files of one slice each, in order. @throws as `readImage`
+Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions& options);
+
+}  // namespace vdbpack

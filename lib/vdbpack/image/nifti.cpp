@@ -1,0 +1,150 @@
+#include "vdbpack/image/nifti.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/image/image_axes.h"
+
+#include <fmt/format.h>
+#include <nifti2_io.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+struct FreeNifti {
+    void operator()(nifti_image* image) const { nifti_image_free(image); }
+};
+using Nifti = std::unique_ptr<nifti_image, FreeNifti>;
+
+VoxelType typeOf(const nifti_image& nifti, const std::string& path) {
+    switch (nifti.datatype) {
+        case DT_UINT8:
+            return VoxelType::uint8;
+        case DT_INT8:
+            return VoxelType::int8;
+        case DT_UINT16:
+            return VoxelType::uint16;
+        case DT_INT16:
+            return VoxelType::int16;
+        case DT_UINT32:
+            return VoxelType::uint32;
+        case DT_INT32:
+            return VoxelType::int32;
+        case DT_FLOAT32:
+            return VoxelType::float32;
+        case DT_FLOAT64:
+            return VoxelType::float64;
+        default:
+            break;
+    }
+    throw InputError(fmt::format(
+        "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
+        path, nifti_datatype_to_string(nifti.datatype)));
+}
+
+/// Millimeters per unit of the file.
+double unitOf(const nifti_image& nifti) {
+    switch (nifti.xyz_units) {
+        case NIFTI_UNITS_METER:
+            return 1000;
+        case NIFTI_UNITS_MICRON:
+            return 0.001;
+        default:
+            return 1;
+    }
+}
+
+/// From indices to the world of NIfTI (RAS) as one of DICOM (LPS).
+ImageGrid gridOf(const nifti_dmat44& m, double unit) {
+    ImageGrid grid;
+    for (int row = 0; row < 3; ++row) {
+        const double sign = row < 2 ? -unit : unit;
+        for (int axis = 0; axis < 3; ++axis)
+            grid.step[static_cast<std::size_t>(axis)][row] = sign * m.m[row][axis];
+        grid.origin[row] = sign * m.m[row][3];
+    }
+    return grid;
+}
+
+/// The largest distance between the same corners of two grids, in voxels.
+double apart(const ImageGrid& a, const ImageGrid& b) {
+    double largest = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+        Vec<3> index;
+        for (int d = 0; d < 3; ++d)
+            index[d] =
+                corner >> d & 1 ? static_cast<double>(a.size[static_cast<std::size_t>(d)]) - 1 : 0;
+        largest = std::max(largest, length(a.at(index) - b.at(index)));
+    }
+    const Vec<3> s = a.spacing();
+    return largest / std::min({s[0], s[1], s[2]});
+}
+
+}  // namespace
+
+Image readNifti(const std::string& path, const ImageReadOptions& options) {
+    nifti_set_debug_level(0);
+    const Nifti nifti(nifti_image_read(path.c_str(), 0));
+    if (!nifti) throw InputError(path + ": its header is not that of a NIfTI file");
+    for (int d = 4; d <= 7; ++d)
+        if (nifti->ndim >= d && nifti->dim[d] > 1)
+            throw InputError(fmt::format(
+                "{}: has {} dimensions, {} values along the fourth; give an image of one volume",
+                path, nifti->ndim, nifti->dim[4]));
+    std::array<std::size_t, 3> size{};
+    for (int d = 0; d < 3; ++d)
+        size[static_cast<std::size_t>(d)] = d < nifti->ndim && nifti->dim[d + 1] > 0
+                                                ? static_cast<std::size_t>(nifti->dim[d + 1])
+                                                : 1;
+    const double unit = unitOf(*nifti);
+    const Callbacks& callbacks = options.callbacks;
+    ImageGrid grid;
+    if (nifti->sform_code > 0) {
+        grid = gridOf(nifti->sto_xyz, unit);
+        grid.size = size;
+        ImageGrid other = gridOf(nifti->qto_xyz, unit);
+        other.size = size;
+        const double off = nifti->qform_code > 0 ? apart(grid, other) : 0;
+        if (off > 0.1)
+            callbacks.warn(
+                fmt::format("{}: its sform and its qform place it {:.3g} voxels apart; "
+                            "the sform is used",
+                            path, off));
+    } else {
+        grid = gridOf(nifti->qto_xyz, unit);
+        grid.size = size;
+        if (nifti->qform_code <= 0)
+            callbacks.warn(path +
+                           ": has neither sform nor qform: where it lies and which side is "
+                           "left is unknown");
+    }
+    if (options.spacing)
+        for (int d = 0; d < 3; ++d) {
+            Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
+            step = normalized(step) * (*options.spacing)[d];
+        }
+    checkAxes(grid, path, callbacks);
+    std::error_code failed;
+    auto bytes = std::filesystem::file_size(nifti->iname ? nifti->iname : path.c_str(), failed);
+    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
+    Image image = emptyImage(path, grid, 1, typeOf(*nifti, path), bytes);
+    image.bytes.reset();  // niftilib allocates
+    callbacks.stopIfCancelled();
+    if (nifti_image_load(nifti.get()) != 0 || !nifti->data)
+        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
+    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)));
+    if (nifti->scl_slope != 0 && std::isfinite(nifti->scl_slope) &&
+        std::isfinite(nifti->scl_inter)) {
+        image.slope = nifti->scl_slope;
+        image.intercept = nifti->scl_inter;
+    }
+    image.format = nifti->nifti_type == NIFTI_FTYPE_ANALYZE ? "Analyze" : "NIfTI";
+    return image;
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,69 @@
+// The surfaces of labeled voxels, shared by the labels on both sides.
+#pragma once
+
+#include "vdbpack/image/image_grid.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace vdbpack {
+
+/// Labels of voxels: 0 for none; x fastest, then y, then z.
+struct LabelVoxels {
+    static constexpr std::uint16_t kBeyond = 65535;  ///< past the border; no voxel has it
+
+    std::array<std::size_t, 3> size{};  ///< each at most 65,534
+    std::vector<std::uint16_t> labels;
+};
+
+/// Faces between voxels of different labels. The vertices of a face lie in the four cells around
+/// it; a cell is a cube from center to center of eight voxels, and has one vertex.
+struct SurfaceNet {
+    struct Face {
+        /// Counter-clockwise seen from the voxel above, where "above" is along `axis`.
+        std::array<std::uint32_t, 4> vertices;
+        std::uint16_t below, above;  ///< labels of both voxels
+        std::uint8_t axis;
+    };
+    /// Indices of the image's voxels; at first in the middle of each cell.
+    std::vector<Vec<3>> vertices;
+    std::vector<std::array<std::uint16_t, 3>> cells;  ///< of each vertex, from 0: before voxel 0
+    /// Of each vertex: bits 0 to 5 are set where three labels or more meet on the side of its cell
+    /// to -x, +x, -y, +y, -z, +z.
+    std::vector<std::uint8_t> junctions;
+    std::vector<Face> faces;
+};
+
+/// The faces around all labels but 0. What lies past the border of the image has a label of its
+/// own, so that the border closes whatever it cuts.
+/// Cost: about 2 ns a voxel on two threads. @throws ResourceError for more than 2^32 vertices
+SurfaceNet surfaceNet(const LabelVoxels& voxels);
+
+/// Moves the vertices of labels to where a smooth surface would have met the voxels: neither
+/// volumes nor flat parts change, and no vertex leaves its cell. Vertices where three labels meet
+/// move along that line alone, those on the border of the image in the border.
+///
+/// Source: Frisken (2022), "SurfaceNets for Multi-Label Segmentations with Preservation of Sharp
+/// Boundaries", Journal of Computer Graphics Techniques 11(1), 34-54: its cells, its constraint and
+/// its rule for lines of three labels. Its averaging shrinks a ball of ten voxels by some percent;
+/// here each step of it is followed by one that undoes its shrinking: Taubin (1995), "A signal
+/// processing approach to fair surface design", doi:10.1145/218380.218473.
+void smooth(SurfaceNet& net, const std::array<std::size_t, 3>& size);
+
+/// Moves each vertex to the mean of the points at which the edges of its cell cross a threshold.
+/// @param shareOf  where the values of two neighbors, given by their indices in the image, have the
+///                 threshold between them: from 0 (at the first) to 1.
+void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
+                 const std::function<double(std::size_t, std::size_t)>& shareOf);
+
+/// The closed surface of the voxels whose labels are `inside`, in the world of `grid`. Each of its
+/// edges has two triangles. Surfaces of labels that touch share their triangles, apart from the
+/// orientation; normals point outwards.
+TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
+                       const std::function<bool(std::uint16_t)>& inside);
+
+}  // namespace vdbpack

@@ -1,0 +1,90 @@
+#include "vdbpack/run/image_domain.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
+#include "vdbpack/image/image_file.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// Warns of labels that the border of the image cuts off.
+void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
+                  const Callbacks& callbacks) {
+    Box<3> box;
+    for (const LabelCount& label : part.labels) {
+        box.add(label.voxelBox.lo);
+        box.add(label.voxelBox.hi);
+    }
+    for (int d = 0; d < 3; ++d)
+        if (box.lo[d] < 0.5 ||
+            box.hi[d] > static_cast<double>(grid.size[static_cast<std::size_t>(d)]) - 1.5) {
+            callbacks.warn(
+                fmt::format("{}: label {} reaches the border of the image, where a flat "
+                            "wall closes it",
+                            path, part.name));
+            return;
+        }
+}
+
+/// The part that a recipe names, of an image without threshold.
+LabelPart selectedPart(const DomainRecipe& recipe, const Image& image) {
+    const std::string& path = recipe.source;
+    const auto labels = labelsOf(image);
+    if (!labels)
+        throw ParameterError(path +
+                             ": is no label map, but has many different values; set "
+                             "`threshold` to the lowest value of bone");
+    std::string text = recipe.label;
+    if (text.empty()) {
+        if (labels->size() > 1)
+            text = "?";  // listed below
+        else
+            text = "all";
+    }
+    const auto parts = text == "?" ? std::vector<LabelPart>{} : parseLabels(text, *labels, path);
+    if (parts.size() == 1) return parts.front();
+    std::string list;
+    for (const LabelCount& label : *labels)
+        list += fmt::format("\n  {}{}{}", label.value, label.name.empty() ? "" : " ", label.name);
+    throw ParameterError(
+        fmt::format("{}: has {} labels; set `label` to the one to fill, or several joined by +:{}",
+                    path, labels->size(), list));
+}
+
+}  // namespace
+
+Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
+    ImageReadOptions options;
+    options.callbacks = callbacks;
+    if (!recipe.voxelSpacing.empty()) options.spacing = parseVoxelSpacing(recipe.voxelSpacing);
+    Image image = readImage(recipe.source, options);
+    const double scale = recipe.scale * millimetersPer(recipe.unit);
+    image.grid.origin *= scale;
+    for (Vec<3>& step : image.grid.step) step *= scale;
+    if (recipe.space == ImageSpace::ras)
+        for (int d = 0; d < 2; ++d) {
+            image.grid.origin[d] *= -1;
+            for (Vec<3>& step : image.grid.step) step[d] *= -1;
+        }
+    return image;
+}
+
+TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks) {
+    const Image image = readDomainImage(recipe, callbacks);
+    callbacks.stopIfCancelled();
+    if (recipe.threshold) {
+        if (!recipe.label.empty())
+            throw ParameterError("`label` and `threshold`: a domain has one of them");
+        return thresholdSurface(image, *recipe.threshold, recipe.source);
+    }
+    const LabelPart part = selectedPart(recipe, image);
+    warnOfBorder(part, image.grid, recipe.source, callbacks);
+    return std::move(labelSurfaces(image, {part}).front());
+}
+
+}  // namespace vdbpack

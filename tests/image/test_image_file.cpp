@@ -1,0 +1,225 @@
+#include "support/image_file.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/image/image_file.h"
+#include "vdbpack/image/image_surface.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <filesystem>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// Two half balls on an oblique, anisotropic grid.
+Voxels<std::uint8_t> halves(bool leftHanded = false) {
+    ImageGrid grid = turned(gridAround(12, {{1, 1.25, 1.5}}, {{0.2, 0.1, 0.3}}), 0.4, 0.9);
+    grid.origin += {{100, -250, 700}};
+    if (leftHanded) grid.step[2] = -grid.step[2];
+    const Vec<3> center =
+        grid.at({{0.5 * static_cast<double>(grid.size[0]), 0.5 * static_cast<double>(grid.size[1]),
+                  0.5 * static_cast<double>(grid.size[2])}});
+    return Voxels<std::uint8_t>::of(grid, [&](const Vec<3>& p) {
+        return length(p - center) < 9 ? (p[0] < center[0] ? 3 : 7) : 0;
+    });
+}
+
+void checkSame(const Image& image, const Voxels<std::uint8_t>& made, double margin) {
+    REQUIRE(image.grid.size == made.grid.size);
+    REQUIRE(image.type == VoxelType::uint8);
+    for (const Vec<3>& index : {Vec<3>{{0, 0, 0}}, Vec<3>{{20, 3, 14}}, Vec<3>{{-1, 20, 7}}})
+        CHECK(length(image.grid.at(index) - made.grid.at(index)) < margin);
+    const auto* const bytes = reinterpret_cast<const std::uint8_t*>(image.bytes.get());
+    CHECK(std::equal(made.values.begin(), made.values.end(), bytes));
+}
+
+std::vector<std::string> warningsOf(const std::string& path, Image* image = nullptr) {
+    std::vector<std::string> warnings;
+    ImageReadOptions options;
+    options.callbacks.warning = [&](const std::string& text) { warnings.push_back(text); };
+    Image read = readImage(path, options);
+    if (image) *image = std::move(read);
+    return warnings;
+}
+
+std::string messageFor(const std::string& path) {
+    return messageOf<InputError>([&] { readImage(path); });
+}
+
+}  // namespace
+
+TEST_CASE("one image is the same in the world in all formats", "[image][file]") {
+    const TemporaryFolder folder;
+    const auto made = halves(GENERATE(false, true));
+    writeMeta(folder.file("a.mha"), made, "MET_UCHAR");
+    writeNrrd(folder.file("a.nrrd"), made, "uint8");
+    writeNifti(folder.file("a.nii"), made, 2);
+    checkSame(readImage(folder.file("a.mha")), made, 1e-9);
+    checkSame(readImage(folder.file("a.nrrd")), made, 1e-9);
+    checkSame(readImage(folder.file("a.nii")), made, 1e-3);
+    CHECK(warningsOf(folder.file("a.nii")).empty());
+    CHECK(readImage(folder.file("a.nrrd")).grid.orientation().size() == 3);
+}
+
+TEST_CASE("orientation names where each index grows to", "[image]") {
+    ImageGrid grid;
+    CHECK(grid.orientation() == "LPS");
+    grid.step = {{{{0, 0, -2}}, {{-1, 0.2, 0}}, {{0, 1, 0}}}};
+    CHECK(grid.orientation() == "IRP");
+    for (const Vec<3>& p : {Vec<3>{{1, 2, 3}}, Vec<3>{{-4, 0, 2.5}}})
+        CHECK(length(grid.at(grid.indexOf(p)) - p) < 1e-12);
+}
+
+TEST_CASE("axes that are perpendicular up to rounding are made so, sheared ones are kept",
+          "[image][file]") {
+    const TemporaryFolder folder;
+    auto made = halves();
+    made.grid.step[0] += 4e-4 * made.grid.step[1];
+    writeNrrd(folder.file("rounded.nrrd"), made, "uint8");
+    Image image;
+    const auto warnings = warningsOf(folder.file("rounded.nrrd"), &image);
+    REQUIRE(warnings.size() == 1);
+    CHECK_THAT(warnings.front(), Contains("perpendicular"));
+    CHECK(std::fabs(dot(image.grid.step[0], image.grid.step[1])) < 1e-12);
+    CHECK(length(image.grid.step[0]) == Approx(length(made.grid.step[0])));
+
+    made.grid.step[0] += 0.1 * made.grid.step[1];
+    writeNrrd(folder.file("sheared.nrrd"), made, "uint8");
+    CHECK_THAT(warningsOf(folder.file("sheared.nrrd"), &image).at(0), Contains("sheared"));
+    CHECK(length(image.grid.step[0] - made.grid.step[0]) < 1e-9);
+
+    made.grid.step[0] = made.grid.step[1];
+    writeNrrd(folder.file("flat.nrrd"), made, "uint8");
+    CHECK_THAT(messageFor(folder.file("flat.nrrd")), Contains("plane"));
+}
+
+TEST_CASE("a file that does not say how far its voxels are apart needs to be told",
+          "[image][file]") {
+    const TemporaryFolder folder;
+    const auto made = halves();
+    const auto& s = made.grid.size;
+    const std::string sizes =
+        std::to_string(s[0]) + ' ' + std::to_string(s[1]) + ' ' + std::to_string(s[2]);
+    writeBytes(folder.file("a.nrrd"), "NRRD0001\ntype: uint8\ndimension: 3\nsizes: " + sizes +
+                                          "\nencoding: raw\n\n" + bytesOfValues(made.values));
+    writeBytes(folder.file("a.mha"), "ObjectType = Image\nNDims = 3\nDimSize = " + sizes +
+                                         "\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                                         bytesOfValues(made.values));
+    for (const char* name : {"a.nrrd", "a.mha"}) {
+        CHECK_THAT(messageFor(folder.file(name)), Contains("voxelSpacing"));
+        ImageReadOptions options;
+        options.spacing = {{1, 2, 3}};
+        CHECK(readImage(folder.file(name), options).grid.spacing() == Vec<3>{{1, 2, 3}});
+    }
+}
+
+TEST_CASE("NIfTI: the sform counts, and a qform elsewhere is reported", "[image][file]") {
+    const TemporaryFolder folder;
+    const auto made = halves();
+    std::string header = niftiHeader(made, 2);
+    const std::int16_t code = 1;
+    header.replace(252, 2, reinterpret_cast<const char*>(&code), 2);
+    writeBytes(folder.file("both.nii"), header + bytesOfValues(made.values));
+    Image image;
+    CHECK_THAT(warningsOf(folder.file("both.nii"), &image).at(0), Contains("qform"));
+    checkSame(image, made, 1e-3);
+    const std::int16_t none = 0;
+    for (const std::size_t at : {252u, 254u})
+        header.replace(at, 2, reinterpret_cast<const char*>(&none), 2);
+    writeBytes(folder.file("none.nii"), header + bytesOfValues(made.values));
+    CHECK_THAT(warningsOf(folder.file("none.nii")).at(0), Contains("unknown"));
+}
+
+TEST_CASE("damaged images are refused without memory for what they claim", "[image][file]") {
+    const TemporaryFolder folder;
+    const auto made = halves();
+    writeNrrd(folder.file("a.nrrd"), made, "uint8");
+    writeMeta(folder.file("a.mha"), made, "MET_UCHAR");
+    writeNifti(folder.file("a.nii"), made, 2);
+    for (const char* name : {"a.nrrd", "a.mha", "a.nii"}) {
+        CAPTURE(name);
+        const auto path = folder.file(name);
+        std::filesystem::resize_file(path, std::filesystem::file_size(path) - 500);
+        CHECK_FALSE(messageFor(path).empty());
+        std::filesystem::resize_file(path, 200);
+        CHECK_FALSE(messageFor(path).empty());
+        writeBytes(path, "");
+        CHECK_FALSE(messageFor(path).empty());
+    }
+    auto lying = made;
+    lying.grid.size = {60000, 60000, 60000};
+    writeNrrd(folder.file("b.nrrd"), lying, "uint8");
+    writeMeta(folder.file("b.mha"), lying, "MET_UCHAR");
+    lying.grid.size = {30000, 30000, 30000};
+    writeNifti(folder.file("b.nii"), lying, 2);
+    for (const char* name : {"b.nrrd", "b.mha", "b.nii"})
+        CHECK_THAT(messageFor(folder.file(name)), Contains("damaged"));
+    CHECK_THROWS_AS(readImage(folder.file("absent.nii")), IoError);
+    CHECK_THROWS_AS(readImage(folder.file("absent.mhd")), IoError);
+    CHECK_FALSE(messageFor(folder.file("")).empty());
+}
+
+TEST_CASE("labels are found by value, by name and in layers", "[image]") {
+    const TemporaryFolder folder;
+    writeNrrd(folder.file("a.seg.nrrd"), halves(), "uint8",
+              "Segment0_Name:=left half\nSegment0_LabelValue:=3\nSegment0_Layer:=0\n"
+              "Segment1_Name:=right half\nSegment1_LabelValue:=7\nSegment1_Layer:=0\n");
+    const Image image = readImage(folder.file("a.seg.nrrd"));
+    const auto labels = *labelsOf(image);
+    REQUIRE(labels.size() == 2);
+    CHECK(labels[0].value == 3);
+    CHECK(labels[1].name == "right half");
+    CHECK(parseLabels("all", labels, "a").size() == 2);
+    CHECK(parseLabels("7", labels, "a").front().labels.front().voxels == labels[1].voxels);
+    CHECK(parseLabels("left half+7", labels, "a").front().labels.size() == 2);
+    CHECK(parseLabels("3, right half", labels, "a").size() == 2);
+    for (const char* bad : {"4", "left", "3+3", "3,7+3", ""})
+        CHECK_THROWS_AS(parseLabels(bad, labels, "a"), ParameterError);
+    const auto meshes = labelSurfaces(image, parseLabels("all", labels, "a"));
+    REQUIRE(meshes.size() == 2);
+    for (const auto& mesh : meshes) CHECK_FALSE(mesh.triangles.empty());
+}
+
+TEST_CASE("slices of a stack are in the order of their numbers", "[image][file]") {
+    const TemporaryFolder folder;
+    // The smallest TIFF: one strip of 2 x 2 bytes.
+    const auto writeTiff = [&](const std::string& name, std::uint8_t value) {
+        std::string bytes =
+            std::string("II*\0\x0c\0\0\0", 8) + std::string(4, static_cast<char>(value));
+        const auto entry = [&](std::uint16_t tag, std::uint16_t type, std::uint32_t number) {
+            const std::uint32_t one = 1;
+            bytes.append(reinterpret_cast<const char*>(&tag), 2);
+            bytes.append(reinterpret_cast<const char*>(&type), 2);
+            bytes.append(reinterpret_cast<const char*>(&one), 4);
+            bytes.append(reinterpret_cast<const char*>(&number), 4);
+        };
+        bytes += std::string("\x08\0", 2);
+        entry(256, 4, 2);
+        entry(257, 4, 2);
+        entry(258, 3, 8);
+        entry(259, 3, 1);
+        entry(262, 3, 1);
+        entry(273, 4, 8);
+        entry(278, 4, 2);
+        entry(279, 4, 4);
+        writeBytes(folder.file(name), bytes + std::string(4, '\0'));
+    };
+    for (int k = 1; k <= 12; ++k)
+        writeTiff("s" + std::to_string(k) + ".tif", static_cast<std::uint8_t>(k));
+    ImageReadOptions options;
+    options.spacing = {{0.5, 0.5, 2}};
+    for (const char* which : {"", "s*.tif"}) {
+        const Image image = readImage(folder.file(which), options);
+        REQUIRE(image.grid.size == std::array<std::size_t, 3>{2, 2, 12});
+        CHECK(image.grid.step[2] == Vec<3>{{0, 0, 2}});
+        for (std::size_t k = 0; k < 12; ++k)
+            CHECK(std::to_integer<int>(image.bytes[4 * k]) == static_cast<int>(k) + 1);
+        CHECK_THAT(messageFor(folder.file(which)), Contains("voxelSpacing"));
+    }
+}
