@@ -35,7 +35,7 @@ void benchPreview(int threads, double count) {
         if (cut) options.cut = PreviewCut{0, 0};
         const double start = now();
         const std::clock_t busy = std::clock();
-        const Image image = withThreads(threads, [&] { return renderPreview(scene, options); });
+        const Picture image = withThreads(threads, [&] { return renderPreview(scene, options); });
         const double drawn = now();
         // The time of all threads, which other load on the machine hardly changes.
         const double processor = static_cast<double>(std::clock() - busy) / CLOCKS_PER_SEC;

@@ -14,7 +14,7 @@ using namespace vdbpack;
 
 namespace {
 
-bool isWhite(const Image& image, int x, int y) {
+bool isWhite(const Picture& image, int x, int y) {
     const auto* p = image.pixel(x, y);
     return p[0] > 250 && p[1] > 250 && p[2] > 250;
 }
@@ -24,7 +24,7 @@ struct Span {
     int length() const { return last - first + 1; }
 };
 /// Columns that are not white between two rows.
-Span drawn(const Image& image, int y0, int y1) {
+Span drawn(const Picture& image, int y0, int y1) {
     Span span;
     for (int x = 0; x < image.width; ++x)
         for (int y = y0; y < y1; ++y)
@@ -35,13 +35,13 @@ Span drawn(const Image& image, int y0, int y1) {
     return span;
 }
 
-bool isWhiteColumn(const Image& image, int x, int y0, int y1) {
+bool isWhiteColumn(const Picture& image, int x, int y0, int y1) {
     for (int y = y0; y < y1; ++y)
         if (!isWhite(image, x, y)) return false;
     return true;
 }
 
-double scaleBarIn(const Image& image) {
+double scaleBarIn(const Picture& image) {
     const std::string& words = image.texts.at(1).second;
     const std::string key = "scale bar ";
     return std::strtod(words.c_str() + words.find(key) + key.size(), nullptr);
@@ -74,7 +74,7 @@ TEST_CASE("circles, outline and scale bar are true to scale", "[preview]") {
     PreviewOptions options;
     options.width = 800;
     options.height = 600;
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     // Behind the bar, white columns part it from its length.
     const Span foot = drawn(image, 571, 585);
     Span bar{foot.first, foot.first};
@@ -109,7 +109,7 @@ TEST_CASE("y points up, and circles are drawn at their positions", "[preview]") 
     scene.pack = &pack;
     PreviewOptions options;
     options.width = options.height = 400;
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     const auto darkest = [&](int x0, int x1, int y0, int y1) {
         int sum = 765;
         for (int y = y0; y < y1; ++y)

@@ -148,7 +148,7 @@ TEST_CASE("a sphere covers the pixels given by the projection", "[preview]") {
     // It fills the height but a margin.
     CHECK(2 * inPixels > 0.85 * options.height);
     CHECK(2 * inPixels < options.height);
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     double drawn = 0;
     for (int y = 0; y < 300; ++y)
         for (int x = 50; x < 350; ++x)
@@ -206,7 +206,7 @@ TEST_CASE("a cut sphere shows a flat face, not a hollow shell", "[preview]") {
     PreviewOptions options = sized(200, 150);
     const int axis = GENERATE(0, 1, 2);
     options.cut = PreviewCut{axis, pack.spheres[0].center[axis]};
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     std::set<std::array<int, 3>> colors;
     for (int y = 65; y < 85; ++y)
         for (int x = 90; x < 110; ++x) {
@@ -229,7 +229,7 @@ TEST_CASE("a cut solid shows its inside and its holes", "[preview]") {
     PreviewOptions options = sized(400, 300);
     options.cut = PreviewCut{GENERATE(0, 1, 2), 0};
     const auto camera = previewCamera(scene, options);
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     std::uint8_t face[3];
     toSrgb(boneCutColor() * 0.95f, face);
     int wrong = 0, judged = 0;
@@ -256,7 +256,7 @@ TEST_CASE("a cut wall is drawn as a line", "[preview]") {
     PreviewOptions options = sized(400, 300);
     options.cut = PreviewCut{1, 0};
     const auto camera = previewCamera(scene, options);
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     int dark = 0, at = 0;
     for (int y = 0; y < 280; ++y)
         for (int x = 0; x < 400; ++x) {
@@ -294,7 +294,7 @@ TEST_CASE("the texts of a picture describe it", "[preview]") {
     scene.pack = &pack;
     PreviewOptions options = sized(100, 80);
     options.cut = PreviewCut{2, 1.5};
-    const Image image = renderPreview(scene, options);
+    const Picture image = renderPreview(scene, options);
     REQUIRE(image.texts.size() == 2);
     CHECK_THAT(image.texts[0].second, Catch::EndsWith(" spheres"));
     for (const char* part : {"colored by radius, 0.2", "cut at z = 1.5 mm, lower z stays",

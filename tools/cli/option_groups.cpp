@@ -206,17 +206,7 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("L")
         ->check(notEmpty())
         ->group("Domain");
-    command
-        .add_option("--voxel-spacing", domain.voxelSpacing,
-                    "distances of an image's voxels, mm, in place of its own; TIFF files need it")
-        ->option_text("X,Y,Z|D")
-        ->check(notEmpty())
-        ->group("Domain");
-    addChoice(command, "--space", domain.space, kSpaces,
-              "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
-              "(x to the right, y to the front, as in NIfTI)")
-        ->option_text("lps|ras [lps]")
-        ->group("Domain");
+    addImagePlacement(command, domain);
     command
         .add_option("--slice", domain.slice,
                     "use the plane z = V of the domain; its spheres are circles")
@@ -235,6 +225,20 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->check(positive())
         ->group("Domain");
     addRepairOptions(command, domain);
+}
+
+void addImagePlacement(CLI::App& command, DomainRecipe& domain) {
+    command
+        .add_option("--voxel-spacing", domain.voxelSpacing,
+                    "distances of an image's voxels, mm, in place of its own; TIFF files need it")
+        ->option_text("X,Y,Z|D")
+        ->check(notEmpty())
+        ->group("Domain");
+    addChoice(command, "--space", domain.space, kSpaces,
+              "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
+              "(x to the right, y to the front, as in NIfTI)")
+        ->option_text("lps|ras [lps]")
+        ->group("Domain");
 }
 
 void addRepairOptions(CLI::App& command, DomainRecipe& domain) {

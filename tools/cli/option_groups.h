@@ -55,6 +55,8 @@ CLI::Option* addChoice(CLI::App& command, const std::string& option, Value& valu
     return added;
 }
 
+/// Where an image lies: distances of voxels and the axes of the world.
+void addImagePlacement(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
              const std::string& help);
 void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help);

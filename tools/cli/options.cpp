@@ -325,6 +325,24 @@ CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
     return command;
 }
 
+CLI::App* addCommand(CLI::App& app, ImageRecipe& job, PrintOptions& print) {
+    CLI::App* command =
+        app.add_subcommand("image", "report what a label map or a CT contains, and where it lies");
+    command
+        ->add_option("FILE", job.domain.source,
+                     "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+        ->required();
+    addImagePlacement(*command, job.domain);
+    addThreads(*command, job.threads, "number of threads");
+    addUnit(*command, "--unit", job.domain.unit, "unit of the file");
+    command->add_option("--scale", job.domain.scale, "further factor on its lengths")
+        ->option_text("F [1]")
+        ->group("Units");
+    addMemoryLimit(*command, job.memoryLimit);
+    addPrinting(*command, print);
+    return command;
+}
+
 /// A command with the recipe that its options fill in.
 struct Command {
     CLI::App* app;
@@ -348,6 +366,7 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     add<MeasureRecipe>(commands, app, print);
     add<ConvertRecipe>(commands, app, print);
     add<MeshRecipe>(commands, app, print);
+    add<ImageRecipe>(commands, app, print);
     return commands;
 }
 

@@ -3,6 +3,7 @@
 
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
+#include "vdbpack/run/run_image.h"
 #include "vdbpack/run/run_mesh.h"
 
 #include <cstdint>
@@ -31,7 +32,7 @@ struct VoidsJob : vdbpack::VoidsRecipe {
 /// The recipe of the command. All have `domain` and the fields of RunSettings.
 using Job = std::variant<PackJob, VoidsJob, vdbpack::CarveRecipe, vdbpack::DensifyRecipe,
                          vdbpack::VerifyRecipe, vdbpack::MeasureRecipe, vdbpack::ConvertRecipe,
-                         vdbpack::MeshRecipe>;
+                         vdbpack::MeshRecipe, vdbpack::ImageRecipe>;
 
 /// How the result is printed.
 struct PrintOptions {

@@ -19,12 +19,15 @@ namespace vdbpack {
 namespace {
 
 constexpr std::size_t kMostLabels = 1000;
+/// More labels than these, of which neighbors are seldom equal, are grey values.
+constexpr std::size_t kFewLabels = 20;
 /// Voxels around a selection that are looked at with it: its neighbors shape its surface.
 constexpr std::size_t kMargin = 3;
 
-/// Voxels along rows that have the same value, by value.
+/// What a thread found of a layer; stretches are voxels along a row that have the same value.
 struct Tally {
     std::map<std::int64_t, LabelCount> counts;
+    std::size_t stretches = 0;
     bool whole = true;
 };
 
@@ -98,6 +101,7 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
                             if (value != 0) {
                                 LabelCount& label = tally.counts[static_cast<std::int64_t>(value)];
                                 label.voxels += end - x;
+                                ++tally.stretches;
                                 const auto y = static_cast<double>(row % size[1]);
                                 const auto z = static_cast<double>(row / size[1]);
                                 label.voxelBox.add({{static_cast<double>(x), y, z}});
@@ -113,9 +117,12 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
     std::vector<LabelCount> labels;
     for (std::size_t layer = 0; layer < image.layers; ++layer) {
         std::map<std::int64_t, LabelCount> all;
+        std::size_t stretches = 0, voxels = 0;
         for (const auto& mine : tallies) {
             if (!mine[layer].whole) return std::nullopt;
+            stretches += mine[layer].stretches;
             for (const auto& [value, count] : mine[layer].counts) {
+                voxels += count.voxels;
                 LabelCount& label = all[value];
                 label.value = value;
                 label.layer = layer;
@@ -125,6 +132,7 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
             }
         }
         if (all.size() > kMostLabels) return std::nullopt;
+        if (all.size() > kFewLabels && voxels < 2 * stretches) return std::nullopt;
         for (const auto& [value, label] : all) labels.push_back(label);
     }
     for (LabelCount& label : labels)

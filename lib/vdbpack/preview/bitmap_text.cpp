@@ -32,7 +32,7 @@ constexpr Letter kLetters[] = {
 };
 
 void drawLetter(const Letter& letter, int left, int top, int dot, const std::uint8_t ink[3],
-                Image& image) {
+                Picture& image) {
     for (int y = 0; y < kLetterHeight * dot; ++y)
         for (int x = 0; x < kLetterWidth * dot; ++x) {
             const int row = letter.rows[static_cast<std::size_t>(y / dot)];
@@ -46,7 +46,7 @@ void drawLetter(const Letter& letter, int left, int top, int dot, const std::uin
 }  // namespace
 
 void drawText(std::string_view text, int x, int y, int dot, const std::uint8_t ink[3],
-              Image& image) {
+              Picture& image) {
     for (const char c : text) {
         const auto* const letter = std::find_if(std::begin(kLetters), std::end(kLetters),
                                                 [c](const Letter& l) { return l.name == c; });

@@ -1,7 +1,7 @@
 // Private to previews: numbers and units in pictures.
 #pragma once
 
-#include "vdbpack/preview/image.h"
+#include "vdbpack/preview/picture.h"
 
 #include <cstdint>
 #include <string_view>
@@ -15,6 +15,6 @@ inline constexpr int kLetterHeight = 7, kLetterWidth = 5;
 /// @param x, y  the left end of the letters' feet, pixels.
 /// @param dot   pixels along a side of a dot.
 void drawText(std::string_view text, int x, int y, int dot, const std::uint8_t ink[3],
-              Image& image);
+              Picture& image);
 
 }  // namespace vdbpack

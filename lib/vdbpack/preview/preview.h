@@ -4,7 +4,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/preview/image.h"
+#include "vdbpack/preview/picture.h"
 
 #include <array>
 #include <cstdint>
@@ -97,11 +97,11 @@ bool canDrawSpace();
 /// @throws ParameterError for a size out of bounds, an empty scene, an attribute to color by that
 /// the pack does not have, a cut that misses the scene, or a build without Embree; ResourceError if
 /// memory does not suffice; Interrupted.
-Image renderPreview(const SpacePreview& scene, const PreviewOptions& options);
+Picture renderPreview(const SpacePreview& scene, const PreviewOptions& options);
 
 /// Draws circles at true scale, y up, with the outline of the domain; needs no Embree.
 /// @throws as above; ParameterError for a cut.
-Image renderPreview(const PlanePreview& scene, const PreviewOptions& options);
+Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options);
 
 /// "x=12.5" as a cut. @throws ParameterError
 PreviewCut parsePreviewCut(const std::string& text);

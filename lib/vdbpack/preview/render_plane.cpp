@@ -51,7 +51,7 @@ void checkField(const PlaneField& field) {
 
 }  // namespace
 
-Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
+Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
     checkPreviewSize(options.width, options.height);
     if (options.cut) throw ParameterError("`preview.cut`: a plane cannot be cut; leave it out");
     Box<2> bounds = scene.bounds;
@@ -65,7 +65,7 @@ Image renderPreview(const PlanePreview& scene, const PreviewOptions& options) {
     SphereColors colors;
     if (scene.pack) colors = sphereColors(*scene.pack, options.color);
 
-    Image image;
+    Picture image;
     image.width = options.width;
     image.height = options.height;
     image.pixels.assign(

@@ -81,7 +81,7 @@ private:
     std::vector<float> values_;  ///< row by row: all x, all y, ...; a border of kApron pixels
 };
 
-void drawTile(const SpaceTracer& tracer, int x0, int y0, Image& image) {
+void drawTile(const SpaceTracer& tracer, int x0, int y0, Picture& image) {
     const int x1 = std::min(x0 + kTile, image.width), y1 = std::min(y0 + kTile, image.height);
     const int left = std::max(0, x0 - kApron), top = std::max(0, y0 - kApron);
     const int columns = std::min(image.width, x1 + kApron) - left;
@@ -142,7 +142,7 @@ std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const Previe
     return seen;
 }
 
-Image renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
+Picture renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
     try {
         checkScene(scene, options);
         SphereColors colors;
@@ -150,7 +150,7 @@ Image renderPreview(const SpacePreview& scene, const PreviewOptions& options) {
         StopRequest request(options.cancelled);
         SpaceTracer tracer(scene, options, request);
         tracer.colorBy(std::move(colors.color));
-        Image image;
+        Picture image;
         image.width = options.width;
         image.height = options.height;
         image.pixels.resize(3 * static_cast<std::size_t>(image.width) *

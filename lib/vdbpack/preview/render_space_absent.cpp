@@ -22,7 +22,7 @@ std::vector<std::int32_t> visibleSpheres(const SpacePreview&, const PreviewOptio
     refuse();
 }
 
-Image renderPreview(const SpacePreview&, const PreviewOptions&) {
+Picture renderPreview(const SpacePreview&, const PreviewOptions&) {
     refuse();
 }
 

@@ -20,7 +20,7 @@ ScaleBar scaleBarFor(double mmPerPixel, int width) {
     return {ten, 10};
 }
 
-void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Image& image) {
+void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Picture& image) {
     if (!(bar.length > 0)) return;
     const double pixels = bar.length / mmPerPixel;
     const int thick = std::max(2, image.height / 150), margin = std::max(3, image.height / 40);

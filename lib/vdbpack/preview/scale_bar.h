@@ -1,7 +1,7 @@
 // Private to previews: the scale bar of a picture.
 #pragma once
 
-#include "vdbpack/preview/image.h"
+#include "vdbpack/preview/picture.h"
 
 namespace vdbpack {
 
@@ -14,6 +14,6 @@ struct ScaleBar {
 /// @param mmPerPixel  the scale that the bar shows.
 ScaleBar scaleBarFor(double mmPerPixel, int width);
 /// Draws the bar in the lower left corner, and its length beside it.
-void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Image& image);
+void drawScaleBar(const ScaleBar& bar, double mmPerPixel, Picture& image);
 
 }  // namespace vdbpack

@@ -40,7 +40,7 @@ Box<3> checkScene(const SpacePreview& scene, const PreviewOptions& options) {
     return bounds;
 }
 
-void describe(const std::string& title, const std::string& description, Image& image) {
+void describe(const std::string& title, const std::string& description, Picture& image) {
     image.texts = {{"Title", title}, {"Description", description}};
 }
 

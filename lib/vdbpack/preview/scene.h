@@ -18,7 +18,7 @@ Box<Dim> boundsOf(const Pack<Dim>& pack);
 Box<3> checkScene(const SpacePreview& scene, const PreviewOptions& options);
 
 /// Sets the title and the description of a picture.
-void describe(const std::string& title, const std::string& description, Image& image);
+void describe(const std::string& title, const std::string& description, Picture& image);
 
 /// A count with separators: 12,345.
 std::string groupedCount(std::size_t n);

@@ -97,7 +97,7 @@ PlaneField fieldOf(const Domain<2>& domain, const StampedVoids<2>* voids, int pi
     return field;
 }
 
-Image draw(const PreviewOptions& options, const DomainSource& source,
+Picture draw(const PreviewOptions& options, const DomainSource& source,
            const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack) {
     SpacePreview scene;
     if (pack) {
@@ -111,7 +111,7 @@ Image draw(const PreviewOptions& options, const DomainSource& source,
     return renderPreview(scene, options);
 }
 
-Image draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
+Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
            const MadeVoids<2>& made, const Pack<2>* pack) {
     const PlaneField field = fieldOf(*built.plane, pack ? nullptr : made.stamped.get(),
                                      std::max(options.width, options.height));
@@ -132,7 +132,7 @@ PreviewOptions optionsOf(const PreviewRecipe& recipe) {
 }
 
 /// Encodes a picture, and writes it if it has a file.
-PreviewPicture finished(Image image, const PreviewRecipe& recipe, const std::string& source) {
+PreviewPicture finished(Picture image, const PreviewRecipe& recipe, const std::string& source) {
     PreviewPicture picture;
     for (const auto& [keyword, text] : image.texts)
         picture.words += (picture.words.empty() ? "" : ", ") + text;

@@ -1,4 +1,4 @@
-#include "vdbpack/preview/image.h"
+#include "vdbpack/preview/picture.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
@@ -23,7 +23,7 @@ void append(png_structp png, png_bytep data, png_size_t bytes) {
 void nothingToFlush(png_structp) {}
 
 /// libpng leaves by longjmp, so nothing with a destructor may live here.
-bool encode(png_structp png, png_infop info, const Image& image, png_textp texts, int count,
+bool encode(png_structp png, png_infop info, const Picture& image, png_textp texts, int count,
             std::string& out) {
     if (setjmp(png_jmpbuf(png))) return false;
     png_set_write_fn(png, &out, append, nothingToFlush);
@@ -41,7 +41,7 @@ bool encode(png_structp png, png_infop info, const Image& image, png_textp texts
 
 }  // namespace
 
-std::string encodePng(const Image& image) {
+std::string encodePng(const Picture& image) {
     const auto wanted =
         3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height);
     if (image.width < 1 || image.height < 1 || image.pixels.size() != wanted)
@@ -66,7 +66,7 @@ std::string encodePng(const Image& image) {
     return out;
 }
 
-void writePng(const Image& image, const std::string& path) {
+void writePng(const Picture& image, const std::string& path) {
     const std::string bytes = encodePng(image);
     OutputFile file(path);
     file.write(bytes);

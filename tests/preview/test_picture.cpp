@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/preview/color.h"
-#include "vdbpack/preview/image.h"
+#include "vdbpack/preview/picture.h"
 #include "vdbpack/preview/preview.h"
 
 #include <catch2/catch.hpp>
@@ -18,8 +18,8 @@ using namespace vdbpack::test;
 
 namespace {
 
-Image noise(int width, int height) {
-    Image image;
+Picture noise(int width, int height) {
+    Picture image;
     image.width = width;
     image.height = height;
     RandomStream random(1, 0);
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> decoded(const std::string& bytes, int& width, int& hei
 }  // namespace
 
 TEST_CASE("a PNG file is read back with its pixels and texts", "[preview]") {
-    const Image image = noise(31, 17);
+    const Picture image = noise(31, 17);
     const TemporaryFolder folder;
     const std::string path = folder.file("noise.png");
     writePng(image, path);
@@ -59,10 +59,10 @@ TEST_CASE("a PNG file is read back with its pixels and texts", "[preview]") {
 }
 
 TEST_CASE("a picture without enough pixels is refused, and no file is written", "[preview]") {
-    Image image = noise(4, 4);
+    Picture image = noise(4, 4);
     image.pixels.pop_back();
     CHECK_THROWS_AS(encodePng(image), ParameterError);
-    CHECK_THROWS_AS(encodePng(Image{}), ParameterError);
+    CHECK_THROWS_AS(encodePng(Picture{}), ParameterError);
     const TemporaryFolder folder;
     CHECK_THROWS_AS(writePng(image, folder.file("a.png")), ParameterError);
     CHECK(!std::ifstream(folder.file("a.png")).good());

@@ -1,0 +1,42 @@
+// `vdb_pack image`: what a label map or CT has in it.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/image/image_grid.h"
+#include "vdbpack/image/image_surface.h"
+#include "vdbpack/image/label_relations.h"
+#include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/settings.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+struct ImageRecipe : RunSettings {
+    DomainRecipe domain;  ///< source, unit, scale, spacing and space
+};
+
+struct ImageResult {
+    std::string source, format, type;
+    ImageSpace space = ImageSpace::lps;
+    ImageGrid grid;
+    std::size_t layers = 1;
+    double lowest = 0, highest = 0;                 ///< values, of those that are numbers
+    std::optional<std::vector<LabelCount>> labels;  ///< nothing: a grey image
+    LabelRelations relations;                       ///< of the labels
+    std::vector<std::string> warnings;
+};
+
+/// Reads an image and relates its labels. @throws as `readImage`
+ImageResult runImage(const ImageRecipe& recipe, const Callbacks& callbacks = {});
+
+/// Lengths in mm: `format`, `type`, `size`, `spacing`, `orientation`, `space`, `origin`,
+/// `directions` (one axis a row), `range`, `labels` (null for grey images), `contacts`.
+nlohmann::json toJson(const ImageResult& result);
+std::string summary(const ImageResult& result);
+
+}  // namespace vdbpack
