@@ -427,7 +427,7 @@ TEST_CASE("densities go with the unit of length", "[formats]") {
 TEST_CASE("densities may go by region", "[formats]") {
     PackWriteOptions options;
     options.unit = Unit::meter;
-    options.regionDensity = {{0, 1900}, {1, 1100}};
+    options.materialDensity = {{0, 1900}, {1, 1100}};
     auto pack = touchingRow();
     pack.region = {0, 1, 0, 2};
     pack.columns.push_back({"density", {7, 7, 7, 7}, {}});
@@ -436,7 +436,7 @@ TEST_CASE("densities may go by region", "[formats]") {
                                     [](const Column& c) { return c.name == "density"; });
     REQUIRE(found != read.columns.end());
     REQUIRE(found->numbers == std::vector<double>{1900, 1100, 1900, kDefaultDensity});
-    options.regionDensity = {{0, -1}};
+    options.materialDensity = {{0, -1}};
     REQUIRE_THROWS_AS(written(pack, options), ParameterError);
 }
 

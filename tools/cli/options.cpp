@@ -4,6 +4,7 @@
 #include "cli/help.h"
 #include "cli/option_groups.h"
 #include "cli/option_names.h"
+#include "cli/parts_file.h"
 #include "cli/recipe.h"
 #include "cli/required_result.h"
 #include "cli/terminal.h"
@@ -145,6 +146,13 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addDomainOptions(*command, job.domain);
+    command
+        ->add_option("--parts", job.partsFile,
+                     "pack several domains, each a table [[part]] of a TOML file: name, domain, "
+                     "and options by their names. Where they overlap, the later one has the space")
+        ->option_text("FILE.toml")
+        ->check(notEmpty())
+        ->group("Domain");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
@@ -391,13 +399,47 @@ void describe(CLI::App& app) {
     app.fallthrough();
 }
 
+/// Sets the parts of a pack that a file names: each has the options of the command line, but for
+/// those of its own.
+void addParts(PackJob& job) {
+    if (job.partsFile.empty()) return;
+    if (!job.domain.source.empty())
+        throw CLI::ValidationError("--parts", "the parts have domains of their own; leave out '" +
+                                                  job.domain.source + "'");
+    PackJob base = job;
+    base.partsFile.clear();
+    for (PartWords& words : readPartsFile(job.partsFile)) {
+        PackJob part = base;
+        part.name = words.name;
+        PrintOptions unused;
+        CLI::App app;
+        addCommand(app, part, unused);
+        words.arguments.insert(words.arguments.begin(), "pack");
+        std::reverse(words.arguments.begin(), words.arguments.end());
+        try {
+            app.parse(words.arguments);
+        } catch (const CLI::ParseError& e) {
+            throw CLI::ValidationError("--parts", job.partsFile + ": part '" + words.name +
+                                                      "': " + e.what());
+        }
+        if (!part.partsFile.empty())
+            throw CLI::ValidationError("--parts", "parts have no parts of their own");
+        job.parts.push_back(std::move(part));
+    }
+}
+
 /// What the options alone do not set in the recipe of the command that was parsed.
 void complete(const Command& command, const std::vector<std::string>& arguments) {
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
             if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
-            if (domain.source.empty() && command.app->get_option_no_throw("DOMAIN"))
+            bool hasParts = false;
+            if constexpr (std::is_same_v<std::decay_t<decltype(recipe)>, PackJob>) {
+                addParts(recipe);
+                hasParts = !recipe.parts.empty();
+            }
+            if (domain.source.empty() && !hasParts && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
             const std::filesystem::path left = recipeFileFor(recipe.outputs);
             recipe.optionsText = recipeText(*command.app, left.parent_path().string());

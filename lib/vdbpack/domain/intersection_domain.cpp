@@ -1,5 +1,7 @@
 #include "vdbpack/domain/intersection_domain.h"
 
+#include "vdbpack/domain/volume_integrals.h"
+
 #include <algorithm>
 #include <utility>
 
@@ -63,8 +65,39 @@ public:
     }
     DomainFacts facts() const override { return inner_->facts(); }
 
-private:
+protected:
     std::shared_ptr<const Domain<Dim>> inner_, outer_;
+};
+
+class CutDomain : public IntersectionDomain<3> {
+public:
+    CutDomain(std::shared_ptr<const Domain<3>> base, std::shared_ptr<const Domain<3>> outside,
+              bool fromBase)
+        : IntersectionDomain(std::move(base), std::move(outside)),
+          fromBase_(fromBase),
+          volume_(volumeDeeperThan(0)) {}
+
+    Box<3> bounds() const override { return inner_->bounds(); }
+    double volume() const override { return volume_; }
+    double wallArea() const override {
+        const double voxel = std::max(inner_->facts().voxelSize, outer_->facts().voxelSize);
+        const Vec<3> size = bounds().size();
+        const double step =
+            voxel > 0 ? voxel : 0.01 * *std::min_element(size.c.begin(), size.c.end());
+        return wallAreaByVolumes(*this, step);
+    }
+    double volumeDeeperThan(double depth) const override {
+        return volumeBySamples<3>(bounds(), inner_->facts().voxelSize, depth,
+                                  [this] { return sampler(); });
+    }
+
+    const Domain<3>& envelope() const override {
+        return fromBase_ ? inner_->envelope() : static_cast<const Domain<3>&>(*this);
+    }
+
+private:
+    bool fromBase_;
+    double volume_;
 };
 
 }  // namespace
@@ -73,6 +106,12 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
                                                       std::shared_ptr<const Domain<Dim>> outer) {
     return std::make_shared<IntersectionDomain<Dim>>(std::move(inner), std::move(outer));
+}
+
+std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,
+                                           std::shared_ptr<const Domain<3>> outside,
+                                           bool fromBase) {
+    return std::make_shared<CutDomain>(std::move(base), std::move(outside), fromBase);
 }
 
 template std::shared_ptr<const Domain<2>> intersectionDomain(std::shared_ptr<const Domain<2>>,

@@ -16,4 +16,11 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
                                                       std::shared_ptr<const Domain<Dim>> outer);
 
+/// What `outside` leaves of `base`: the points inside both, neither of which lies within the other.
+/// Volumes are sums over samples (`volumeBySamples`); facts are those of `base`.
+/// @param fromBase  whether its envelope is that of `base`.
+std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,
+                                           std::shared_ptr<const Domain<3>> outside,
+                                           bool fromBase);
+
 }  // namespace vdbpack

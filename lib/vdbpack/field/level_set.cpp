@@ -70,6 +70,13 @@ std::string levelSetName(const VdbGrid& grid) {
     return grid.grid->getName();
 }
 
+std::shared_ptr<const VdbGrid> renamed(const VdbGrid& grid, const std::string& name) {
+    auto copy = std::make_shared<VdbGrid>(grid);
+    copy->grid = grid.grid->copy();
+    copy->grid->setName(name);
+    return copy;
+}
+
 double voxelSizeOf(const VdbGrid& grid) {
     return grid.grid->voxelSize()[0];
 }

@@ -55,6 +55,8 @@ TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, 
 
 /// The name of a level set's grid.
 std::string levelSetName(const VdbGrid& grid);
+/// The same level set under another name; they share their voxels.
+std::shared_ptr<const VdbGrid> renamed(const VdbGrid& grid, const std::string& name);
 /// Edge of a voxel, mm.
 double voxelSizeOf(const VdbGrid& grid);
 /// Voxels in the band.

@@ -11,7 +11,7 @@
 namespace vdbpack {
 
 /// Writes a table (.csv) with one row per contact and the columns i, j, gap, nx, ny, nz, region_i,
-/// region_j. Whole or absent, as `writePack`.
+/// region_j, and part_i, part_j of a pack of several parts. Whole or absent, as `writePack`.
 ///
 /// i and j are ids as in the pack's file (indices if the pack has no ids). The normal points from i
 /// to j and has length one, or is 0 0 0 if the centers coincide; 2D: nz = 0. Regions are 0 if the

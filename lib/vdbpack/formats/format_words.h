@@ -13,7 +13,7 @@ inline constexpr const char* kGeneratorKey = "generator";
 
 /// What the title of our LAMMPS data files records about the numbers below.
 inline constexpr const char* kLammpsIdShift = "atom = id + 1";
-inline constexpr const char* kLammpsTypeIsRegion = "type = region + 1";
+inline constexpr const char* kLammpsTypeIs = "type = ";  // a formula of `Materials`, "+ 1"
 inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
 
 /// The column of .xyz files for chemical elements, and its word for spheres without one, which is

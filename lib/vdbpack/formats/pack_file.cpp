@@ -65,7 +65,7 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
                 fmt::format("density of the spheres is {} kg/m³; give a positive one", density));
     };
     checkDensity(options.particleDensity);
-    for (const auto& [region, density] : options.regionDensity) checkDensity(density);
+    for (const auto& [material, density] : options.materialDensity) checkDensity(density);
     if (options.frame) {
         const Vec<2> size = options.frame->size();
         if (!(size[0] > 0 && size[0] < 1e30 && size[1] > 0 && size[1] < 1e30))

@@ -37,8 +37,8 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    /// The same by region (0 where a pack has none); for regions that are not in it the above.
-    std::map<std::int32_t, double> regionDensity;
+    /// The same by material (`Materials`); for those that are not in it the above.
+    std::map<std::int32_t, double> materialDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
@@ -55,13 +55,13 @@ struct PackWriteOptions {
 /// double and every column of numbers; columns of texts are left out.
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
 /// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
-/// radius, id) and YADE (positions, radius, region) hold no further attributes. .svg is a picture:
+/// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a picture:
 /// y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
 /// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
 /// 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
-/// z` in a box around whole spheres. type is region + 1, or the pack's column `type`, or 1. If the
+/// z` in a box around whole spheres. type is 1 + the material (`Materials`), or the pack's column `type`, or 1. If the
 /// smallest id is 0, ids are one more in the file; if some are negative, equal or beyond 2^31 - 1,
 /// atoms are numbered from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si),
 /// g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and

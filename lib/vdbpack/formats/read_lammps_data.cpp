@@ -163,7 +163,8 @@ private:
             return line.find(words) != std::string_view::npos;
         };
         shifted_ = says(kLammpsIdShift);
-        regions_ = says(kLammpsTypeIsRegion);
+        for (const char* one : {"region", "part"})
+            if (says((kLammpsTypeIs + std::string(one) + " + 1").c_str())) material_ = one;
         bonded_ = says(kLammpsBonded);
     }
 
@@ -237,7 +238,7 @@ private:
         };
         const std::size_t type = columnOf("type");
         const std::size_t density = columnOf("density");
-        if (regions_) table.names[type] = "region";
+        if (!material_.empty()) table.names[type] = material_;
         const auto types = counts_.find("atom types");
         const auto largestType = types != counts_.end() && types->second > 0
                                      ? types->second
@@ -275,11 +276,11 @@ private:
                                 cells[density].substr(0, 40), columns));
             return true;
         };
-        if (shifted_ || regions_)
+        if (shifted_ || !material_.empty())
             table.adjustRow = [&](PackBuilder& builder, const Cells& cells) {
                 std::int64_t number = 0;
                 if (shifted_ && parseNumber(cells[0], number)) builder.set(0, number - 1);
-                if (regions_ && parseNumber(cells[type], number)) builder.set(type, number - 1);
+                if (!material_.empty() && parseNumber(cells[type], number)) builder.set(type, number - 1);
             };
         Pack<3> pack = readTable(file_, table);
         if (table.names.back() == "molecule")
@@ -291,7 +292,8 @@ private:
 
     InputFile file_;
     Unit unit_;
-    bool shifted_ = false, regions_ = false, bonded_ = false;   ///< according to the title
+    bool shifted_ = false, bonded_ = false;  ///< according to the title
+    std::string material_;  ///< what types are one more than, according to the title; or empty
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;
 };

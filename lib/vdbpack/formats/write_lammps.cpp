@@ -3,6 +3,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
@@ -73,19 +74,12 @@ private:
     bool counted_ = false;
 };
 
-/// Types from 1 on: region + 1, or the pack's column `type`.
+/// Types from 1 on: material + 1, or the pack's column `type`.
 class AtomTypes {
 public:
-    explicit AtomTypes(const PackView& pack) : pack_(pack), column_(numbersNamed(pack, "type")) {
-        if (!pack.region().empty()) {
-            regions_ = std::all_of(pack.region().begin(), pack.region().end(),
-                                   [](std::int32_t r) { return r >= 0 && r < kLargestAtom; });
-            if (!regions_)
-                throw ParameterError(
-                    "regions are written as atom types, and one of them is negative; number "
-                    "regions from 0");
-            column_ = nullptr;
-        }
+    explicit AtomTypes(const PackView& pack)
+        : materials_(pack.attributes()),
+          column_(materials_.any() ? nullptr : numbersNamed(pack, "type")) {
         if (column_ && !std::all_of(column_->numbers.begin(), column_->numbers.end(), [](double v) {
                 return v >= 1 && v <= static_cast<double>(kLargestAtom) && std::trunc(v) == v;
             }))
@@ -93,16 +87,18 @@ public:
         for (std::size_t i = 0; i < pack.size(); ++i) count_ = std::max(count_, (*this)(i));
     }
     std::int64_t operator()(std::size_t i) const {
-        if (regions_) return std::int64_t{pack_.region()[i]} + 1;
+        if (materials_.any()) return std::int64_t{materials_.of(i)} + 1;
         return column_ ? static_cast<std::int64_t>(column_->numbers[i]) : 1;
     }
     std::int64_t count() const { return count_; }
-    const char* meaning() const { return regions_ ? kLammpsTypeIsRegion : nullptr; }
+    /// Empty: nothing that the pack knows.
+    std::string meaning() const {
+        return materials_.any() ? kLammpsTypeIs + materials_.formula() + " + 1" : "";
+    }
 
 private:
-    const PackView& pack_;
+    Materials materials_;
     const Column* column_;
-    bool regions_ = false;
     std::int64_t count_ = 1;
 };
 
@@ -134,12 +130,12 @@ double densityIn(double density, Unit unit) {
 class AtomDensities {
 public:
     AtomDensities(const PackView& pack, const PackWriteOptions& options)
-        : pack_(pack),
+        : materials_(pack.attributes()),
           all_(densityIn(options.particleDensity > 0 ? options.particleDensity : kDefaultDensity,
                          options.unit)) {
-        for (const auto& [region, density] : options.regionDensity)
-            ofRegions_[region] = densityIn(density, options.unit);
-        if (options.particleDensity > 0 || !ofRegions_.empty()) return;
+        for (const auto& [material, density] : options.materialDensity)
+            ofMaterials_[material] = densityIn(density, options.unit);
+        if (options.particleDensity > 0 || !ofMaterials_.empty()) return;
         // The densities of an input file are kept, unless others are requested.
         const Column* given = numbersNamed(pack, "density");
         if (given && std::all_of(given->numbers.begin(), given->numbers.end(),
@@ -148,17 +144,17 @@ public:
     }
     double operator()(std::size_t i) const {
         if (given_) return given_->numbers[i];
-        if (ofRegions_.empty()) return all_;
-        const auto found = ofRegions_.find(pack_.region().empty() ? 0 : pack_.region()[i]);
-        return found != ofRegions_.end() ? found->second : all_;
+        if (ofMaterials_.empty()) return all_;
+        const auto found = ofMaterials_.find(materials_.of(i));
+        return found != ofMaterials_.end() ? found->second : all_;
     }
     bool areGiven() const { return given_ != nullptr; }
 
 private:
-    const PackView& pack_;
+    Materials materials_;
     const Column* given_ = nullptr;
     double all_;
-    std::map<std::int32_t, double> ofRegions_;
+    std::map<std::int32_t, double> ofMaterials_;
 };
 
 }  // namespace
@@ -182,7 +178,7 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
     if (!title.empty()) title += "; ";
     title += fmt::format("atom_style {}; {}", bonds ? kLammpsBonded : "sphere or granular",
                          atoms->ids.meaning());
-    if (atoms->types.meaning()) title += fmt::format("; {}", atoms->types.meaning());
+    if (const std::string types = atoms->types.meaning(); !types.empty()) title += "; " + types;
     title +=
         fmt::format("; density {}", atoms->densities.areGiven()
                                         ? "as it was given"

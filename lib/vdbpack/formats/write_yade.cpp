@@ -1,5 +1,6 @@
-// YADE's text format (ymport.textExt): x y z r, and the region as material.
+// YADE's text format (ymport.textExt): x y z r and the material.
 #include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text_rows.h"
 #include "vdbpack/io/numbers.h"
@@ -13,19 +14,19 @@
 namespace vdbpack {
 
 PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options) {
-    const bool regions = !pack.region().empty();
+    const Materials materials(pack.attributes());
     PackTextRows rows;
-    rows.header = regions ? "#format x_y_z_r_matId\n" : "#format x_y_z_r\n";
+    rows.header = materials.any() ? "#format x_y_z_r_matId\n" : "#format x_y_z_r\n";
     rows.header += fmt::format("# {}{}\n", kUnitComment, unitName(options.unit));
     if (!options.generator.empty())
         rows.header += fmt::format("# {}: {}\n", kGeneratorKey, oneLine(options.generator));
-    rows.append = [&pack, regions](std::string& text, std::size_t i) {
+    rows.append = [&pack, materials](std::string& text, std::size_t i) {
         for (const double c : pack.position(i)) {
             appendNumber(text, c);
             text += '\t';
         }
         appendNumber(text, pack.radius(i));
-        if (regions) appendNumber(text += '\t', std::int64_t{pack.region()[i]});
+        if (materials.any()) appendNumber(text += '\t', std::int64_t{materials.of(i)});
         text += '\n';
     };
     return rows;

@@ -40,6 +40,20 @@ struct VoidReport {
     std::vector<std::string> chosen;        ///< defaults that were chosen, one sentence each
 };
 
+/// One of the domains of a pack of several parts.
+struct PartReport {
+    std::string name;
+    std::string source;          ///< file or shape
+    std::string requested;       ///< the size distribution
+    std::uint64_t count = 0;     ///< spheres
+    double volume = 0, area = 0; ///< of the domain, mm³ and mm²
+    double solidFraction = 0;
+    std::optional<double> interior;  ///< deeper than three largest radii
+    std::optional<double> bvtv;      ///< if voids were cut
+    double protrusion = 0;           ///< largest, of its own wall, in radii
+    double density = 0;              ///< of its spheres, kg/m³; 0: none is given, or one by region
+};
+
 /// All fields of the JSON report; lengths in mm, 2D: area for volume, circles for spheres.
 struct Report {
     int dim = 3;
@@ -100,6 +114,9 @@ struct Report {
         double seconds = 0;
     };
     std::optional<Densified> densified;
+
+    std::vector<PartReport> parts;         ///< empty: the pack has one domain
+    std::uint64_t contactsBetweenParts = 0;  ///< pairs
 
     std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested
 

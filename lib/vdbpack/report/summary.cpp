@@ -107,6 +107,19 @@ void addContacts(Summary& out, const Report& r, const Words& words) {
                                      : std::string()));
 }
 
+void addParts(Summary& out, const Report& r) {
+    if (r.parts.empty()) return;
+    for (const PartReport& p : r.parts) {
+        std::string text = fmt::format("{}: {} spheres, {:.4f} of {:.6g} mm³", p.name,
+                                       grouped(p.count), p.solidFraction, p.volume);
+        if (p.bvtv) text += fmt::format(", BV/TV {:.4f}", *p.bvtv);
+        if (p.density > 0) text += fmt::format(", {:g} kg/m³", p.density);
+        if (!p.requested.empty() && r.requested != p.requested) text += ", " + p.requested;
+        out.line(&p == &r.parts.front() ? "parts" : "", text);
+    }
+    out.line("", fmt::format("{} contacts between parts", grouped(r.contactsBetweenParts)));
+}
+
 void addDensified(Summary& out, const Report& r, const Words& words) {
     const Report::Densified& d = *r.densified;
     out.line("densified",
@@ -258,6 +271,7 @@ std::string summary(const Report& r) {
     if (r.contacts) addContacts(out, r, words);
     if (r.densified) addDensified(out, r, words);
     if (r.voids) addVoids(out, r, words);
+    addParts(out, r);
     addChecks(out, r, words);
     addRun(out, r, words);
     addLines(out, "written", r.files);

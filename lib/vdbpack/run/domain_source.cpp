@@ -3,12 +3,14 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/clipped_domain.h"
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/run/image_domain.h"
 
@@ -144,11 +146,43 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     } else {
         mesh_ = readDomainMesh(recipe, callbacks, repair_);
     }
+    takeMesh(callbacks);
+    if (!levelSet_ && !namesImage(text)) warnOfLostDigits(*mesh_, recipe, callbacks);
+}
+
+DomainSource::DomainSource(const DomainRecipe& recipe, TriangleMesh mesh,
+                           const Callbacks& callbacks)
+    : recipe_(recipe), mesh_(std::move(mesh)) {
+    for (const auto& clip : recipe.clips)
+        for (const auto& plane : parseClip(clip)) clips_.push_back(plane);
+    if (!recipe.slice.empty()) slice_ = parseSlice(recipe.slice);
+    takeMesh(callbacks);
+}
+
+void DomainSource::takeMesh(const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
     fileBounds_ = mesh_->bounds();
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
-    checkSize(fileBounds_, recipe, callbacks);
-    if (!levelSet_ && !namesImage(text)) warnOfLostDigits(*mesh_, recipe, callbacks);
+    checkSize(fileBounds_, recipe_, callbacks);
+}
+
+void DomainSource::cutBy(const DomainSource& other) {
+    for (const DomainSource* one : {static_cast<const DomainSource*>(this), &other})
+        if (!one->mesh_ || one->slice_ || (one == &other && !one->clips_.empty()))
+            throw ParameterError(one->recipe_.source +
+                                 ": overlaps another part; only meshes and images can, without "
+                                 "`slice`, and without `clips` of the part that is listed later");
+    // The space around the other: a box with a cavity.
+    Box<3> box = fileBounds_;
+    box.add(other.fileBounds_.lo);
+    box.add(other.fileBounds_.hi);
+    TriangleMesh around = *other.mesh_;
+    for (auto& triangle : around.triangles) std::swap(triangle[1], triangle[2]);
+    append(around, boxMesh(box.grown(0.02 * length(box.size()))));
+    DomainRecipe recipe;
+    recipe.source = other.recipe_.source;
+    recipe.voxelSize = other.recipe_.voxelSize;
+    outsides_.push_back(std::make_shared<const DomainSource>(recipe, std::move(around), Callbacks{}));
 }
 
 void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
@@ -341,6 +375,8 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
     } else if (!clips_.empty()) {
         built.space = clippedDomain<3>(built.space, clips_, envelopeOf(built.space));
     }
+    for (const auto& outside : outsides_)
+        built.space = cutDomain(built.space, outside->build(minRadius, maxRadius, callbacks).space, fromOuter);
     return built;
 }
 
@@ -351,7 +387,18 @@ ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<3>>& spheres,
         wall.clips = clips_;
         return checkProtrusion(spheres, wall);
     }
-    return checkProtrusion(spheres, *mesh_, clips_, distances);
+    ProtrusionCheck check = checkProtrusion(spheres, *mesh_, clips_, distances);
+    for (const auto& outside : outsides_) {
+        std::vector<double> others;
+        const ProtrusionCheck beyond = outside->protrusion(spheres, distances ? &others : nullptr);
+        if (distances)
+            for (std::size_t i = 0; i < others.size(); ++i)
+                (*distances)[i] = std::min((*distances)[i], others[i]);
+        const std::uint64_t sum = check.spheres + beyond.spheres;
+        if (beyond.max > check.max) check = beyond;
+        check.spheres = sum;
+    }
+    return check;
 }
 
 ProtrusionCheck DomainSource::protrusion(const std::vector<Sphere<2>>& circles,

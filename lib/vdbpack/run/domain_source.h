@@ -92,14 +92,24 @@ public:
     /// Reads the file or parses the shape. @throws ParameterError, InputError, IoError
     explicit DomainSource(const DomainRecipe& recipe, const Callbacks& callbacks = {});
 
+    /// A mesh that was made of what the recipe names, mm. @throws InputError
+    DomainSource(const DomainRecipe& recipe, TriangleMesh mesh, const Callbacks& callbacks);
+
     /// A contour of the program's own, mm, whose field gets voxels of `voxelSize` mm.
     DomainSource(TriangleMesh mesh, const std::string& name, double voxelSize);
+
+    /// Leaves the inside of another file's mesh to that one: from now on the domain is what it
+    /// leaves. @throws ParameterError if either is no file without clips and slices
+    void cutBy(const DomainSource& other);
 
     int dim() const;        ///< 2 for rect, disc and slices
     double volume() const;  ///< estimate before the field is made, mm^dim
     bool isFile() const { return mesh_.has_value(); }
     bool hasCavities() const;  ///< closed components of the surface inside others
+    const std::optional<TriangleMesh>& mesh() const { return mesh_; }
     const Box<3>& fileBounds() const { return fileBounds_; }
+    /// Around a domain of space; for a file, without its clips.
+    Box<3> domainBounds() const { return space_ ? space_->bounds() : fileBounds_; }
 
     /// The domain, its field made for spheres down to `minRadius` and up to `maxRadius` (mm).
     /// One of the two is null, by dim().
@@ -149,6 +159,8 @@ private:
     std::optional<WallShape<2>> wall2_;
     std::vector<HalfSpace<3>> clips_;
     std::optional<double> slice_;
+    std::vector<std::shared_ptr<const DomainSource>> outsides_;  ///< of what cuts the domain
+    void takeMesh(const Callbacks& callbacks);
     FieldOptions fieldOptions(double minRadius, double maxRadius, double voxelSize) const;
     /// `mesh_` with its cavities filled.
     std::shared_ptr<const MeshDomain> meshEnvelope(FieldOptions options,

@@ -330,7 +330,7 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     std::vector<std::string> files;
     RunOutputs<Dim> all = have;
     all.volume = volumeAmong(outputs);
-    if (have.pack) warnOfMissingDensities(*have.pack, have.options.regionDensity, callbacks);
+    if (have.pack) warnOfMissingDensities(*have.pack, have.options.materialDensity, callbacks);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);
         if (have.pack) {

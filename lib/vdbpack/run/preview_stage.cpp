@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/io/output_file.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/report_file.h"
 
@@ -25,23 +26,16 @@ constexpr int kPageWidth = 960, kPageHeight = 720;
 constexpr double kSurfaceVoxels = 300;
 /// Distances beyond the bounds of a plane domain.
 constexpr int kRim = 4;
-
-TriangleMesh boxMesh(const Box<3>& box) {
-    TriangleMesh mesh;
-    for (int corner = 0; corner < 8; ++corner) {
-        Vec<3> v;
-        for (int d = 0; d < 3; ++d) v[d] = (corner >> d & 1) != 0 ? box.hi[d] : box.lo[d];
-        mesh.vertices.push_back(v);
-    }
-    mesh.triangles = {{0, 2, 1}, {1, 2, 3}, {4, 5, 6}, {5, 7, 6}, {0, 1, 4}, {1, 5, 4},
-                      {2, 6, 3}, {3, 6, 7}, {0, 4, 2}, {2, 4, 6}, {1, 3, 5}, {3, 7, 5}};
-    return mesh;
-}
-
 /// The wall of a domain of space as triangles: its own where it has some.
 class WallMesh {
 public:
-    WallMesh(const DomainSource& source, const DomainSource::Built& built) {
+    /// @param known  the wall, if it is known already.
+    WallMesh(const DomainSource& source, const DomainSource::Built& built,
+             const TriangleMesh* known) {
+        if (known) {
+            mesh_ = known;
+            return;
+        }
         const bool whole = source.recipe().clips.empty();
         if (whole && built.mesh) {
             mesh_ = &built.mesh->wall();
@@ -98,10 +92,11 @@ PlaneField fieldOf(const Domain<2>& domain, const StampedVoids<2>* voids, int pi
 }
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
-           const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack) {
+           const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
+           const TriangleMesh* known) {
     SpacePreview scene;
     if (pack) {
-        const WallMesh wall(source, built);
+        const WallMesh wall(source, built, known);
         scene.pack = pack;
         scene.wall = wall.get();
         return renderPreview(scene, options);
@@ -112,7 +107,7 @@ Picture draw(const PreviewOptions& options, const DomainSource& source,
 }
 
 Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
-           const MadeVoids<2>& made, const Pack<2>* pack) {
+           const MadeVoids<2>& made, const Pack<2>* pack, const TriangleMesh*) {
     const PlaneField field = fieldOf(*built.plane, pack ? nullptr : made.stamped.get(),
                                      std::max(options.width, options.height));
     PlanePreview scene;
@@ -183,7 +178,7 @@ template <int Dim>
 PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
                            const DomainSource& source, const DomainSource::Built& built,
                            const MadeVoids<Dim>& made, const Pack<Dim>* pack,
-                           const Callbacks& callbacks) {
+                           const Callbacks& callbacks, const TriangleMesh* wall) {
     if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
     PreviewOptions options = optionsOf(recipe);
     options.cancelled = callbacks.cancelled;
@@ -191,7 +186,7 @@ PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& repor
         options.width = kPageWidth;
         options.height = kPageHeight;
     }
-    return finished(draw(options, source, built, made, pack), recipe, source.recipe().source);
+    return finished(draw(options, source, built, made, pack, wall), recipe, source.recipe().source);
 }
 
 template <int Dim>
@@ -200,7 +195,7 @@ bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<
     if (recipe.file.empty()) return false;
     const PreviewOptions options = optionsOf(recipe);
     if (source) {
-        finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack), recipe, name);
+        finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack, nullptr), recipe, name);
         return true;
     }
     std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
@@ -225,9 +220,11 @@ template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<
                            const DomainSource*, const DomainSource::Built&);
 template PreviewPicture drawPreview<2>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<2>&, const Pack<2>*, const Callbacks&);
+                                       const MadeVoids<2>&, const Pack<2>*, const Callbacks&,
+ const TriangleMesh*);
 template PreviewPicture drawPreview<3>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<3>&, const Pack<3>*, const Callbacks&);
+                                       const MadeVoids<3>&, const Pack<3>*, const Callbacks&,
+ const TriangleMesh*);
 
 }  // namespace vdbpack

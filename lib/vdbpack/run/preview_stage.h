@@ -29,7 +29,7 @@ template <int Dim>
 PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
                            const DomainSource& source, const DomainSource::Built& built,
                            const MadeVoids<Dim>& made, const Pack<Dim>* pack,
-                           const Callbacks& callbacks);
+                           const Callbacks& callbacks, const TriangleMesh* wall = nullptr);
 
 /// Draws a pack that was read and writes the picture, if `recipe` names a file.
 /// @param name    of the pack's file, kept in the picture.

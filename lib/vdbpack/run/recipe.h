@@ -31,6 +31,12 @@ struct PackRecipe : RunSettings {
     VoidRecipe voids;
     std::string existing;              ///< pack file with spheres to pack around; empty: none
     Unit packUnit = Unit::millimeter;  ///< of `existing`, if the file states none
+    /// What several parts are filled with, each in a domain of its own: bone and implant. Where
+    /// they overlap, the later one has the space. Of a part, files and threads are not used; empty:
+    /// `domain` is the only one, unless its `label` names several.
+    std::vector<PackRecipe> parts;
+    std::string name;       ///< of a part, in reports and level sets
+    std::string partsFile;  ///< that `parts` were read from; empty: none
 };
 
 /// Refuses before the work what would fail after it: formats, folders, outputs that are inputs,

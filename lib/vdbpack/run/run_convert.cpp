@@ -71,7 +71,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     callbacks.stopIfCancelled();
     const SphereDensity density = particleDensity(recipe.density, solid);
     write.particleDensity = density.all;
-    write.regionDensity = density.ofRegions;
+    write.materialDensity = density.ofRegions;
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();
     result.hash = packHash(pack);

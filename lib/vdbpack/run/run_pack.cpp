@@ -12,6 +12,7 @@
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
+#include "vdbpack/run/run_parts.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/cull.h"
 
@@ -277,6 +278,21 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     }
 }
 
+/// A pack, cut and measured.
+/// @param options  sizes: those that were packed; must outlive the result.
+template <int Dim>
+RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
+                         const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
+                         const Callbacks& callbacks, PackOptions& options) {
+    RunPtr<Dim> run = packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
+    measureStage(*run);
+    if (recipe.maxCount == 0) {
+        warnOfCount(*run, prepared.requested.targetCount);
+        warnOfFewSpheres(*run, options.sizes.max());
+    }
+    return run;
+}
+
 /// All stages after those that the seeds share.
 template <int Dim>
 RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
@@ -284,19 +300,14 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                        const Callbacks& callbacks) {
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
     const RunPtr<Dim> packed =
-        packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
+        packMeasured(recipe, source, prepared, begun, clock, callbacks, options);
     Run<Dim>& run = *packed;
-    measureStage(run);
-    if (recipe.maxCount == 0) {
-        warnOfCount(run, prepared.requested.targetCount);
-        warnOfFewSpheres(run, options.sizes.max());
-    }
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
-            details =
-                pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(), options.sizes,
-                            run.report, run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
+            details = pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(),
+                                  options.sizes, run.report,
+                                  run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
         });
     RunResult result = finishStage(run);
     if (run.isFirst()) writeReport(result, details, recipe);
@@ -339,6 +350,18 @@ std::function<bool(RunResult&&)> into(RunResult& result) {
 
 }  // namespace
 
+PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const Report& begun,
+                    Clock& clock, const Callbacks& callbacks) {
+    Report first = begun;
+    const auto prepared =
+        prepare<3>(recipe, source, keepingWarnings(callbacks, first.warnings));
+    first.seconds.domain = clock.lap();
+    PackedPart part{
+        std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)), nullptr};
+    part.run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks, *part.options);
+    return part;
+}
+
 void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
     const PackRecipe& recipe = recipes.front();
@@ -349,6 +372,13 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
     Report report = begunReport(recipe, "pack", recipe.domain.source);
     const auto work = [&] {
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+        if (const auto parts = partsOf(recipe, heard); !parts.empty()) {
+            report.seconds.mesh = clock.lap();
+            if (recipes.size() > 1)
+                throw ParameterError("several parts are packed with one `seed`");
+            done(packParts(recipe, parts, report, clock, callbacks));
+            return;
+        }
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
         warnOfUnused(recipe.domain, source, heard);

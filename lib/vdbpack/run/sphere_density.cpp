@@ -74,6 +74,7 @@ void warnOfMissingDensities(const PackAttributes& pack,
                             const std::map<std::int32_t, double>& densities,
                             const Callbacks& callbacks) {
     if (densities.empty()) return;
+    if (!pack.part.empty()) return;  // by part
     std::set<std::int32_t> missing(pack.region.begin(), pack.region.end());
     if (missing.empty()) missing.insert(0);
     for (const auto& [region, density] : densities) missing.erase(region);

@@ -217,6 +217,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     have.pack = run.hasPack ? &run.pack : nullptr;
     have.domain = &run.domain();
     if (run.built.mesh) have.wall = &run.built.mesh->wall();
+    if (!run.partWalls.triangles.empty()) have.wall = &run.partWalls;
     have.voidList = &run.voids.list;
     have.sliceHeight = run.built.sliceHeight;
     PackWriteOptions& write = have.options;
@@ -227,8 +228,8 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     const SphereDensity density =
         particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.particleDensity = density.all;
-    write.regionDensity = density.ofRegions;
-    write.levelSets = run.voids.levelSets();
+    write.materialDensity = run.partDensity.empty() ? density.ofRegions : run.partDensity;
+    write.levelSets = run.partLevelSets.empty() ? run.voids.levelSets() : run.partLevelSets;
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&
         std::any_of(outputs.begin(), outputs.end(), usesLevelSets))
@@ -288,7 +289,8 @@ void draw(Run<Dim>& run) {
     run.callbacks.report("write", 0, 0);
     try {
         run.picture = drawPreview(settings.preview, settings.reportFile, run.source, run.built,
-                                  run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks);
+                                  run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks,
+ run.partWalls.triangles.empty() ? nullptr : &run.partWalls);
         if (!settings.preview.file.empty()) run.report.files.push_back(settings.preview.file);
     } catch (const Interrupted&) {
         // All else is complete, and written.

@@ -22,6 +22,8 @@
 #include "vdbpack/run/void_stage.h"
 
 #include <cstdint>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -80,6 +82,11 @@ struct Run {
     std::vector<std::int64_t> pieces;  ///< as in PackResult, with the orders of `pack`
     std::vector<RowSpan> spans;        ///< rows of the spheres in the pack of all
     Pack<Dim> named;                   ///< spheres of any rank that a check names
+
+    /// Of several parts: what is written in place of the level sets of `built`; empty: those.
+    std::vector<std::shared_ptr<const VdbGrid>> partLevelSets;
+    std::map<std::int32_t, double> partDensity;  ///< by material, kg/m³
+    TriangleMesh partWalls;                      ///< of all parts
 
     PreviewPicture picture;
 

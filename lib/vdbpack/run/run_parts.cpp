@@ -1,0 +1,427 @@
+#include "vdbpack/run/run_parts.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/image/image_file.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/run/image_domain.h"
+#include "vdbpack/run/report_file.h"
+#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/verify/overlap.h"
+#include "vdbpack/verify/worst.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+#include <tuple>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// Spheres of a pack for which nothing else is requested.
+constexpr double kUsualCount = 100'000;
+
+bool isImage(const DomainRecipe& domain) {
+    return namesImage(domain.source) && !domain.threshold;
+}
+
+/// What recipes that read the same image in the same way have in common.
+auto imageKey(const DomainRecipe& domain) {
+    return std::make_tuple(domain.source, domain.voxelSpacing, domain.unit, domain.scale,
+                           domain.space);
+}
+
+/// Refuses what is done for one domain alone. @throws ParameterError
+void checkPartsRecipe(const PackRecipe& recipe) {
+    const auto refuse = [](bool wanted, const char* what) {
+        if (wanted)
+            throw ParameterError(fmt::format(
+                "{}: is not done for several parts; leave it out, or pack them one by one", what));
+    };
+    refuse(!recipe.existing.empty(), "`existing`");
+    refuse(recipe.maxCount > 0, "`maxCount`");
+    refuse(!recipe.domain.slice.empty(), "`slice`");
+    refuse(recipe.ranks != nullptr, "mpirun");
+    refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
+}
+
+/// The parts that labels of an image are, one recipe each.
+std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
+                                     const std::vector<LabelPart>& parts) {
+    std::vector<PackRecipe> recipes;
+    for (const LabelPart& part : parts) {
+        PackRecipe one = recipe;
+        one.domain.label.clear();
+        for (const LabelCount& label : part.labels)
+            one.domain.label += (one.domain.label.empty() ? "" : "+") + std::to_string(label.value);
+        one.name = part.name;
+        one.parts.clear();
+        recipes.push_back(std::move(one));
+    }
+    return recipes;
+}
+
+/// An image that parts are labels of, and their surfaces.
+class LabelledImage {
+public:
+    LabelledImage(const DomainRecipe& domain, const Callbacks& callbacks)
+        : image_(readDomainImage(domain, callbacks)),
+          labels_(labelsOf(image_)),
+          path_(domain.source) {
+        if (!labels_)
+            throw ParameterError(path_ +
+                                 ": is no label map, but has many different values; set "
+                                 "`threshold` to the lowest value of bone");
+    }
+    std::vector<LabelPart> parse(const std::string& text) const {
+        return parseLabels(text, *labels_, path_);
+    }
+    /// Adds a part and returns its number. @throws ParameterError if a label is in two parts
+    std::size_t add(const LabelPart& part) {
+        for (const LabelCount& label : part.labels)
+            if (!used_.insert({label.layer, label.value}).second)
+                throw ParameterError(
+                    fmt::format("{}: label {} is in two parts", path_, label.value));
+        parts_.push_back(part);
+        return parts_.size() - 1;
+    }
+    /// The surfaces of all parts, those of a layer together.
+    void makeSurfaces() {
+        surfaces_.resize(parts_.size());
+        std::map<std::size_t, std::vector<std::size_t>> layers;
+        for (std::size_t p = 0; p < parts_.size(); ++p)
+            layers[parts_[p].labels.front().layer].push_back(p);
+        for (const auto& [layer, members] : layers) {
+            std::vector<LabelPart> some;
+            for (const std::size_t p : members) some.push_back(parts_[p]);
+            auto meshes = labelSurfaces(image_, some);
+            for (std::size_t k = 0; k < members.size(); ++k)
+                surfaces_[members[k]] = std::move(meshes[k]);
+        }
+        image_.bytes.reset();
+    }
+    TriangleMesh& surface(std::size_t part) { return surfaces_[part]; }
+    std::size_t layerOf(std::size_t part) const { return parts_[part].labels.front().layer; }
+
+private:
+    Image image_;
+    std::optional<std::vector<LabelCount>> labels_;
+    std::string path_;
+    std::vector<LabelPart> parts_;
+    std::set<std::pair<std::size_t, std::int64_t>> used_;
+    std::vector<TriangleMesh> surfaces_;
+};
+
+}  // namespace
+
+Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
+    using Key = decltype(imageKey(recipe.domain));
+    std::map<Key, LabelledImage> images;
+    const auto imageOf = [&](const DomainRecipe& domain) -> LabelledImage& {
+        const Key key = imageKey(domain);
+        const auto known = images.find(key);
+        if (known != images.end()) return known->second;
+        return images.emplace(key, LabelledImage(domain, callbacks)).first->second;
+    };
+    std::vector<PackRecipe> recipes = recipe.parts;
+    if (recipes.empty()) {
+        const std::string& label = recipe.domain.label;
+        if (!isImage(recipe.domain) || (label != "all" && label.find(',') == std::string::npos))
+            return {};
+        recipes = labelRecipes(recipe, imageOf(recipe.domain).parse(label));
+        if (recipes.size() == 1 && recipe.domain.label == "all") return {};
+    }
+    checkPartsRecipe(recipe);
+    // Labels first, all of an image at once.
+    struct Place {
+        LabelledImage* image = nullptr;
+        std::size_t part = 0;
+    };
+    std::vector<Place> places(recipes.size());
+    for (std::size_t k = 0; k < recipes.size(); ++k) {
+        checkPartsRecipe(recipes[k]);
+        if (recipes[k].name.empty()) recipes[k].name = fmt::format("part {}", k);
+        if (!isImage(recipes[k].domain)) continue;
+        LabelledImage& image = imageOf(recipes[k].domain);
+        const auto parts =
+            image.parse(recipes[k].domain.label.empty() ? "all" : recipes[k].domain.label);
+        if (parts.size() != 1)
+            throw ParameterError(
+                fmt::format("{}: names {} labels of {}; a part is one, or several joined by +",
+                            recipes[k].name, parts.size(), recipes[k].domain.source));
+        places[k] = {&image, image.add(parts.front())};
+    }
+    for (auto& [key, image] : images) image.makeSurfaces();
+    Parts parts;
+    for (std::size_t k = 0; k < recipes.size(); ++k) {
+        callbacks.stopIfCancelled();
+        const DomainRecipe domain = recipes[k].domain;
+        DomainSource source =
+            places[k].image
+                ? DomainSource(domain, std::move(places[k].image->surface(places[k].part)),
+                               callbacks)
+                : DomainSource(domain, callbacks);
+        if (source.dim() != 3)
+            throw ParameterError(recipes[k].name + ": parts fill domains of space");
+        parts.push_back(std::make_unique<Part>(Part{std::move(recipes[k]), std::move(source)}));
+    }
+    // A later part has the space; labels of one layer leave one another theirs.
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        for (std::size_t l = k + 1; l < parts.size(); ++l) {
+            const bool apart = places[k].image && places[k].image == places[l].image &&
+                               places[k].image->layerOf(places[k].part) ==
+                                   places[l].image->layerOf(places[l].part);
+            const bool near =
+                !intersection(parts[k]->source.domainBounds(), parts[l]->source.domainBounds())
+                     .empty();
+            if (!apart && near) parts[k]->source.cutBy(parts[l]->source);
+        }
+    return parts;
+}
+
+namespace {
+
+/// Gives the parts that share the sizes of the whole run the radii that one of them was given.
+class SharedRadii {
+public:
+    SharedRadii(const PackRecipe& recipe, const Parts& parts) : shared_(parts.size()) {
+        const double target = recipe.targetCount > 0  ? recipe.targetCount
+                              : recipe.radius.empty() ? kUsualCount
+                                                      : 0;
+        if (!(target > 0)) return;
+        double volume = 0, largest = 0;
+        for (std::size_t k = 0; k < parts.size(); ++k) {
+            const PackRecipe& part = parts[k]->recipe;
+            shared_[k] = part.radius == recipe.radius && part.targetCount == recipe.targetCount;
+            if (!shared_[k]) continue;
+            const double own = parts[k]->source.volume();
+            volume += own;
+            if (own <= largest) continue;
+            largest = own;
+            first_ = k;
+        }
+        if (!(largest > 0)) return;
+        PackRecipe& first = parts[first_]->recipe;
+        first.targetCount = std::max(1.0, std::round(target * largest / volume));
+    }
+    /// The order in which parts are packed.
+    std::vector<std::size_t> order() const {
+        std::vector<std::size_t> all(shared_.size());
+        for (std::size_t k = 0; k < all.size(); ++k) all[k] = k;
+        if (!all.empty())
+            std::rotate(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(first_),
+                        all.begin() + static_cast<std::ptrdiff_t>(first_) + 1);
+        return all;
+    }
+    /// Called before each part is packed, in that order.
+    void prepare(PackRecipe& part, std::size_t k) const {
+        if (!shared_[k] || k == first_ || found_.empty()) return;
+        part.radius = found_;
+        part.targetCount = 0;
+        part.radiusFactor = 1;
+        part.weightBy = WeightBy::count;
+    }
+    void take(const SizeDistribution& sizes, std::size_t k) {
+        if (shared_[k] && k == first_) found_ = sizes.spec();
+    }
+
+private:
+    std::vector<std::uint8_t> shared_;
+    std::size_t first_ = 0;
+    std::string found_;
+};
+
+/// Adds a pack of a part to those before it. Depths are taken over, contacts are not.
+void append(Pack<3>& all, Pack<3> part, std::int32_t number) {
+    const std::size_t before = all.spheres.size(), count = part.spheres.size();
+    const auto add = [&](auto& values, auto& more) {
+        if (more.empty() && values.empty()) return;
+        values.resize(before);
+        more.resize(count);
+        values.insert(values.end(), more.begin(), more.end());
+    };
+    add(all.region, part.region);
+    add(all.depth, part.depth);
+    for (std::int64_t& order : part.order) order += static_cast<std::int64_t>(before);
+    add(all.order, part.order);
+    all.part.insert(all.part.end(), count, number);
+    all.spheres.insert(all.spheres.end(), part.spheres.begin(), part.spheres.end());
+}
+
+/// Puts the figures of all parts together in one report.
+class JoinedReport {
+public:
+    explicit JoinedReport(Report& all) : all_(all) {
+        all_.domain = {};
+        all_.domain.kind = "parts";
+        all_.protrusion = ProtrusionCheck{};
+    }
+    void add(const PackedPart& part, const PackRecipe& recipe, std::size_t firstSphere) {
+        const Run<3>& run = *part.run;
+        const Report& r = run.report;
+        PartReport one;
+        one.name = recipe.name;
+        one.source = recipe.domain.source;
+        if (!recipe.domain.label.empty()) one.source += ", label " + recipe.domain.label;
+        one.requested = r.requested;
+        one.count = r.count;
+        one.volume = r.volume;
+        one.area = r.area;
+        one.solidFraction = r.solidFractionTotal.value_or(0);
+        one.interior = r.solidFractionInterior;
+        if (r.voids) one.bvtv = r.voids->bvtv;
+        if (r.protrusion) one.protrusion = r.protrusion->max;
+        one.density = particleDensity(recipe.density, r.solidFractionTotal).all;
+        all_.parts.push_back(one);
+
+        all_.count += r.count;
+        all_.hash += r.hash;
+        all_.volume += r.volume;
+        all_.area += r.area;
+        all_.domain.triangles += r.domain.triangles;
+        all_.domain.meshVolume += r.domain.meshVolume;
+        all_.domain.activeVoxels += r.domain.activeVoxels;
+        all_.domain.boundaryEdges += r.domain.boundaryEdges;
+        all_.domain.nonManifoldEdges += r.domain.nonManifoldEdges;
+        all_.domain.voxelSize = std::max(all_.domain.voxelSize, r.domain.voxelSize);
+        covered_ += one.solidFraction * r.volume;
+        if (const double deep = 3 * r.radius.max;
+            one.interior && deep <= run.filled().fieldDepth()) {
+            const double volume = run.filled().volumeDeeperThan(deep);
+            deepCovered_ += *one.interior * volume;
+            deepVolume_ += volume;
+        }
+        if (r.protrusion) {
+            ProtrusionCheck& sum = *all_.protrusion;
+            sum.max = std::max(sum.max, r.protrusion->max);
+            sum.spheres += r.protrusion->spheres;
+            sum.centersOutside += r.protrusion->centersOutside;
+            for (const auto& worst : r.protrusion->worst)
+                if (sum.worst.size() < kWorstNamed)
+                    sum.worst.push_back({worst.i + firstSphere, worst.protrusion});
+        }
+        all_.interrupted = all_.interrupted || r.interrupted;
+        all_.requestedGap = std::max(all_.requestedGap, r.requestedGap);
+        for (const std::string& text : r.chosen) all_.chosen.push_back(recipe.name + ": " + text);
+        // The first ones were there before.
+        for (std::size_t w = begun_; w < r.warnings.size(); ++w)
+            all_.warnings.push_back(r.warnings[w]);
+        const auto& s = r.seconds;
+        all_.seconds.domain += s.domain;
+        all_.seconds.pack += s.pack;
+        all_.seconds.densify += s.densify;
+        all_.seconds.voids += s.voids;
+    }
+    void setBegun(std::size_t warnings) { begun_ = warnings; }
+    void finish() {
+        if (all_.volume > 0) all_.solidFractionTotal = covered_ / all_.volume;
+        if (deepVolume_ > 0) all_.solidFractionInterior = deepCovered_ / deepVolume_;
+        const auto& first = all_.parts.front().requested;
+        const bool same = std::all_of(all_.parts.begin(), all_.parts.end(),
+                                      [&](const PartReport& p) { return p.requested == first; });
+        all_.requested = same ? first : "by part";
+    }
+
+private:
+    Report& all_;
+    std::size_t begun_ = 0;
+    double covered_ = 0, deepCovered_ = 0, deepVolume_ = 0;
+};
+
+/// Grids of a part under the part's name.
+void addLevelSets(const Run<3>& part, const std::string& name, Run<3>& all) {
+    auto grids = part.voids.levelSets();
+    if (grids.empty() && part.built.mesh) {
+        all.partLevelSets.push_back(renamed(*part.built.mesh->grid(), name));
+        return;
+    }
+    for (const auto& grid : grids)
+        all.partLevelSets.push_back(renamed(*grid, name + " " + levelSetName(*grid)));
+}
+
+}  // namespace
+
+RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& begun, Clock& clock,
+                    const Callbacks& callbacks) {
+    SharedRadii radii(recipe, parts);
+    std::vector<PackedPart> packed(parts.size());
+    bool interrupted = false;
+    for (const std::size_t k : radii.order()) {
+        Part& part = *parts[k];
+        if (interrupted) break;
+        radii.prepare(part.recipe, k);
+        Callbacks own = callbacks;
+        own.warning = [&](const std::string& text) {
+            callbacks.warn(part.recipe.name + ": " + text);
+        };
+        packed[k] = packPart(part.recipe, part.source, begun, clock, own);
+        radii.take(packed[k].options->sizes, k);
+        interrupted = packed[k].run->report.interrupted;
+    }
+    Run<3> all(recipe, parts.front()->source, begun, clock, callbacks);
+    all.keepsPack = true;
+    Report& report = all.report;
+    JoinedReport joined(report);
+    joined.setBegun(begun.warnings.size());
+    all.positionStep = 0;
+    double lost = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (!packed[k].run) continue;
+        Run<3>& run = *packed[k].run;
+        joined.add(packed[k], parts[k]->recipe, all.pack.spheres.size());
+        append(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
+        if (run.positionStep > 0)
+            all.positionStep = all.positionStep > 0 ? std::min(all.positionStep, run.positionStep)
+                                                    : run.positionStep;
+        else
+            lost = 1;
+        addLevelSets(run, parts[k]->recipe.name, all);
+        if (const auto& mesh = parts[k]->source.mesh()) append(all.partWalls, *mesh);
+    }
+    if (lost > 0) all.positionStep = 0;
+    joined.finish();
+    report.interrupted = interrupted;
+    // Whatever is filled is the first part's for what needs one domain, such as a picture's frame.
+    const std::size_t shown = radii.order().front();
+    all.built = packed[shown].run->built;
+    all.built.mesh = nullptr;
+
+    report.dim = 3;
+    report.seed = recipe.seed;
+    report.radius = radiusStatistics(all.pack.spheres);
+    report.overlap = checkOverlap(all.pack.spheres);
+    report.contactTolerance = recipe.contactTolerance;
+    if (report.count > 0 && !interrupted) {
+        ContactCheck contacts =
+            countContacts(all.pack.spheres, recipe.contactTolerance, all.pack.depth);
+        all.pack.contacts = std::move(contacts.counts);
+        report.contacts = contacts;
+        for (const Contact& c : listContacts(all.pack.spheres, recipe.contactTolerance))
+            report.contactsBetweenParts += all.pack.part[c.i] != all.pack.part[c.j];
+        report.smallestGap = smallestGap(all.pack.spheres);
+    }
+    const Materials materials(all.pack);
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        if (!packed[k].run) continue;
+        const auto number = static_cast<std::int32_t>(k);
+        const SphereDensity density =
+            particleDensity(parts[k]->recipe.density, packed[k].run->report.solidFractionTotal);
+        for (const std::int32_t region : {0, 1}) {
+            const auto found = density.ofRegions.find(region);
+            const double value = found != density.ofRegions.end() ? found->second : density.all;
+            if (value > 0) all.partDensity[materials.of(number, region)] = value;
+        }
+    }
+    RunResult result = finishStage(all);
+    writeReport(result, {}, recipe);
+    return result;
+}
+
+}  // namespace vdbpack

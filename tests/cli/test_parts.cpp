@@ -1,0 +1,205 @@
+// Packs of several parts: labels of an image, and meshes that overlap.
+#include "support/image_file.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/image/image_file.h"
+#include "vdbpack/image/image_surface.h"
+#include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/run/run.h"
+#include "vdbpack/verify/overlap.h"
+#include "vdbpack/verify/protrusion.h"
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// The spheres of one part.
+std::vector<Sphere<3>> spheresOf(const Pack<3>& pack, std::int32_t part) {
+    std::vector<Sphere<3>> spheres;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        if (pack.part[i] == part) spheres.push_back(pack.spheres[i]);
+    return spheres;
+}
+
+/// A ball of label 5, cut askew from one of label 9, on an oblique grid.
+void writeHalves(const std::string& path) {
+    const ImageGrid grid = turned(gridAround(14, {{1, 1, 1.3}}), 0.3, 0.5);
+    writeNrrd(path,
+              Voxels<std::uint8_t>::of(grid,
+                                       [](const Vec<3>& p) {
+                                           if (length(p) > 12) return 0;
+                                           return p[0] + 0.5 * p[2] < 1 ? 5 : 9;
+                                       }),
+              "uint8");
+}
+
+PackRecipe meshPart(const std::string& file, const Box<3>& box, const char* name) {
+    writeStl(boxMesh(box), file, Unit::millimeter, "test");
+    PackRecipe part;
+    part.domain.source = file;
+    part.name = name;
+    part.radius = "uniform:0.5,1";
+    return part;
+}
+
+}  // namespace
+
+TEST_CASE("labels of an image are packed as parts that no sphere crosses", "[cli][parts]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd");
+    writeHalves(file);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = GENERATE("all", "5,9");
+    recipe.targetCount = 6000;
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    REQUIRE(run.report.parts.size() == 2);
+    CHECK(run.passed);
+    CHECK(run.report.count == pack.spheres.size());
+    CHECK(static_cast<double>(run.report.count) == Approx(6000).epsilon(0.1));
+    CHECK(run.report.parts[0].requested == run.report.parts[1].requested);
+    CHECK(run.report.hash == packHash(pack));
+    CHECK(checkOverlap(pack.spheres).pairs == 0);
+
+    const Image image = readImage(file);
+    const auto meshes = labelSurfaces(image, parseLabels("all", *labelsOf(image), file));
+    for (std::int32_t part = 0; part < 2; ++part) {
+        const auto spheres = spheresOf(pack, part);
+        CHECK(spheres.size() == run.report.parts[static_cast<std::size_t>(part)].count);
+        CHECK(spheres.size() > 1000);
+        CHECK(checkProtrusion(spheres, meshes[static_cast<std::size_t>(part)]).spheres == 0);
+    }
+    const double volume = 4.0 / 3 * std::acos(-1.0) * 1728;
+    CHECK(run.report.volume == Approx(volume).epsilon(0.01));
+}
+
+TEST_CASE("labels joined by + are one domain", "[cli][parts]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd");
+    writeHalves(file);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = "9+5";
+    recipe.radius = "uniform:0.6,1.2";
+    const RunResult run = runPack(recipe);
+    CHECK(run.report.parts.empty());
+    CHECK(run.report.volume == Approx(4.0 / 3 * std::acos(-1.0) * 1728).epsilon(0.01));
+    recipe.domain.label.clear();
+    CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("2 labels"));
+    recipe.domain.label = "5,5+9";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("where meshes overlap, the later part has the space", "[cli][parts]") {
+    const TemporaryFolder folder;
+    // A stem that sticks out of a bone.
+    const Box<3> bone{{{0, 0, 0}}, {{20, 18, 30}}}, stem{{{7, 6, 12}}, {{13, 12, 42}}};
+    PackRecipe recipe;
+    recipe.parts = {meshPart(folder.file("bone.stl"), bone, "bone"),
+                    meshPart(folder.file("stem.stl"), stem, "stem")};
+    recipe.parts[1].density = "4430";
+    recipe.parts[0].density = "1800";
+    recipe.outputs = {folder.file("p.data"), "yade:" + folder.file("p.txt"), folder.file("p.vtp"),
+                      folder.file("p.vdb"), "contacts:" + folder.file("c.csv")};
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(run.passed);
+    REQUIRE(run.report.parts.size() == 2);
+    CHECK(run.report.parts[0].volume == Approx(20 * 18 * 30 - 6 * 6 * 18).epsilon(0.01));
+    CHECK(run.report.parts[1].volume == Approx(6 * 6 * 30));
+    CHECK(run.report.parts[0].solidFraction > 0.5);
+    for (const auto& s : spheresOf(pack, 0))
+        CHECK(std::sqrt(stem.squaredDistance(s.center)) >= s.radius * (1 - 1e-9));
+    for (const auto& s : spheresOf(pack, 1))
+        for (int d = 0; d < 3; ++d) {
+            CHECK(s.center[d] - s.radius >= stem.lo[d] - 1e-9);
+            CHECK(s.center[d] + s.radius <= stem.hi[d] + 1e-9);
+        }
+    // The front comes to the stem.
+    CHECK(std::any_of(pack.spheres.begin(), pack.spheres.end(), [&](const Sphere<3>& s) {
+        return std::fabs(std::sqrt(stem.squaredDistance(s.center)) - s.radius) < 1e-6;
+    }));
+
+    const Pack<3> atoms = readPack(folder.file("p.data")), points = readPack(folder.file("p.vtp"));
+    CHECK(points.part == pack.part);
+    CHECK(points.spheres == pack.spheres);
+    CHECK(readPack(folder.file("p.vdb")).part == pack.part);
+    CHECK(atoms.part == pack.part);
+    const auto density = std::find_if(atoms.columns.begin(), atoms.columns.end(),
+                                      [](const Column& c) { return c.name == "density"; });
+    REQUIRE(density != atoms.columns.end());
+    for (std::size_t i = 0; i < pack.part.size(); ++i)
+        CHECK(density->numbers[i] == Approx(pack.part[i] == 0 ? 1.8e-9 : 4.43e-9));
+    CHECK_THAT(contentOf(folder.file("c.csv")), Contains("part_i,part_j"));
+    const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
+    CHECK(yade.region == pack.part);
+}
+
+TEST_CASE("a file lists parts with options of their own", "[cli][parts]") {
+    const TemporaryFolder folder;
+    meshPart(folder.file("bone.stl"), {{{0, 0, 0}}, {{20, 18, 30}}}, "bone");
+    meshPart(folder.file("stem.stl"), {{{7, 6, 12}}, {{13, 12, 42}}}, "stem");
+    const std::string file = folder.file("parts.toml");
+    writeBytes(file,
+               "[[part]]\nname = 'bone'\ndomain = 'bone.stl'\nshell = 4\ndensity = '0=1900,1=900'\n"
+               "\n[[part]]\nname = 'stem'\ndomain = 'stem.stl'\nradius = 'constant:0.9'\n");
+    const std::string report = folder.file("r.json");
+    const Output output = vdbPack("pack --parts " + file + " --radius uniform:0.5,1 --quiet -o " +
+                                  folder.file("p.data") + " --report " + report);
+    CAPTURE(output.text);
+    REQUIRE(output.code == 0);
+    const auto json = nlohmann::json::parse(contentOf(report));
+    REQUIRE(json["parts"].size() == 2);
+    CHECK(json["parts"][0]["name"] == "bone");
+    CHECK(json["parts"][0]["requested"] == "uniform:0.5,1");
+    CHECK(json["parts"][1]["requested"] == "constant:0.9");
+    // Regions of each part are materials of their own.
+    CHECK_THAT(contentOf(folder.file("p.data")),
+               Contains("2 part + region") && Contains("3 atom types"));
+    const Output again =
+        vdbPack("pack --config " + folder.file("p.recipe.toml") + " --quiet --json");
+    REQUIRE(again.code == 0);
+
+    for (const char* bad :
+         {"[[part]]\nname = 'x'\n", "part = 3\n", "[[part]]\ndomain = 'bone.stl'\nradios = 1\n",
+          "[[part]]\ndomain = \n", ""}) {
+        writeBytes(file, bad);
+        const Output refused = vdbPack("pack --parts " + file + " --quiet");
+        CAPTURE(bad, refused.text);
+        CHECK((refused.code == 2 || refused.code == 3));
+        CHECK_THAT(refused.text, Contains("parts.toml"));
+    }
+    CHECK(vdbPack("pack --parts " + folder.file("absent.toml")).code == 4);
+}
+
+TEST_CASE("materials number regions and parts", "[formats][parts]") {
+    PackAttributes pack;
+    CHECK_FALSE(Materials(pack).any());
+    pack.region = {0, 1, 1};
+    CHECK(Materials(pack).of(2) == 1);
+    pack.part = {0, 0, 1};
+    CHECK(Materials(pack).of(1) == 1);
+    CHECK(Materials(pack).of(2) == 3);
+    CHECK(Materials(pack).of(1, 0) == 2);
+    pack.region = {0, 0, 0};
+    CHECK(Materials(pack).of(2) == 1);
+    CHECK(Materials(pack).formula() == "part");
+    pack.part[1] = -1;
+    CHECK_THROWS_AS(Materials(pack), ParameterError);
+}
