@@ -210,9 +210,7 @@ struct Perform {
         fmt::print(stderr, "{}", printable(withOptionNames(failures(result))));
         return kCheckFailed;
     }
-    int operator()(const ImageRecipe& recipe) const {
-        return printed(runImage(recipe, callbacks));
-    }
+    int operator()(const ImageRecipe& recipe) const { return printed(runImage(recipe, callbacks)); }
 
     template <class Result>
     int printed(const Result& result) const {

@@ -28,11 +28,18 @@ using Catch::Matchers::Contains;
 
 namespace {
 
+std::vector<double> partsIn(const Pack<3>& pack) {
+    for (const Column& column : pack.columns)
+        if (column.name == kPartColumn) return column.numbers;
+    return {};
+}
+
 /// The spheres of one part.
 std::vector<Sphere<3>> spheresOf(const Pack<3>& pack, std::int32_t part) {
     std::vector<Sphere<3>> spheres;
+    const auto parts = partsIn(pack);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i)
-        if (pack.part[i] == part) spheres.push_back(pack.spheres[i]);
+        if (parts[i] == part) spheres.push_back(pack.spheres[i]);
     return spheres;
 }
 
@@ -137,18 +144,19 @@ TEST_CASE("where meshes overlap, the later part has the space", "[cli][parts]") 
     }));
 
     const Pack<3> atoms = readPack(folder.file("p.data")), points = readPack(folder.file("p.vtp"));
-    CHECK(points.part == pack.part);
+    const auto parts = partsIn(pack);
+    CHECK(partsIn(points) == parts);
     CHECK(points.spheres == pack.spheres);
-    CHECK(readPack(folder.file("p.vdb")).part == pack.part);
-    CHECK(atoms.part == pack.part);
+    CHECK(partsIn(readPack(folder.file("p.vdb"))) == parts);
+    CHECK(partsIn(atoms) == parts);
     const auto density = std::find_if(atoms.columns.begin(), atoms.columns.end(),
                                       [](const Column& c) { return c.name == "density"; });
     REQUIRE(density != atoms.columns.end());
-    for (std::size_t i = 0; i < pack.part.size(); ++i)
-        CHECK(density->numbers[i] == Approx(pack.part[i] == 0 ? 1.8e-9 : 4.43e-9));
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        CHECK(density->numbers[i] == Approx(parts[i] == 0 ? 1.8e-9 : 4.43e-9));
     CHECK_THAT(contentOf(folder.file("c.csv")), Contains("part_i,part_j"));
     const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
-    CHECK(yade.region == pack.part);
+    CHECK(std::equal(parts.begin(), parts.end(), yade.region.begin(), yade.region.end()));
 }
 
 TEST_CASE("a file lists parts with options of their own", "[cli][parts]") {
@@ -193,13 +201,17 @@ TEST_CASE("materials number regions and parts", "[formats][parts]") {
     CHECK_FALSE(Materials(pack).any());
     pack.region = {0, 1, 1};
     CHECK(Materials(pack).of(2) == 1);
-    pack.part = {0, 0, 1};
+    pack.columns = {{kPartColumn, {0, 0, 1}, {}}};
     CHECK(Materials(pack).of(1) == 1);
     CHECK(Materials(pack).of(2) == 3);
     CHECK(Materials(pack).of(1, 0) == 2);
     pack.region = {0, 0, 0};
     CHECK(Materials(pack).of(2) == 1);
     CHECK(Materials(pack).formula() == "part");
-    pack.part[1] = -1;
+    pack.columns.push_back({"type", {1, 2, 3}, {}});
+    CHECK_FALSE(Materials(pack).hasParts());
+    pack.columns = {{kPartColumn, {}, {"neck", "neck", "head"}}};
+    CHECK_FALSE(Materials(pack).hasParts());
+    pack.region[1] = -1;
     CHECK_THROWS_AS(Materials(pack), ParameterError);
 }

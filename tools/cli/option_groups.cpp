@@ -234,9 +234,10 @@ void addImagePlacement(CLI::App& command, DomainRecipe& domain) {
         ->option_text("X,Y,Z|D")
         ->check(notEmpty())
         ->group("Domain");
-    addChoice(command, "--space", domain.space, kSpaces,
-              "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
-              "(x to the right, y to the front, as in NIfTI)")
+    addChoice(
+        command, "--space", domain.space, kSpaces,
+        "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
+        "(x to the right, y to the front, as in NIfTI)")
         ->option_text("lps|ras [lps]")
         ->group("Domain");
 }

@@ -337,8 +337,9 @@ CLI::App* addCommand(CLI::App& app, ImageRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("image", "report what a label map or a CT contains, and where it lies");
     command
-        ->add_option("FILE", job.domain.source,
-                     "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+        ->add_option(
+            "FILE", job.domain.source,
+            "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
         ->required();
     addImagePlacement(*command, job.domain);
     addThreads(*command, job.threads, "number of threads");
@@ -419,8 +420,8 @@ void addParts(PackJob& job) {
         try {
             app.parse(words.arguments);
         } catch (const CLI::ParseError& e) {
-            throw CLI::ValidationError("--parts", job.partsFile + ": part '" + words.name +
-                                                      "': " + e.what());
+            throw CLI::ValidationError("--parts",
+                                       job.partsFile + ": part '" + words.name + "': " + e.what());
         }
         if (!part.partsFile.empty())
             throw CLI::ValidationError("--parts", "parts have no parts of their own");

@@ -24,7 +24,6 @@ struct Column {
 struct PackAttributes {
     std::vector<std::int64_t> id;        ///< name of the sphere in files; empty: its index
     std::vector<std::int32_t> region;    ///< 0 cortical, 1 trabecular
-    std::vector<std::int32_t> part;      ///< of the run that the sphere fills, counted from 0
     std::vector<std::int64_t> order;     ///< when the sphere was placed, counted from 0
     std::vector<float> depth;            ///< distance of the center to the wall, mm
     std::vector<std::int32_t> contacts;  ///< touching spheres and walls
@@ -48,7 +47,6 @@ struct Pack : PackAttributes {
 template <class Attributes, class Visit>
 void forEachAttributeButId(Attributes& attributes, const Visit& visit) {
     visit(std::string_view("region"), attributes.region);
-    visit(std::string_view("part"), attributes.part);
     visit(std::string_view("order"), attributes.order);
     visit(std::string_view("depth"), attributes.depth);
     visit(std::string_view("contacts"), attributes.contacts);

@@ -20,7 +20,6 @@ std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Doma
 /// Volumes are sums over samples (`volumeBySamples`); facts are those of `base`.
 /// @param fromBase  whether its envelope is that of `base`.
 std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,
-                                           std::shared_ptr<const Domain<3>> outside,
-                                           bool fromBase);
+                                           std::shared_ptr<const Domain<3>> outside, bool fromBase);
 
 }  // namespace vdbpack

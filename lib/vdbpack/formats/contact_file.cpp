@@ -1,6 +1,7 @@
 #include "vdbpack/formats/contact_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/numbers.h"
@@ -20,11 +21,10 @@ void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
                    const std::string& file, Unit unit) {
     const std::size_t n = pack.spheres.size();
     if ((!pack.id.empty() && pack.id.size() != n) ||
-        (!pack.region.empty() && pack.region.size() != n) ||
-        (!pack.part.empty() && pack.part.size() != n))
+        (!pack.region.empty() && pack.region.size() != n))
         throw ParameterError(
-            fmt::format("{}: pack has {} ids, {} regions and {} parts for {} {}; give one each, or none",
-                        file, pack.id.size(), pack.region.size(), pack.part.size(), n, Measure<Dim>::kSpheres));
+            fmt::format("{}: pack has {} ids and {} regions for {} {}; give one each, or none",
+                        file, pack.id.size(), pack.region.size(), n, Measure<Dim>::kSpheres));
     for (std::size_t c = 0; c < contacts.size(); ++c) {
         const Contact& contact = contacts[c];
         if (contact.i >= n || contact.j >= n || contact.i == contact.j ||
@@ -35,9 +35,10 @@ void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
                 file, c, contact.i, contact.j, contact.gap, n, Measure<Dim>::kSpheres));
     }
     const PackView view(pack, unit);
+    const Materials materials(pack);
     OutputFile out(file);
     out.write(std::string("i,j,gap,nx,ny,nz,region_i,region_j"));
-    out.write(std::string(view.part().empty() ? "\n" : ",part_i,part_j\n"));
+    out.write(std::string(materials.hasParts() ? ",part_i,part_j\n" : "\n"));
     writeRows(out, contacts.size(), [&](std::string& text, std::size_t row) {
         const Contact& contact = contacts[row];
         appendNumber(text, view.id(contact.i));
@@ -48,9 +49,9 @@ void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
         for (int d = 0; d < 3; ++d) appendNumber(text += ',', d < Dim ? normal[d] : 0.0);
         for (const std::uint32_t end : {contact.i, contact.j})
             appendNumber(text += ',', std::int64_t{view.region().empty() ? 0 : view.region()[end]});
-        if (!view.part().empty())
+        if (materials.hasParts())
             for (const std::uint32_t end : {contact.i, contact.j})
-                appendNumber(text += ',', std::int64_t{view.part()[end]});
+                appendNumber(text += ',', std::int64_t{materials.partOf(end)});
         text += '\n';
     });
     out.commit();

@@ -55,19 +55,19 @@ struct PackWriteOptions {
 /// double and every column of numbers; columns of texts are left out.
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
 /// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
-/// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a picture:
-/// y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
+/// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a
+/// picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
 /// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
 /// 2D: z = `sliceHeight`.
 ///
 /// .data is for LAMMPS's atom style sphere and LIGGGHTS's granular: `id type diameter density x y
-/// z` in a box around whole spheres. type is 1 + the material (`Materials`), or the pack's column `type`, or 1. If the
-/// smallest id is 0, ids are one more in the file; if some are negative, equal or beyond 2^31 - 1,
-/// atoms are numbered from 1. Densities go with the unit of length: kg/m³ (LAMMPS's units si),
-/// g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives forces in N and
-/// pressures in MPa. The title records all that, and `readPack` undoes it. lammps-bonds adds a bond
-/// of type 1 for each touching pair; it is for atom style hybrid sphere bond: `id type x y z
-/// diameter density molecule`.
+/// z` in a box around whole spheres. type is 1 + the material (`Materials`), or the pack's column
+/// `type`, or 1. If the smallest id is 0, ids are one more in the file; if some are negative, equal
+/// or beyond 2^31 - 1, atoms are numbered from 1. Densities go with the unit of length: kg/m³
+/// (LAMMPS's units si), g/cm³ (cgs), pg/µm³ (micro), and t/mm³ for mm, which with seconds gives
+/// forces in N and pressures in MPa. The title records all that, and `readPack` undoes it.
+/// lammps-bonds adds a bond of type 1 for each touching pair; it is for atom style hybrid sphere
+/// bond: `id type x y z diameter density molecule`.
 ///
 /// @throws ParameterError (unknown format; spheres as .svg; attributes of the wrong length; a
 /// sphere that is not finite or has no positive radius; an empty frame), IoError

@@ -127,7 +127,6 @@ Pack<Dim> slice(const Pack<Dim>& pack, std::size_t first, std::size_t last) {
     take(pack.spheres, part.spheres);
     take(pack.id, part.id);
     take(pack.region, part.region);
-    take(pack.part, part.part);
     take(pack.order, part.order);
     take(pack.depth, part.depth);
     take(pack.contacts, part.contacts);

@@ -65,7 +65,6 @@ public:
     }
     /// Empty or with one value a sphere.
     const std::vector<std::int32_t>& region() const { return attributes_->region; }
-    const std::vector<std::int32_t>& part() const { return attributes_->part; }
     const std::vector<Column>& columns() const { return attributes_->columns; }
 
     const PackAttributes& attributes() const { return *attributes_; }

@@ -280,7 +280,8 @@ private:
             table.adjustRow = [&](PackBuilder& builder, const Cells& cells) {
                 std::int64_t number = 0;
                 if (shifted_ && parseNumber(cells[0], number)) builder.set(0, number - 1);
-                if (!material_.empty() && parseNumber(cells[type], number)) builder.set(type, number - 1);
+                if (!material_.empty() && parseNumber(cells[type], number))
+                    builder.set(type, number - 1);
             };
         Pack<3> pack = readTable(file_, table);
         if (table.names.back() == "molecule")

@@ -92,7 +92,11 @@ bool namesImage(const std::string& path) {
     const std::string extension = extensionOf(path);
     for (const char* other : {".nrrd", ".nhdr", ".mha", ".mhd", ".dcm"})
         if (extension == other) return true;
-    return isNifti(path) || isTiff(path) || isFolder(path);
+    if (isNifti(path) || isTiff(path)) return true;
+    // A folder with the name of a mesh is a mistake.
+    for (const char* other : {".stl", ".obj", ".ply", ".off", ".vtp", ".vtk", ".vdb"})
+        if (extension == other) return false;
+    return isFolder(path);
 }
 
 Image readImage(const std::string& path, const ImageReadOptions& options) {

@@ -90,7 +90,7 @@ double apart(const ImageGrid& a, const ImageGrid& b) {
 Image readNifti(const std::string& path, const ImageReadOptions& options) {
     nifti_set_debug_level(0);
     const Nifti nifti(nifti_image_read(path.c_str(), 0));
-    if (!nifti) throw InputError(path + ": its header is not that of a NIfTI file");
+    if (!nifti) throw InputError(path + ": is no NIfTI image, or its header is damaged");
     for (int d = 4; d <= 7; ++d)
         if (nifti->ndim >= d && nifti->dim[d] > 1)
             throw InputError(fmt::format(

@@ -43,10 +43,10 @@ struct VoidReport {
 /// One of the domains of a pack of several parts.
 struct PartReport {
     std::string name;
-    std::string source;          ///< file or shape
-    std::string requested;       ///< the size distribution
-    std::uint64_t count = 0;     ///< spheres
-    double volume = 0, area = 0; ///< of the domain, mm³ and mm²
+    std::string source;           ///< file or shape
+    std::string requested;        ///< the size distribution
+    std::uint64_t count = 0;      ///< spheres
+    double volume = 0, area = 0;  ///< of the domain, mm³ and mm²
     double solidFraction = 0;
     std::optional<double> interior;  ///< deeper than three largest radii
     std::optional<double> bvtv;      ///< if voids were cut
@@ -115,7 +115,7 @@ struct Report {
     };
     std::optional<Densified> densified;
 
-    std::vector<PartReport> parts;         ///< empty: the pack has one domain
+    std::vector<PartReport> parts;           ///< empty: the pack has one domain
     std::uint64_t contactsBetweenParts = 0;  ///< pairs
 
     std::optional<VoidReport> voids;  ///< nothing if neither voids nor a shell were requested

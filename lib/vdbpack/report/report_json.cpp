@@ -147,17 +147,18 @@ nlohmann::ordered_json toJson(const Report& r) {
     if (!r.parts.empty()) {
         json["parts"] = Json::array();
         for (const PartReport& p : r.parts)
-            json["parts"].push_back({{"name", p.name},
-                                     {"source", p.source},
-                                     {"requested", p.requested.empty() ? Json() : Json(p.requested)},
-                                     {"count", p.count},
-                                     {"volume", p.volume},
-                                     {"area", p.area},
-                                     {"solidFraction", p.solidFraction},
-                                     {"interior", orNull(p.interior)},
-                                     {"bvtv", orNull(p.bvtv)},
-                                     {"protrusion", p.protrusion},
-                                     {"density", p.density > 0 ? Json(p.density) : Json()}});
+            json["parts"].push_back(
+                {{"name", p.name},
+                 {"source", p.source},
+                 {"requested", p.requested.empty() ? Json() : Json(p.requested)},
+                 {"count", p.count},
+                 {"volume", p.volume},
+                 {"area", p.area},
+                 {"solidFraction", p.solidFraction},
+                 {"interior", orNull(p.interior)},
+                 {"bvtv", orNull(p.bvtv)},
+                 {"protrusion", p.protrusion},
+                 {"density", p.density > 0 ? Json(p.density) : Json()}});
         json["contacts"]["betweenParts"] = r.contactsBetweenParts;
     }
     json["seconds"] = {{"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},

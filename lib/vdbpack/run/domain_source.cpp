@@ -182,7 +182,8 @@ void DomainSource::cutBy(const DomainSource& other) {
     DomainRecipe recipe;
     recipe.source = other.recipe_.source;
     recipe.voxelSize = other.recipe_.voxelSize;
-    outsides_.push_back(std::make_shared<const DomainSource>(recipe, std::move(around), Callbacks{}));
+    outsides_.push_back(
+        std::make_shared<const DomainSource>(recipe, std::move(around), Callbacks{}));
 }
 
 void checkSize(const Box<3>& bounds, const DomainRecipe& recipe, const Callbacks& callbacks) {
@@ -217,8 +218,8 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     if (recipe.threshold && !levelSet && !image)
         callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
                                    *recipe.threshold, text));
-    if (!image && (!recipe.label.empty() || !recipe.voxelSpacing.empty() ||
-                   recipe.space != ImageSpace::lps))
+    if (!image &&
+        (!recipe.label.empty() || !recipe.voxelSpacing.empty() || recipe.space != ImageSpace::lps))
         callbacks.warn("`label`, `voxelSpacing` and `space` have no effect: " + text +
                        " is no image");
     if ((levelSet || image) && (recipe.repair || !recipe.cavities.empty()))
@@ -376,7 +377,8 @@ DomainSource::Built DomainSource::build(double minRadius, double maxRadius,
         built.space = clippedDomain<3>(built.space, clips_, envelopeOf(built.space));
     }
     for (const auto& outside : outsides_)
-        built.space = cutDomain(built.space, outside->build(minRadius, maxRadius, callbacks).space, fromOuter);
+        built.space = cutDomain(built.space, outside->build(minRadius, maxRadius, callbacks).space,
+                                fromOuter);
     return built;
 }
 

@@ -27,22 +27,23 @@ enum class ShellFrom { walls, outer };
 enum class ImageSpace { lps, ras };
 
 struct DomainRecipe {
-    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape: box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1
-    /// ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R (mm, centered at the origin).
+    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
+    /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
+    /// (mm, centered at the origin).
     std::string source;
-    Unit unit = Unit::millimeter;     ///< of the file
-    double scale = 1;                 ///< further factor on the file's lengths
-    std::string gridName;             ///< level set in a .vdb; empty: the first
+    Unit unit = Unit::millimeter;  ///< of the file
+    double scale = 1;              ///< further factor on the file's lengths
+    std::string gridName;          ///< level set in a .vdb; empty: the first
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
     std::string label;         ///< of an image: a value or a name, or several joined by "+"
     std::string voxelSpacing;  ///< "X,Y,Z" or "D", mm, in place of an image's own; empty: its own
     ImageSpace space = ImageSpace::lps;  ///< of an image
-    std::string slice;                ///< "z=V" (mm): a plane of the domain; empty: all of it
-    std::vector<std::string> clips;   ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
-    double voxelSize = 0;             ///< mm; 0: chosen
-    bool repair = false;              ///< the mesh, by repair/mesh_repair.h
-    double repairVoxel = 0;           ///< mm; 0: chosen
+    std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
+    std::vector<std::string> clips;      ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
+    double voxelSize = 0;                ///< mm; 0: chosen
+    bool repair = false;                 ///< the mesh, by repair/mesh_repair.h
+    double repairVoxel = 0;              ///< mm; 0: chosen
     RepairComponents repairComponents = RepairComponents::together;
     /// What lies inside closed components of the surface that are inside others: "keep" (empty;
     /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh

@@ -3,8 +3,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/run/report_file.h"
 
 #include <fmt/format.h>
@@ -92,8 +92,8 @@ PlaneField fieldOf(const Domain<2>& domain, const StampedVoids<2>* voids, int pi
 }
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
-           const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
-           const TriangleMesh* known) {
+             const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
+             const TriangleMesh* known) {
     SpacePreview scene;
     if (pack) {
         const WallMesh wall(source, built, known);
@@ -107,7 +107,7 @@ Picture draw(const PreviewOptions& options, const DomainSource& source,
 }
 
 Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
-           const MadeVoids<2>& made, const Pack<2>* pack, const TriangleMesh*) {
+             const MadeVoids<2>& made, const Pack<2>* pack, const TriangleMesh*) {
     const PlaneField field = fieldOf(*built.plane, pack ? nullptr : made.stamped.get(),
                                      std::max(options.width, options.height));
     PlanePreview scene;
@@ -221,10 +221,10 @@ template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<
 template PreviewPicture drawPreview<2>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
                                        const MadeVoids<2>&, const Pack<2>*, const Callbacks&,
- const TriangleMesh*);
+                                       const TriangleMesh*);
 template PreviewPicture drawPreview<3>(const PreviewRecipe&, const std::string&,
                                        const DomainSource&, const DomainSource::Built&,
                                        const MadeVoids<3>&, const Pack<3>*, const Callbacks&,
- const TriangleMesh*);
+                                       const TriangleMesh*);
 
 }  // namespace vdbpack

@@ -305,9 +305,9 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     PageDetails details;
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
-            details = pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(),
-                                  options.sizes, run.report,
-                                  run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
+            details =
+                pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(), options.sizes,
+                            run.report, run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
         });
     RunResult result = finishStage(run);
     if (run.isFirst()) writeReport(result, details, recipe);
@@ -353,11 +353,10 @@ std::function<bool(RunResult&&)> into(RunResult& result) {
 PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const Report& begun,
                     Clock& clock, const Callbacks& callbacks) {
     Report first = begun;
-    const auto prepared =
-        prepare<3>(recipe, source, keepingWarnings(callbacks, first.warnings));
+    const auto prepared = prepare<3>(recipe, source, keepingWarnings(callbacks, first.warnings));
     first.seconds.domain = clock.lap();
-    PackedPart part{
-        std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)), nullptr};
+    PackedPart part{std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)),
+                    nullptr};
     part.run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks, *part.options);
     return part;
 }

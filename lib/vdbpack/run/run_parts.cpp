@@ -238,7 +238,8 @@ private:
     std::string found_;
 };
 
-/// Adds a pack of a part to those before it. Depths are taken over, contacts are not.
+/// Adds a pack of a part to those before it, and its number to the first column. Depths are taken
+/// over, contacts are not.
 void append(Pack<3>& all, Pack<3> part, std::int32_t number) {
     const std::size_t before = all.spheres.size(), count = part.spheres.size();
     const auto add = [&](auto& values, auto& more) {
@@ -251,7 +252,7 @@ void append(Pack<3>& all, Pack<3> part, std::int32_t number) {
     add(all.depth, part.depth);
     for (std::int64_t& order : part.order) order += static_cast<std::int64_t>(before);
     add(all.order, part.order);
-    all.part.insert(all.part.end(), count, number);
+    all.columns.front().numbers.insert(all.columns.front().numbers.end(), count, number);
     all.spheres.insert(all.spheres.end(), part.spheres.begin(), part.spheres.end());
 }
 
@@ -370,6 +371,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     Report& report = all.report;
     JoinedReport joined(report);
     joined.setBegun(begun.warnings.size());
+    all.pack.columns.push_back({kPartColumn, {}, {}});
     all.positionStep = 0;
     double lost = 0;
     for (std::size_t k = 0; k < parts.size(); ++k) {
@@ -403,8 +405,9 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
             countContacts(all.pack.spheres, recipe.contactTolerance, all.pack.depth);
         all.pack.contacts = std::move(contacts.counts);
         report.contacts = contacts;
+        const auto& part = all.pack.columns.front().numbers;
         for (const Contact& c : listContacts(all.pack.spheres, recipe.contactTolerance))
-            report.contactsBetweenParts += all.pack.part[c.i] != all.pack.part[c.j];
+            report.contactsBetweenParts += part[c.i] != part[c.j];
         report.smallestGap = smallestGap(all.pack.spheres);
     }
     const Materials materials(all.pack);

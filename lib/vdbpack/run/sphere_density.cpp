@@ -1,6 +1,7 @@
 #include "vdbpack/run/sphere_density.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
@@ -74,7 +75,7 @@ void warnOfMissingDensities(const PackAttributes& pack,
                             const std::map<std::int32_t, double>& densities,
                             const Callbacks& callbacks) {
     if (densities.empty()) return;
-    if (!pack.part.empty()) return;  // by part
+    if (Materials(pack).hasParts()) return;
     std::set<std::int32_t> missing(pack.region.begin(), pack.region.end());
     if (missing.empty()) missing.insert(0);
     for (const auto& [region, density] : densities) missing.erase(region);

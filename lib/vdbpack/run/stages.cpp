@@ -290,7 +290,7 @@ void draw(Run<Dim>& run) {
     try {
         run.picture = drawPreview(settings.preview, settings.reportFile, run.source, run.built,
                                   run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks,
- run.partWalls.triangles.empty() ? nullptr : &run.partWalls);
+                                  run.partWalls.triangles.empty() ? nullptr : &run.partWalls);
         if (!settings.preview.file.empty()) run.report.files.push_back(settings.preview.file);
     } catch (const Interrupted&) {
         // All else is complete, and written.

@@ -31,8 +31,8 @@ constexpr double kLargest = 1e9;
     const bool isFolder = std::filesystem::is_directory(path, ignored);
     if (isFolder || kImages.count(extension) > 0 || endsWith(lowered(path), ".nii.gz"))
         throw InputError(fmt::format(
-            "{}: {}, which cannot be read yet. Export the surface of the bone as .stl, for example "
-            "with 3D Slicer (Segmentations) or ITK-SNAP",
+            "{}: {}, not a mesh. A domain can be an image, with a label or a threshold; what else "
+            "needs a mesh takes its surface as .stl",
             path, isFolder ? "is a folder, perhaps a series of images" : "is an image"));
     throw InputError(path + ": format " + quotedExcerpt(extension) +
                      " is not read as a mesh; convert it to .stl, .obj, .ply, .off, .vtp or .vtk");
