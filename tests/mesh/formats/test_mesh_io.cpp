@@ -468,11 +468,11 @@ TEST_CASE("files that are missing, of an unknown format or without triangles are
                Contains("faces"));
 }
 
-TEST_CASE("images are refused with the way to a surface", "[mesh]") {
+TEST_CASE("images are refused as meshes, with what takes them", "[mesh]") {
     const RefusedFiles folder;
     for (const auto* name : {"a.nii", "a.nii.gz", "a.seg.nrrd", "a.MHA", "a.mhd", "a.dcm"})
         CHECK_THAT(folder.refusal(name, "x"),
-                   Contains("image") && Contains("3D Slicer") && Contains(".stl"));
+                   Contains("image") && Contains("threshold") && Contains(".stl"));
     std::filesystem::create_directory(folder.file("dicom"));
     CHECK_THAT(messageOf<InputError>([&] { readMesh(folder.file("dicom")); }),
                Contains("dicom") && Contains("folder") && Contains(".stl"));
