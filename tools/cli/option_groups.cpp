@@ -303,6 +303,16 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
         ->group("Spheres");
 }
 
+void addSamples(CLI::App& command, std::vector<std::string>& samples) {
+    command
+        .add_option("--sample", samples,
+                    "add a column: the mean of an image, such as a CT, over each sphere; may be "
+                    "repeated")
+        ->option_text("NAME=IMAGE")
+        ->group("Output")
+        ->take_all();
+}
+
 void addDensityOption(CLI::App& command, std::string& density) {
     command
         .add_option(

@@ -72,6 +72,8 @@ void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addShellFrom(CLI::App& command, vdbpack::DomainRecipe& domain, const std::string& group);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);
+/// --sample.
+void addSamples(CLI::App& command, std::vector<std::string>& samples);
 void addDensityOption(CLI::App& command, std::string& density);
 /// A pack of a file as the positional `name`, and what to compare it with.
 void addInputPack(CLI::App& command, vdbpack::InputPack& input, const char* name,

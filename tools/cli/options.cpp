@@ -156,6 +156,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
+    addSamples(*command, job.samples);
     addVoidOptions(*command, job.voids, job.domain, VoidsIn::pack);
     addChoice(*command, "--fill", job.voids.fill, kFills,
               "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
@@ -192,6 +193,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
+    addSamples(*command, job.samples);
     requireDomain(*command);
     addVoidOptions(*command, job.voids, job.domain, VoidsIn::file);
     addRunOptions(*command, job.seed, job.reportFile, print, "of the voids");
@@ -206,6 +208,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
+    addSamples(*command, job.samples);
     addDensify(*command, job.fraction,
                "add and move spheres until the solid fraction is F, or as high as possible (max); "
                "without this option, no sphere is added and only overlaps are removed");
@@ -299,6 +302,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
         ->group("Domain");
     addContactTolerance(*command, job.contactTolerance);
     addDensityOption(*command, job.density);
+    addSamples(*command, job.samples);
     addPreviewOptions(*command, job.preview);
     addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);

@@ -55,6 +55,11 @@ std::string renamed(const std::string& option, const std::string& value, const R
         return rename(value);
     if (isOneOf(option, {"radius", "void-radius", "void-aspect"}))
         return renamedBehind({"table:", "psd:"}, value, rename);
+    if (option == "sample") {
+        const auto mark = value.find('=');
+        if (mark == std::string::npos || mark + 1 == value.size()) return value;
+        return value.substr(0, mark + 1) + rename(value.substr(mark + 1));
+    }
     if (option == "voids") return renamedBehind({"list:"}, value, rename);
     if (isOneOf(option, {"cavities", "shells"})) return renamedCavities(value, rename);
     if (isOneOf(option, {"output", "existing", "PACK", "FILE"})) {

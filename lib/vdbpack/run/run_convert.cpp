@@ -7,6 +7,7 @@
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/sample_stage.h"
 #include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
@@ -23,7 +24,7 @@ namespace {
 constexpr double kVoxelsAcross = 256;  // of a mesh whose voxels nobody has chosen
 
 template <int Dim>
-void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResult& result,
+void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
     for (const std::string& output : recipe.outputs)
@@ -75,6 +76,7 @@ void convertPack(const ConvertRecipe& recipe, const Pack<Dim>& pack, ConvertResu
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();
     result.hash = packHash(pack);
+    addSamples(recipe.samples, recipe.domain, pack, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     if (drawGiven(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built))
         result.files.push_back(recipe.preview.file);
@@ -85,6 +87,9 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     if (!recipe.domain.source.empty())
         throw ParameterError("`domain` " + recipe.domain.source + ": goes with a pack, and " +
                              recipe.pack + " is a solid; leave it out");
+    if (!recipe.samples.empty())
+        throw ParameterError("`samples` are taken over spheres, and " + recipe.pack +
+                             " holds none; leave them out");
     if (!recipe.density.empty())
         throw ParameterError("`density` is that of spheres, and " + recipe.pack +
                              " holds none; leave it out");
@@ -151,13 +156,13 @@ ConvertResult runConvert(const ConvertRecipe& recipe, const Callbacks& callbacks
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
-        const auto pack = readInputPackUnlessSolid(recipe, heard);
+        auto pack = readInputPackUnlessSolid(recipe, heard);
         if (!pack)
             convertSolid(recipe, result, heard);
         else if (isPlane(*pack))
             convertPack(recipe, asCircles(*pack), result, heard);
         else
-            convertPack(recipe, *pack, result, heard);
+            convertPack(recipe, std::move(*pack), result, heard);
     });
     result.warnings = std::move(warnings);
     return result;

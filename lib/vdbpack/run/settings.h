@@ -20,7 +20,9 @@ struct RunSettings {
     double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
     std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
     Unit outUnit = Unit::millimeter;   ///< of the lengths in them
-    std::string density;     ///< of the spheres in DEM files, as `particleDensity` takes it
+    std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
+    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
+    std::vector<std::string> samples;
     PreviewRecipe preview;   ///< picture; without a file: none
     std::string reportFile;  ///< .json or .html; empty: none
     std::string command;     ///< for the report; empty: the task and what it works on

@@ -11,6 +11,7 @@
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/sample_stage.h"
 #include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
@@ -34,12 +35,17 @@ constexpr double kLeastBvtv = 1e-6;
 
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
+    auto all = inputs;
+    for (auto& file : checkSamples(settings.samples)) all.push_back(std::move(file));
+    if (settings.ranks && !settings.samples.empty())
+        throw ParameterError(
+            "`samples`: are not taken over several processes; take them from a file");
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
-    checkFiles(settings.outputs, settings.reportFile, inputs, {settings.preview.file});
-    if (kind == RunKind::pack) checkInterruptedFiles(settings.outputs, inputs);
+    checkFiles(settings.outputs, settings.reportFile, all, {settings.preview.file});
+    if (kind == RunKind::pack) checkInterruptedFiles(settings.outputs, all);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -302,6 +308,7 @@ void draw(Run<Dim>& run) {
 
 template <int Dim>
 RunResult finishStage(Run<Dim>& run) {
+    addSamples(run.settings.samples, run.source.recipe(), run.pack, run.callbacks);
     write(run);
     draw(run);
     Report& report = run.report;
