@@ -96,6 +96,40 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses", "[cli
     CHECK(run.report.volume == Approx(volume).epsilon(0.01));
 }
 
+TEST_CASE("a segment of another layer has the space of those below it", "[cli][parts]") {
+    const TemporaryFolder folder;
+    // Two layers of one value each, as 3D Slicer writes overlapping segments.
+    const ImageGrid grid = gridAround(10, {{1, 1, 1}});
+    std::string values;
+    const auto inBall = [](const Vec<3>& p, double x) { return length(p - Vec<3>{{x, 0, 0}}) < 6; };
+    const auto low = Voxels<std::uint8_t>::of(grid, [&](const Vec<3>& p) { return inBall(p, -2); });
+    const auto high = Voxels<std::uint8_t>::of(grid, [&](const Vec<3>& p) { return inBall(p, 3); });
+    for (std::size_t i = 0; i < low.values.size(); ++i) {
+        values += static_cast<char>(low.values[i]);
+        values += static_cast<char>(high.values[i]);
+    }
+    const std::string n = std::to_string(grid.size[0]), file = folder.file("two.seg.nrrd");
+    writeBytes(
+        file, "NRRD0004\ntype: uint8\ndimension: 4\nspace: left-posterior-superior\nsizes: 2 " + n +
+                  ' ' + n + ' ' + n +
+                  "\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\n"
+                  "kinds: list domain domain domain\nencoding: raw\nspace origin: (" +
+                  std::to_string(grid.origin[0]) + ',' + std::to_string(grid.origin[1]) + ',' +
+                  std::to_string(grid.origin[2]) + ")\n\n" + values);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = "all";
+    recipe.radius = "uniform:0.4,0.8";
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(run.passed);
+    REQUIRE(run.report.parts.size() == 2);
+    const double ball = 4.0 / 3 * std::acos(-1.0) * 216;
+    CHECK(run.report.parts[1].volume == Approx(ball).epsilon(0.03));
+    CHECK(run.report.parts[0].volume < 0.75 * ball);
+    CHECK(checkOverlap(pack.spheres).pairs == 0);
+}
+
 TEST_CASE("grey values of an image become a column", "[cli][parts]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");

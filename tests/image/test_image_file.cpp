@@ -179,7 +179,8 @@ TEST_CASE("labels are found by value, by name and in layers", "[image]") {
     CHECK(parseLabels("7", labels, "a").front().labels.front().voxels == labels[1].voxels);
     CHECK(parseLabels("left half+7", labels, "a").front().labels.size() == 2);
     CHECK(parseLabels("3, right half", labels, "a").size() == 2);
-    for (const char* bad : {"4", "left", "3+3", "3,7+3", ""})
+    CHECK(parseLabels("7@0", labels, "a").front().labels.front().value == 7);
+    for (const char* bad : {"4", "left", "3+3", "3,7+3", "", "3@1"})
         CHECK_THROWS_AS(parseLabels(bad, labels, "a"), ParameterError);
     const auto meshes = labelSurfaces(image, parseLabels("all", labels, "a"));
     REQUIRE(meshes.size() == 2);

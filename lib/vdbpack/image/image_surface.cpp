@@ -143,6 +143,11 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
 
 namespace {
 
+/// A value in a layer.
+std::string textOf(const LabelCount& label) {
+    return fmt::format("{}@{}", label.value, label.layer);
+}
+
 std::string listOf(const std::vector<LabelCount>& labels) {
     constexpr std::size_t kMost = 40;
     std::string text;
@@ -161,14 +166,17 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
         if (label.name == text) found.push_back(&label);
     if (found.empty())
         for (const LabelCount& label : labels)
-            if (std::to_string(label.value) == text) found.push_back(&label);
+            if (std::to_string(label.value) == text || textOf(label) == text)
+                found.push_back(&label);
     if (found.size() == 1) return *found.front();
     if (found.empty())
         throw ParameterError(
             fmt::format("`label` {}: {} has no such label; it has {}", text, path, listOf(labels)));
-    throw ParameterError(fmt::format(
-        "`label` {}: {} layers of {} have such a label; give its name. The labels are {}", text,
-        found.size(), path, listOf(labels)));
+    throw ParameterError(
+        fmt::format("`label` {}: {} layers of {} have such a label; give its name, or {} for the "
+                    "first one. The "
+                    "labels are {}",
+                    text, found.size(), path, textOf(*found.front()), listOf(labels)));
 }
 
 }  // namespace

@@ -33,7 +33,8 @@ struct LabelPart {
     std::vector<LabelCount> labels;  ///< of one layer
 };
 
-/// What a request means: labels by value or name, joined to one part by "+", parts separated by
+/// What a request means: labels by value, by value@layer or by name, joined to one part by "+",
+/// parts separated by
 /// ","; "all": each label is a part. @param path  of the image, for messages.
 /// @throws ParameterError for labels that do not occur, with those that do.
 std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,

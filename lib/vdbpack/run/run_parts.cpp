@@ -60,7 +60,8 @@ std::vector<PackRecipe> labelRecipes(const PackRecipe& recipe,
         PackRecipe one = recipe;
         one.domain.label.clear();
         for (const LabelCount& label : part.labels)
-            one.domain.label += (one.domain.label.empty() ? "" : "+") + std::to_string(label.value);
+            one.domain.label += fmt::format("{}{}@{}", one.domain.label.empty() ? "" : "+",
+                                            label.value, label.layer);
         one.name = part.name;
         one.parts.clear();
         recipes.push_back(std::move(one));
