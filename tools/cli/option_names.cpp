@@ -74,6 +74,7 @@ constexpr OptionName kOptionNames[] = {
     {"voxelSize", "--voxel"},
     {"weightBy", "--weight-by"},
     {"label", "--label"},
+    {"partsFile", "--parts"},
     {"samples", "--sample"},
     {"space", "--space"},
     {"voxelSpacing", "--voxel-spacing"},

@@ -151,6 +151,9 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
 
 DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     checkRecipe(recipe);
+    if (!recipe.parts.empty())
+        throw ParameterError(
+            "a dry run predicts one part; leave out `partsFile`, and name the domain of one");
     return withThreads(recipe.threads, [&] {
         Clock clock;
         const DomainSource source(recipe.domain, callbacks);

@@ -39,15 +39,15 @@ LabelPart selectedPart(const DomainRecipe& recipe, const Image& image) {
         throw ParameterError(path +
                              ": is no label map, but has many different values; set "
                              "`threshold` to the lowest value of bone");
-    std::string text = recipe.label;
-    if (text.empty()) {
-        if (labels->size() > 1)
-            text = "?";  // listed below
-        else
-            text = "all";
+    const std::string text = recipe.label.empty() && labels->size() <= 1 ? "all" : recipe.label;
+    if (!text.empty()) {
+        const auto parts = parseLabels(text, *labels, path);
+        if (parts.size() == 1) return parts.front();
+        throw ParameterError(
+            fmt::format("`label` {}: names {} parts, where a single domain is "
+                        "needed; name one label, or join them by +",
+                        text, parts.size()));
     }
-    const auto parts = text == "?" ? std::vector<LabelPart>{} : parseLabels(text, *labels, path);
-    if (parts.size() == 1) return parts.front();
     std::string list;
     for (const LabelCount& label : *labels)
         list += fmt::format("\n  {}{}{}", label.value, label.name.empty() ? "" : " ", label.name);
