@@ -9,7 +9,7 @@ namespace {
 [[noreturn]] void refuse(const std::string& path) {
     throw ParameterError(path +
                          ": this build reads no images; install libinsighttoolkit5-dev and "
-                         "libnifti2-dev, and build again");
+                         "libnifti2-dev, and build again with GCC");
 }
 
 }  // namespace
