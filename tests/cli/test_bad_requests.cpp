@@ -208,18 +208,6 @@ TEST_CASE("a fog volume as domain asks for a threshold and takes one", "[cli][ba
           folder.path());
 }
 
-TEST_CASE("files that are no images in spite of their names are refused", "[cli][bad]") {
-    const TemporaryFolder folder;
-    for (const char* name : {"ct.nii.gz", "label.seg.nrrd", "ct.mhd"})
-        std::ofstream(folder.file(name)) << "x";
-    check({{"pack @ct.nii.gz --target-count 40", 3, "@ct.nii.gz image"},
-           {"pack @label.seg.nrrd --target-count 40", 3, "@label.seg.nrrd image"},
-           {"voids @ct.mhd --voids boolean --void-radius constant:1 --void-count 3", 3,
-            "@ct.mhd image"},
-           {"mesh @ct.mhd", 3, "@ct.mhd image"}},
-          folder.path());
-}
-
 TEST_CASE("spheres that are too large for a thin domain are refused at once", "[cli][bad]") {
     check({{"pack box:1e12,1,1 --target-count 20", 3, "0.5"},
            {"pack box:1e300,1,1 --target-count 20", 3, "0.5"},

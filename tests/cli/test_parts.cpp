@@ -271,6 +271,20 @@ TEST_CASE("a file lists parts with options of their own", "[cli][parts]") {
     CHECK(vdbPack("pack --parts " + folder.file("absent.toml")).code == 4);
 }
 
+TEST_CASE("files that are no images in spite of their names are refused", "[cli][parts]") {
+    const TemporaryFolder folder;
+    for (const char* name : {"ct.nii.gz", "label.seg.nrrd", "ct.mhd", "ct.dcm", "ct.tif"}) {
+        const std::string file = folder.file(name);
+        writeBytes(file, "x");
+        for (const char* command : {"pack --json ", "image ", "mesh "}) {
+            const Output refused = vdbPack(command + file);
+            CAPTURE(command, file, refused.text);
+            CHECK(refused.code == 3);
+            CHECK_THAT(refused.text, Contains(name) && Contains("image"));
+        }
+    }
+}
+
 TEST_CASE("materials number regions and parts", "[formats][parts]") {
     PackAttributes pack;
     CHECK_FALSE(Materials(pack).any());
