@@ -12,7 +12,9 @@
 using namespace vdbpack;
 
 const char* const kDomainHelp =
-    "mesh (.stl .obj .ply .off .vtp .vtk), level set (.vdb) or shape about the origin: "
+    "mesh (.stl .obj .ply .off .vtp .vtk), image (.nii .nii.gz .nrrd .nhdr .mha .mhd, folder of "
+    "DICOM "
+    "or TIFF files), level set (.vdb) or shape about the origin: "
     "box:LX,LY,LZ  "
     "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
 /// What -o of runs with spheres takes.
@@ -201,8 +203,10 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("V")
         ->group("Domain");
     command
-        .add_option("--label", domain.label,
-                    "label of an image to fill, by value or name; A+B joins two")
+        .add_option(
+            "--label", domain.label,
+            "label of an image to fill, by value or name; A+B joins two to one domain. With "
+            "pack, A,B and all pack several parts, each in its own surface")
         ->option_text("L")
         ->check(notEmpty())
         ->group("Domain");
