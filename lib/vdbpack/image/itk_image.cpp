@@ -130,10 +130,10 @@ struct Header {
     std::size_t end = 0;  // where data may begin
 };
 
-/// The lines until an empty one or the name of the data, in the first 64 kB.
+/// The lines until an empty one or the name of the data, in the first MB.
 Header headerOf(const std::string& path) {
     std::ifstream file(path, std::ios::binary);
-    std::string text(65536, ' ');
+    std::string text(std::size_t{1} << 20, ' ');
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
     Header header;
