@@ -85,7 +85,8 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses", "[cli
     CHECK(checkOverlap(pack.spheres).pairs == 0);
 
     const Image image = readImage(file);
-    const auto meshes = labelSurfaces(image, parseLabels("all", *labelsOf(image), file));
+    const auto labels = *labelsOf(image);
+    const auto meshes = labelSurfaces(image, labels, parseLabels("all", labels, file));
     for (std::int32_t part = 0; part < 2; ++part) {
         const auto spheres = spheresOf(pack, part);
         CHECK(spheres.size() == run.report.parts[static_cast<std::size_t>(part)].count);

@@ -99,7 +99,7 @@ TEST_CASE("axes that are perpendicular up to rounding are made so, sheared ones 
     CHECK_THAT(messageFor(folder.file("flat.nrrd")), Contains("plane"));
 }
 
-TEST_CASE("a file that does not say how far its voxels are apart needs to be told",
+TEST_CASE("a file without the spacing of its voxels is refused unless one is given",
           "[image][file]") {
     const TemporaryFolder folder;
     const auto made = halves();
@@ -182,7 +182,7 @@ TEST_CASE("labels are found by value, by name and in layers", "[image]") {
     CHECK(parseLabels("7@0", labels, "a").front().labels.front().value == 7);
     for (const char* bad : {"4", "left", "3+3", "3,7+3", "", "3@1"})
         CHECK_THROWS_AS(parseLabels(bad, labels, "a"), ParameterError);
-    const auto meshes = labelSurfaces(image, parseLabels("all", labels, "a"));
+    const auto meshes = labelSurfaces(image, labels, parseLabels("all", labels, "a"));
     REQUIRE(meshes.size() == 2);
     for (const auto& mesh : meshes) CHECK_FALSE(mesh.triangles.empty());
 }

@@ -311,6 +311,18 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     return command;
 }
 
+/// Options of commands that report on the file of a domain.
+void addFileOptions(CLI::App& command, RunSettings& settings, DomainRecipe& domain,
+                    PrintOptions& print) {
+    addThreads(command, settings.threads, "number of threads");
+    addUnit(command, "--unit", domain.unit, "unit of the file");
+    command.add_option("--scale", domain.scale, "further factor on its lengths")
+        ->option_text("F [1]")
+        ->group("Units");
+    addMemoryLimit(command, settings.memoryLimit);
+    addPrinting(command, print);
+}
+
 CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
     CLI::App* command =
         app.add_subcommand("mesh", "report whether a mesh can be packed, and repair it");
@@ -327,13 +339,7 @@ CLI::App* addCommand(CLI::App& app, MeshRecipe& job, PrintOptions& print) {
                    "cannot be packed once repaired")
         ->group("Run");
     addRepairOptions(*command, job.domain);
-    addThreads(*command, job.threads, "number of threads");
-    addUnit(*command, "--unit", job.domain.unit, "unit of the file");
-    command->add_option("--scale", job.domain.scale, "further factor on its lengths")
-        ->option_text("F [1]")
-        ->group("Units");
-    addMemoryLimit(*command, job.memoryLimit);
-    addPrinting(*command, print);
+    addFileOptions(*command, job, job.domain, print);
     return command;
 }
 
@@ -346,13 +352,7 @@ CLI::App* addCommand(CLI::App& app, ImageRecipe& job, PrintOptions& print) {
             "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
         ->required();
     addImagePlacement(*command, job.domain);
-    addThreads(*command, job.threads, "number of threads");
-    addUnit(*command, "--unit", job.domain.unit, "unit of the file");
-    command->add_option("--scale", job.domain.scale, "further factor on its lengths")
-        ->option_text("F [1]")
-        ->group("Units");
-    addMemoryLimit(*command, job.memoryLimit);
-    addPrinting(*command, print);
+    addFileOptions(*command, job, job.domain, print);
     return command;
 }
 

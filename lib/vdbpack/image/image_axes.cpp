@@ -68,8 +68,8 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
     for (std::size_t k = 0; k < 3; ++k) grid.step[k] = unit[k] * spacing.c[k];
 }
 
-Image emptyImage(const std::string& path, const ImageGrid& grid, std::size_t layers, VoxelType type,
-                 std::uint64_t fileBytes) {
+Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t layers,
+                     VoxelType type, std::uint64_t fileBytes) {
     const auto& size = grid.size;
     double count = static_cast<double>(bytesOf(type)) * static_cast<double>(layers);
     for (const std::size_t n : size) {

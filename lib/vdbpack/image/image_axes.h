@@ -15,7 +15,7 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
 /// An image of such a grid, whose numbers are still to be set.
 /// @param fileBytes  of what they are read from; more than a compressed file of that size can hold
 ///                   is refused. @throws InputError, ResourceError
-Image emptyImage(const std::string& path, const ImageGrid& grid, std::size_t layers, VoxelType type,
-                 std::uint64_t fileBytes);
+Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t layers,
+                     VoxelType type, std::uint64_t fileBytes);
 
 }  // namespace vdbpack

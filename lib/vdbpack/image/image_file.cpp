@@ -46,14 +46,15 @@ bool inOrder(const std::string& a, const std::string& b) {
     return a.size() - i < b.size() - j;
 }
 
-/// Whether a name fits a pattern, in which * stands for any characters.
-bool fits(const char* name, const char* pattern) {
-    if (*pattern == '*') return fits(name, pattern + 1) || (*name != 0 && fits(name + 1, pattern));
+/// Whether a name matches a pattern with the wildcard *.
+bool matches(const char* name, const char* pattern) {
+    if (*pattern == '*')
+        return matches(name, pattern + 1) || (*name != 0 && matches(name + 1, pattern));
     if (*pattern == 0 || *name == 0) return *pattern == *name;
-    return *name == *pattern && fits(name + 1, pattern + 1);
+    return *name == *pattern && matches(name + 1, pattern + 1);
 }
 
-/// The TIFF files of a folder whose names fit a pattern, in order.
+/// The TIFF files of a folder whose names match a pattern, in order.
 std::vector<std::string> tiffFiles(const std::filesystem::path& folder,
                                    const std::string& pattern) {
     std::vector<std::string> files;
@@ -61,7 +62,7 @@ std::vector<std::string> tiffFiles(const std::filesystem::path& folder,
     const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
     for (const auto& entry : std::filesystem::directory_iterator(shown, failed)) {
         const std::string name = entry.path().filename().string();
-        if (isTiff(name) && fits(name.c_str(), pattern.c_str()))
+        if (isTiff(name) && matches(name.c_str(), pattern.c_str()))
             files.push_back((folder / name).string());
     }
     if (failed)

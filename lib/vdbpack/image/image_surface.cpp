@@ -158,7 +158,7 @@ std::string listOf(const std::vector<LabelCount>& labels) {
     return labels.size() > kMost ? text + ", ..." : text;
 }
 
-/// The label that a value or a name stands for.
+/// The label with a value or a name.
 const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>& labels,
                           const std::string& path) {
     std::vector<const LabelCount*> found;
@@ -207,11 +207,11 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
     return parts;
 }
 
-std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelPart>& parts) {
+std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelCount>& labels,
+                                        const std::vector<LabelPart>& parts) {
     const std::size_t layer = parts.front().labels.front().layer;
     // The numbers of labels in the net: those of parts by part, then all others.
     std::map<std::int64_t, std::uint16_t> numbers;
-    std::vector<std::uint16_t> ends;
     Box<3> box;
     std::uint16_t next = 1;
     for (const LabelPart& part : parts) {
@@ -222,8 +222,7 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
         }
         ++next;
     }
-    const auto known = labelsOf(image);
-    for (const LabelCount& label : *known)
+    for (const LabelCount& label : labels)
         if (label.layer == layer && numbers.emplace(label.value, next).second) ++next;
 
     const Region region = around(box, image.grid);

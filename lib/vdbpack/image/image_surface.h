@@ -42,8 +42,9 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
 
 /// The surfaces of parts, mm: closed, smooth, and where parts touch, with the same triangles on
 /// both sides. Labels that belong to no part have surfaces of their own there.
-/// @param parts  of one layer. @throws ResourceError
-std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelPart>& parts);
+/// @param labels  of the image. @param parts  of one layer. @throws ResourceError
+std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<LabelCount>& labels,
+                                        const std::vector<LabelPart>& parts);
 
 /// The surface around the values of at least `threshold`, mm, placed between voxels by their
 /// values. @throws InputError if all values or none are that high; ResourceError

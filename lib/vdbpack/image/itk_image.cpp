@@ -259,8 +259,8 @@ Image readByItk(const std::string& path, const ImageReadOptions& options) {
                                ": does not say in which space its axes lie: which side is "
                                "left is unknown");
     checkAxes(grid, path, options.callbacks);
-    Image image = emptyImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
-                             nrrd || meta ? bytesBehind(path, header) : sizeOf(path));
+    Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
+                                 nrrd || meta ? bytesBehind(path, header) : sizeOf(path));
     if (!nrrd && image.layers > 1)
         throw InputError(
             fmt::format("{}: has {} values at each voxel, such as colors; convert it "
@@ -304,7 +304,7 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
                              "convert it to one");
     }
     if (!alike) type = VoxelType::float32;
-    Image image = emptyImage(path, grid, 1, type, bytes);
+    Image image = allocatedImage(path, grid, 1, type, bytes);
     const std::size_t pixels = grid.size[0] * grid.size[1];
     for (std::size_t z = 0; z < slices.size(); ++z) {
         options.callbacks.stopIfCancelled();
@@ -314,7 +314,7 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
             readVoxels(*slice.io, slice.file, to);
             continue;
         }
-        Image own = emptyImage(slice.file, slice.grid, 1, typeOf(*slice.io, slice.file), bytes);
+        Image own = allocatedImage(slice.file, slice.grid, 1, typeOf(*slice.io, slice.file), bytes);
         readVoxels(*slice.io, slice.file, own.bytes.get());
         own.visit([&](const auto* numbers) {
             auto* const floats = reinterpret_cast<float*>(to);

@@ -1,8 +1,9 @@
 #include "vdbpack/image/label_relations.h"
 
+#include "vdbpack/core/disjoint_sets.h"
+
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 namespace vdbpack {
@@ -13,34 +14,14 @@ namespace {
 struct Stretch {
     std::size_t begin, end;
     std::size_t label;  // in the list
-    std::size_t piece;
+    std::uint32_t piece;
 };
 using Row = std::vector<Stretch>;
 
-/// Pieces, some of which are the same.
-class Pieces {
-public:
-    std::size_t add(std::size_t label) {
-        parent_.push_back(parent_.size());
-        labels_.push_back(label);
-        return parent_.size() - 1;
-    }
-    void join(std::size_t a, std::size_t b) {
-        a = find(a);
-        b = find(b);
-        parent_[std::max(a, b)] = std::min(a, b);
-    }
-    void count(std::vector<std::size_t>& components) const {
-        for (std::size_t i = 0; i < parent_.size(); ++i)
-            if (parent_[i] == i) ++components[labels_[i]];
-    }
-
-private:
-    std::size_t find(std::size_t i) {
-        while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-        return i;
-    }
-    std::vector<std::size_t> parent_, labels_;
+/// Stretches of one label that touch are in one set.
+struct Pieces {
+    DisjointSets sets;
+    std::vector<std::size_t> labels;  // of each member
 };
 
 /// Relates the labels of one layer, row by row.
@@ -49,7 +30,10 @@ public:
     Relations(std::size_t rows, Pieces& pieces) : above_(rows), pieces_(pieces) {}
     /// @param at  the row's place in its slice.
     void add(Row row, std::size_t at) {
-        for (Stretch& s : row) s.piece = pieces_.add(s.label);
+        for (Stretch& s : row) {
+            s.piece = pieces_.sets.add();
+            pieces_.labels.push_back(s.label);
+        }
         for (std::size_t k = 1; k < row.size(); ++k)
             if (row[k - 1].end == row[k].begin) touch(row[k - 1], row[k], 1);
         if (at > 0) relate(above_[at - 1], row);  // this slice's, by now
@@ -75,7 +59,7 @@ private:
     }
     void touch(const Stretch& a, const Stretch& b, std::size_t faces) {
         if (a.label == b.label)
-            pieces_.join(a.piece, b.piece);
+            pieces_.sets.join(a.piece, b.piece);
         else
             faces_[std::minmax(a.label, b.label)] += faces;
     }
@@ -118,7 +102,8 @@ LabelRelations labelRelations(const Image& image, const std::vector<LabelCount>&
         for (const auto& [pair, faces] : relations.faces())
             result.contacts.push_back({pair.first, pair.second, faces});
     }
-    pieces.count(result.components);
+    for (std::uint32_t i = 0; i < pieces.labels.size(); ++i)
+        if (pieces.sets.find(i) == i) ++result.components[pieces.labels[i]];
     return result;
 }
 

@@ -132,7 +132,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
     std::error_code failed;
     auto bytes = std::filesystem::file_size(nifti->iname ? nifti->iname : path.c_str(), failed);
     if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
-    Image image = emptyImage(path, grid, 1, typeOf(*nifti, path), bytes);
+    Image image = allocatedImage(path, grid, 1, typeOf(*nifti, path), bytes);
     image.bytes.reset();  // niftilib allocates
     callbacks.stopIfCancelled();
     if (nifti_image_load(nifti.get()) != 0 || !nifti->data)

@@ -36,6 +36,13 @@ struct SurfaceNet {
     /// to -x, +x, -y, +y, -z, +z.
     std::vector<std::uint8_t> junctions;
     std::vector<Face> faces;
+
+    /// Whether voxels of two labels have a face between them: there is none between the background
+    /// and what lies beyond the image.
+    static bool isFace(std::uint16_t a, std::uint16_t b) {
+        const auto isEmpty = [](std::uint16_t l) { return l == 0 || l == LabelVoxels::kBeyond; };
+        return a != b && !(isEmpty(a) && isEmpty(b));
+    }
 };
 
 /// The faces around all labels but 0. What lies past the border of the image has a label of its
@@ -43,15 +50,16 @@ struct SurfaceNet {
 /// Cost: about 2 ns a voxel on two threads. @throws ResourceError for more than 2^32 vertices
 SurfaceNet surfaceNet(const LabelVoxels& voxels);
 
-/// Moves the vertices of labels to where a smooth surface would have met the voxels: neither
-/// volumes nor flat parts change, and no vertex leaves its cell. Vertices where three labels meet
-/// move along that line alone, those on the border of the image in the border.
+/// Moves the vertices of labels to where a smooth surface would have met the voxels. No vertex
+/// leaves its cell, and each label has the volume of its voxels. Vertices where three labels meet
+/// move along that line alone, those on the border of the image within the border.
 ///
 /// Source: Frisken (2022), "SurfaceNets for Multi-Label Segmentations with Preservation of Sharp
-/// Boundaries", Journal of Computer Graphics Techniques 11(1), 34-54: its cells, its constraint and
-/// its rule for lines of three labels. Its averaging shrinks a ball of ten voxels by some percent;
-/// here each step of it is followed by one that undoes its shrinking: Taubin (1995), "A signal
-/// processing approach to fair surface design", doi:10.1145/218380.218473.
+/// Boundaries", Journal of Computer Graphics Techniques 11(1), 34-54, http://jcgt.org: its cells,
+/// its constraint and its rule for lines of three labels. Its averaging flattens a ball of ten
+/// voxels by some percent; here the bending is averaged instead of the positions, and in the end
+/// all faces between two labels move by the same distance, until the volumes are right.
+/// Cost: about 0.5 microseconds a vertex on two threads.
 void smooth(SurfaceNet& net, const std::array<std::size_t, 3>& size);
 
 /// Moves each vertex to the mean of the points at which the edges of its cell cross a threshold.

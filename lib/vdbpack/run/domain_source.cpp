@@ -176,9 +176,8 @@ void DomainSource::cutBy(const DomainSource& other) {
     Box<3> box = fileBounds_;
     box.add(other.fileBounds_.lo);
     box.add(other.fileBounds_.hi);
-    TriangleMesh around = *other.mesh_;
-    for (auto& triangle : around.triangles) std::swap(triangle[1], triangle[2]);
-    append(around, boxMesh(box.grown(0.02 * length(box.size()))));
+    TriangleMesh around =
+        joinedAsCavity(boxMesh(box.grown(0.02 * length(box.size()))), *other.mesh_);
     DomainRecipe recipe;
     recipe.source = other.recipe_.source;
     recipe.voxelSize = other.recipe_.voxelSize;

@@ -10,9 +10,6 @@
 
 namespace vdbpack {
 
-namespace {
-
-/// Warns of labels that the border of the image cuts off.
 void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
                   const Callbacks& callbacks) {
     Box<3> box;
@@ -31,10 +28,12 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
         }
 }
 
+namespace {
+
 /// The part that a recipe names, of an image without threshold.
-LabelPart selectedPart(const DomainRecipe& recipe, const Image& image) {
+LabelPart selectedPart(const DomainRecipe& recipe,
+                       const std::optional<std::vector<LabelCount>>& labels) {
     const std::string& path = recipe.source;
-    const auto labels = labelsOf(image);
     if (!labels)
         throw ParameterError(path +
                              ": is no label map, but has many different values; set "
@@ -82,9 +81,10 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks) {
             throw ParameterError("`label` and `threshold`: a domain has one of them");
         return thresholdSurface(image, *recipe.threshold, recipe.source);
     }
-    const LabelPart part = selectedPart(recipe, image);
+    const auto labels = labelsOf(image);
+    const LabelPart part = selectedPart(recipe, labels);
     warnOfBorder(part, image.grid, recipe.source, callbacks);
-    return std::move(labelSurfaces(image, {part}).front());
+    return std::move(labelSurfaces(image, *labels, {part}).front());
 }
 
 }  // namespace vdbpack

@@ -85,11 +85,12 @@ public:
         return parseLabels(text, *labels_, path_);
     }
     /// Adds a part and returns its number. @throws ParameterError if a label is in two parts
-    std::size_t add(const LabelPart& part) {
+    std::size_t add(const LabelPart& part, const Callbacks& callbacks) {
         for (const LabelCount& label : part.labels)
             if (!used_.insert({label.layer, label.value}).second)
                 throw ParameterError(
                     fmt::format("{}: label {} is in two parts", path_, label.value));
+        warnOfBorder(part, image_.grid, path_, callbacks);
         parts_.push_back(part);
         return parts_.size() - 1;
     }
@@ -102,7 +103,7 @@ public:
         for (const auto& [layer, members] : layers) {
             std::vector<LabelPart> some;
             for (const std::size_t p : members) some.push_back(parts_[p]);
-            auto meshes = labelSurfaces(image_, some);
+            auto meshes = labelSurfaces(image_, *labels_, some);
             for (std::size_t k = 0; k < members.size(); ++k)
                 surfaces_[members[k]] = std::move(meshes[k]);
         }
@@ -157,7 +158,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
             throw ParameterError(
                 fmt::format("{}: names {} labels of {}; a part is one, or several joined by +",
                             recipes[k].name, parts.size(), recipes[k].domain.source));
-        places[k] = {&image, image.add(parts.front())};
+        places[k] = {&image, image.add({recipes[k].name, parts.front().labels}, callbacks)};
     }
     for (auto& [key, image] : images) image.makeSurfaces();
     Parts parts;
@@ -314,7 +315,7 @@ public:
         for (const std::string& text : r.chosen) all_.chosen.push_back(recipe.name + ": " + text);
         // The first ones were there before.
         for (std::size_t w = begun_; w < r.warnings.size(); ++w)
-            all_.warnings.push_back(r.warnings[w]);
+            all_.warnings.push_back(recipe.name + ": " + r.warnings[w]);
         const auto& s = r.seconds;
         all_.seconds.domain += s.domain;
         all_.seconds.pack += s.pack;
@@ -355,6 +356,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     SharedRadii radii(recipe, parts);
     std::vector<PackedPart> packed(parts.size());
     bool interrupted = false;
+    double measuring = 0;
     for (const std::size_t k : radii.order()) {
         Part& part = *parts[k];
         if (interrupted) break;
@@ -364,6 +366,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
             callbacks.warn(part.recipe.name + ": " + text);
         };
         packed[k] = packPart(part.recipe, part.source, begun, clock, own);
+        measuring += clock.lap();
         radii.take(packed[k].options->sizes, k);
         interrupted = packed[k].run->report.interrupted;
     }
@@ -373,8 +376,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     JoinedReport joined(report);
     joined.setBegun(begun.warnings.size());
     all.pack.columns.push_back({kPartColumn, {}, {}});
-    all.positionStep = 0;
-    double lost = 0;
+    bool anyPosition = false;
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (!packed[k].run) continue;
         Run<3>& run = *packed[k].run;
@@ -384,11 +386,11 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
             all.positionStep = all.positionStep > 0 ? std::min(all.positionStep, run.positionStep)
                                                     : run.positionStep;
         else
-            lost = 1;
+            anyPosition = true;
         addLevelSets(run, parts[k]->recipe.name, all);
         if (const auto& mesh = parts[k]->source.mesh()) append(all.partWalls, *mesh);
     }
-    if (lost > 0) all.positionStep = 0;
+    if (anyPosition) all.positionStep = 0;
     joined.finish();
     report.interrupted = interrupted;
     // Whatever is filled is the first part's for what needs one domain, such as a picture's frame.
@@ -396,6 +398,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     all.built = packed[shown].run->built;
     all.built.mesh = nullptr;
 
+    report.seconds.measure = measuring;
     report.dim = 3;
     report.seed = recipe.seed;
     report.radius = radiusStatistics(all.pack.spheres);

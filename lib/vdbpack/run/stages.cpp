@@ -272,7 +272,7 @@ template <int Dim>
 void write(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     Report& report = run.report;
-    report.seconds.measure = run.clock.lap();
+    report.seconds.measure += run.clock.lap();
     std::vector<std::string> outputs = settings.outputs;
     if (report.interrupted) {
         if (report.count == 0) return;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/repair/facing.h"
 #include "vdbpack/mesh/repair/sheets.h"
@@ -25,13 +26,6 @@ constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::size_t kFewest = 4;
 /// Points at which the volumes of a component are counted, at least.
 constexpr double kFewestPoints = 2000;
-
-void append(TriangleMesh& all, const TriangleMesh& mesh) {
-    const auto shift = static_cast<std::uint32_t>(all.vertices.size());
-    all.vertices.insert(all.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
-    for (const auto& t : mesh.triangles)
-        all.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
-}
 
 /// The component of each triangle. Fragments that enclose nothing are one component.
 /// @param mesh  without collapsed triangles, consistently oriented.
