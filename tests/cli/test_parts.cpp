@@ -84,6 +84,28 @@ TEST_CASE("labels of an image are packed as parts that no sphere crosses", "[cli
     CHECK(run.report.hash == packHash(pack));
     CHECK(checkOverlap(pack.spheres).pairs == 0);
 
+    writePack(pack, folder.file("p.vtp"));
+    VerifyRecipe verify;
+    verify.pack = folder.file("p.vtp");
+    verify.domain = recipe.domain;
+    const RunResult checked = runVerify(verify);
+    CHECK(checked.passed);
+    REQUIRE(checked.report.parts.size() == 2);
+    CHECK(checked.report.parts[1].count == run.report.parts[1].count);
+    // Each sphere is held against its own part.
+    Pack<3> exchanged = pack;
+    for (double& part : exchanged.columns.front().numbers) part = 1 - part;
+    writePack(exchanged, folder.file("p.vtp"));
+    const RunResult wrong = runVerify(verify);
+    CHECK_FALSE(wrong.passed);
+    CHECK(wrong.report.protrusion->spheres > 5000);
+    exchanged.columns.front().numbers[7] = 2;
+    writePack(exchanged, folder.file("p.vtp"));
+    CHECK_THROWS_AS(runVerify(verify), InputError);
+    exchanged.columns.clear();
+    writePack(exchanged, folder.file("p.vtp"));
+    CHECK_THAT(messageOf<InputError>([&] { runVerify(verify); }), Contains("`part`"));
+
     const Image image = readImage(file);
     const auto labels = *labelsOf(image);
     const auto meshes = labelSurfaces(image, labels, parseLabels("all", labels, file));
@@ -129,47 +151,6 @@ TEST_CASE("a segment of another layer has the space of those below it", "[cli][p
     CHECK(run.report.parts[1].volume == Approx(ball).epsilon(0.03));
     CHECK(run.report.parts[0].volume < 0.75 * ball);
     CHECK(checkOverlap(pack.spheres).pairs == 0);
-}
-
-TEST_CASE("grey values of an image become a column", "[cli][parts]") {
-    const TemporaryFolder folder;
-    const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
-    writeHalves(file);
-    writeNrrd(grey,
-              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
-                                [](const Vec<3>& p) { return 100 + 3 * p[0] - p[2]; }),
-              "float");
-    PackRecipe recipe;
-    recipe.domain.source = file;
-    recipe.domain.label = GENERATE("all", "5+9");
-    recipe.radius = "uniform:0.8,1.6";
-    recipe.samples = {"hu=" + grey};
-    recipe.outputs = {folder.file("p.csv")};
-    runPack(recipe);
-    const std::string again = folder.file("again.csv");
-    REQUIRE(vdbPack("convert " + folder.file("p.csv") + " --sample mean=" + grey + " -o " + again)
-                .code == 0);
-    const Pack<3> pack = readPack(again);
-    int found = 0;
-    for (const Column& column : pack.columns)
-        if (column.name == "hu" || column.name == "mean") {
-            ++found;
-            for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-                const Vec<3>& x = pack.spheres[i].center;
-                CHECK(column.numbers[i] == Approx(100 + 3 * x[0] - x[2]).margin(0.3));
-            }
-        }
-    CHECK(found == 2);
-    for (const std::string& bad :
-         std::vector<std::string>{"hu", "=" + grey, "radius=" + grey, "a=b.stl"}) {
-        recipe.samples = {bad};
-        CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    }
-    recipe.samples = {"hu=" + folder.file("absent.nii")};
-    CHECK_THROWS_AS(runPack(recipe), IoError);
-    recipe.samples = {"hu=" + grey};
-    recipe.outputs = {grey};
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
 }
 
 TEST_CASE("labels joined by + are one domain", "[cli][parts]") {

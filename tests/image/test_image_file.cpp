@@ -5,6 +5,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/image/image_surface.h"
+#include "vdbpack/image/label_map.h"
 
 #include <catch2/catch.hpp>
 
@@ -223,4 +224,36 @@ TEST_CASE("slices of a stack are in the order of their numbers", "[image][file]"
             CHECK(std::to_integer<int>(image.bytes[4 * k]) == static_cast<int>(k) + 1);
         CHECK_THAT(messageFor(folder.file(which)), Contains("voxelSpacing"));
     }
+}
+
+TEST_CASE("label maps are written in the world that they lie in", "[image][file]") {
+    const TemporaryFolder folder;
+    LabelMap map;
+    map.grid = turned(gridAround(12, {{0.7, 0.9, 1.3}}), 0.4, -0.8);
+    map.grid.step[1] = -map.grid.step[1];  // left-handed
+    const std::int32_t most = GENERATE(200, 60000, 3000000);
+    for (std::size_t i = 0; i < map.grid.voxels(); ++i)
+        map.labels.push_back(i % 7 == 0 ? 0 : static_cast<std::int32_t>(i * 7919 % 1000003) % most);
+    map.labels[5] = most;
+    for (const char* name : {"a.nii", "a.nii.gz", "a.nrrd", "a.mha"}) {
+        CAPTURE(name, most);
+        writeLabelMap(map, folder.file(name), "test");
+        ImageReadOptions options;
+        options.callbacks.warning = [](const std::string& text) { FAIL_CHECK(text); };
+        const Image image = readImage(folder.file(name), options);
+        REQUIRE(image.grid.size == map.grid.size);
+        CHECK(nameOf(image.type) == std::string(most == 200     ? "uint8"
+                                                : most == 60000 ? "uint16"
+                                                                : "int32"));
+        const double rounding = std::string(name).find("nii") != std::string::npos ? 1e-5 : 1e-12;
+        CHECK(length(image.grid.origin - map.grid.origin) < rounding);
+        for (std::size_t d = 0; d < 3; ++d)
+            CHECK(length(image.grid.step[d] - map.grid.step[d]) < rounding);
+        const bool same = image.visit([&](const auto* numbers) {
+            return std::equal(map.labels.begin(), map.labels.end(), numbers,
+                              [](std::int32_t a, auto b) { return a == static_cast<double>(b); });
+        });
+        CHECK(same);
+    }
+    CHECK_THROWS_AS(writeLabelMap(map, folder.file("a.tif"), ""), ParameterError);
 }

@@ -4,6 +4,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/run/recipe.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -24,7 +25,10 @@ const char* const kOutputHelp =
     "liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), yade:FILE.txt, points:FILE.vdb "
     "(no level sets), .svg (circles). Solids: .stl (surface:FILE.stl, voids:FILE.stl or "
     "solid:FILE.stl selects one), levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that "
-    "shows the spheres. Lists: contacts:FILE.csv (pairs in contact), list:FILE.csv (voids)";
+    "shows the spheres. Lists: contacts:FILE.csv (pairs in contact), materials:FILE.csv, "
+    "list:FILE.csv (voids). Label maps (.nii .nii.gz .nrrd .mha): labels:FILE (ids + 1 of "
+    "spheres), "
+    "labels-regions:, labels-parts:, labels-materials:, labels-solid:FILE (the domain or solid)";
 
 const char* const kReportHelp = "write the report as JSON, or as a page for the browser";
 
@@ -36,6 +40,8 @@ const char* const kPackHelp =
     "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
 namespace {
+
+constexpr std::int64_t kMostDensityClasses = 1000;
 
 const Names<Unit> kUnits{{"m", Unit::meter},
                          {"cm", Unit::centimeter},
@@ -196,21 +202,7 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
                     "level set, or with --threshold fog volume, to take from a .vdb")
         ->option_text("NAME [first]")
         ->group("Domain");
-    command
-        .add_option("--threshold", domain.threshold,
-                    "take an image, or a fog volume of a .vdb, as the domain where its values are "
-                    "at least V")
-        ->option_text("V")
-        ->group("Domain");
-    command
-        .add_option(
-            "--label", domain.label,
-            "label of an image to fill, by value or name; A+B joins two to one domain. With "
-            "pack, A,B and all pack several parts, each in its own surface")
-        ->option_text("L")
-        ->check(notEmpty())
-        ->group("Domain");
-    addImagePlacement(command, domain);
+    addImageOptions(command, domain);
     command
         .add_option("--slice", domain.slice,
                     "use the plane z = V of the domain; its spheres are circles")
@@ -231,17 +223,36 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
     addRepairOptions(command, domain);
 }
 
+void addImageOptions(CLI::App& command, DomainRecipe& domain) {
+    command
+        .add_option("--threshold", domain.threshold,
+                    "take an image, or a fog volume of a .vdb, as the domain where its values are "
+                    "at least V")
+        ->option_text("V")
+        ->group("Domain");
+    command
+        .add_option("--label", domain.label,
+                    "label of an image to fill, by value or name; A+B joins two to one domain. "
+                    "With pack and "
+                    "verify, A,B and all are several parts, each with its own surface")
+        ->option_text("L")
+        ->check(notEmpty())
+        ->group("Domain");
+    addImagePlacement(command, domain);
+}
+
 void addImagePlacement(CLI::App& command, DomainRecipe& domain) {
     command
-        .add_option("--voxel-spacing", domain.voxelSpacing,
-                    "distances of an image's voxels, mm, in place of its own; TIFF files need it")
+        .add_option(
+            "--voxel-spacing", domain.voxelSpacing,
+            "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
+            "of the label maps that are written (-o labels:FILE)")
         ->option_text("X,Y,Z|D")
         ->check(notEmpty())
         ->group("Domain");
-    addChoice(
-        command, "--space", domain.space, kSpaces,
-        "axes of the world of an image: lps (x to the left, y to the back, as in DICOM) or ras "
-        "(x to the right, y to the front, as in NIfTI)")
+    addChoice(command, "--space", domain.space, kSpaces,
+              "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or ras "
+              "(x to the right, y to the front, as in NIfTI)")
         ->option_text("lps|ras [lps]")
         ->group("Domain");
 }
@@ -307,14 +318,36 @@ void addSizeOptions(CLI::App& command, std::string& radius, WeightBy& weightBy,
         ->group("Spheres");
 }
 
-void addSamples(CLI::App& command, std::vector<std::string>& samples) {
+void addGreyOptions(CLI::App& command, GreyRecipe& grey) {
     command
-        .add_option("--sample", samples,
+        .add_option("--sample", grey.samples,
                     "add a column: the mean of an image, such as a CT, over each sphere; may be "
                     "repeated")
         ->option_text("NAME=IMAGE")
-        ->group("Output")
+        ->group("Grey values")
         ->take_all();
+    command
+        .add_option("--calibrate", grey.calibration,
+                    "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
+                    "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of --sample, or "
+                    "of the column NAME")
+        ->option_text("[NAME=]SLOPE,INTERCEPT")
+        ->check(notEmpty())
+        ->group("Grey values");
+    command
+        .add_option("--modulus", grey.modulus,
+                    "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, "
+                    "as column modulus_MPa")
+        ->option_text("A,B")
+        ->check(notEmpty())
+        ->group("Grey values");
+    command
+        .add_option("--density-classes", grey.classes,
+                    "classes of equal width that the densities fall into: materials of YADE and "
+                    "types of LAMMPS, listed by materials:FILE.csv")
+        ->option_text("N [10]")
+        ->transform(wholeNumber(1, kMostDensityClasses))
+        ->group("Grey values");
 }
 
 void addDensityOption(CLI::App& command, std::string& density) {
@@ -376,10 +409,21 @@ void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
             "cut the picture open at a plane, mm; lower x, lower z or higher y remains")
         ->option_text("x=V|y=V|z=V")
         ->group("Run");
-    addChoice(command, "--preview-color", preview.color, kPreviewColors,
-              "color of the spheres by radius, region, depth or order: from dark (small, outside, "
-              "early) to light")
+    command
+        .add_option_function<std::string>(
+            "--preview-color",
+            [&](const std::string& name) {
+                const auto known =
+                    std::find_if(kPreviewColors.begin(), kPreviewColors.end(),
+                                 [&](const auto& color) { return color.first == name; });
+                preview.color =
+                    known == kPreviewColors.end() ? PreviewColor::column : known->second;
+                preview.column = known == kPreviewColors.end() ? name : "";
+            },
+            "color of the spheres by radius, region, depth, order or a column of numbers such as "
+            "part: from dark (small, outside, early) to light")
         ->option_text("NAME [radius]")
+        ->check(notEmpty())
         ->group("Run");
     command
         .add_option_function<std::string>(
@@ -454,6 +498,15 @@ void VoidOptions::addTargets() const {
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
                ")" + orElse(spheres, " or D (concentric, threshold)", ""),
            "F");
+    option("--bvtv-field", voids.bvtvField,
+           "BV/TV by place, from the grey values of an image such as a CT (boolean); without "
+           "--target-bvtv, its mean is the target",
+           "IMAGE")
+        ->check(notEmpty());
+    option("--bvtv-range", voids.bvtvRange,
+           "grey values of that image at BV/TV 0 (marrow) and 1 (bone); linear between them",
+           "MARROW,BONE")
+        ->check(notEmpty());
     option(
         "--target-tbth", voids.targetTbth,
         "with --target-bvtv: mean thickness Tb.Th to reach by the size of the voids, mm (boolean)",

@@ -56,6 +56,7 @@ CLI::Option* addChoice(CLI::App& command, const std::string& option, Value& valu
 }
 
 /// Where an image lies: distances of voxels and the axes of the world.
+void addImageOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addImagePlacement(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
              const std::string& help);
@@ -72,8 +73,8 @@ void addDomainOptions(CLI::App& command, vdbpack::DomainRecipe& domain);
 void addShellFrom(CLI::App& command, vdbpack::DomainRecipe& domain, const std::string& group);
 void addSizeOptions(CLI::App& command, std::string& radius, vdbpack::WeightBy& weightBy,
                     const std::string& note);
-/// --sample.
-void addSamples(CLI::App& command, std::vector<std::string>& samples);
+/// --sample, --calibrate, --modulus, --density-classes.
+void addGreyOptions(CLI::App& command, vdbpack::GreyRecipe& grey);
 void addDensityOption(CLI::App& command, std::string& density);
 /// A pack of a file as the positional `name`, and what to compare it with.
 void addInputPack(CLI::App& command, vdbpack::InputPack& input, const char* name,

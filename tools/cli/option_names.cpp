@@ -59,6 +59,8 @@ constexpr OptionName kOptionNames[] = {
     {"sphereMorphometry", "--morphometry"},
     {"table", "--table"},
     {"targetBvtv", "--target-bvtv"},
+    {"bvtvField", "--bvtv-field"},
+    {"bvtvRange", "--bvtv-range"},
     {"targetCount", "--target-count"},
     {"targetTbth", "--target-tbth"},
     {"threads", "--threads"},
@@ -76,6 +78,8 @@ constexpr OptionName kOptionNames[] = {
     {"label", "--label"},
     {"partsFile", "--parts"},
     {"samples", "--sample"},
+    {"calibration", "--calibrate"},
+    {"modulus", "--modulus"},
     {"space", "--space"},
     {"voxelSpacing", "--voxel-spacing"},
 };

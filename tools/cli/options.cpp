@@ -141,22 +141,25 @@ void addPackRunOptions(CLI::App* command, PackJob& job, PrintOptions& print) {
     addPrinting(*command, print);
 }
 
+void addPartsOption(CLI::App& command, std::string& file, const std::string& help) {
+    command.add_option("--parts", file, help)
+        ->option_text("FILE.toml")
+        ->check(notEmpty())
+        ->group("Domain");
+}
+
 CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
     CLI::App* command = app.add_subcommand("pack", "fill a domain with spheres (2D: circles)");
     command->add_option("DOMAIN", job.domain.source, kDomainHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addDomainOptions(*command, job.domain);
-    command
-        ->add_option("--parts", job.partsFile,
-                     "pack several domains, each a table [[part]] of a TOML file: name, domain, "
-                     "and options by their names. Where they overlap, the later one has the space")
-        ->option_text("FILE.toml")
-        ->check(notEmpty())
-        ->group("Domain");
+    addPartsOption(*command, job.partsFile,
+                   "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
+                   "options by their names. Where they overlap, the later one has the space");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
-    addSamples(*command, job.samples);
+    addGreyOptions(*command, job.grey);
     addVoidOptions(*command, job.voids, job.domain, VoidsIn::pack);
     addChoice(*command, "--fill", job.voids.fill, kFills,
               "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
@@ -193,7 +196,7 @@ CLI::App* addCommand(CLI::App& app, CarveRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
-    addSamples(*command, job.samples);
+    addGreyOptions(*command, job.grey);
     requireDomain(*command);
     addVoidOptions(*command, job.voids, job.domain, VoidsIn::file);
     addRunOptions(*command, job.seed, job.reportFile, print, "of the voids");
@@ -208,7 +211,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addDensityOption(*command, job.density);
-    addSamples(*command, job.samples);
+    addGreyOptions(*command, job.grey);
     addDensify(*command, job.fraction,
                "add and move spheres until the solid fraction is F, or as high as possible (max); "
                "without this option, no sphere is added and only overlaps are removed");
@@ -225,6 +228,8 @@ CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
                                            "check a pack of any program for overlaps and "
                                            "protrusions, with code independent of the packer");
     addInputPack(*command, job, "PACK", kPackHelp);
+    addPartsOption(*command, job.partsFile,
+                   "the parts that the pack was made with: each sphere is held against its own");
     command->add_option("--gap", job.gap, "least distance required between spheres, mm")
         ->option_text("G [0]")
         ->check(notNegative())
@@ -294,6 +299,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
                          kDomainHelp)
         ->option_text("DOMAIN")
         ->group("Domain");
+    addImageOptions(*command, job.domain);
     command
         ->add_option("--voxel", job.domain.voxelSize,
                      "voxel size of the level set made from a mesh, mm")
@@ -302,7 +308,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
         ->group("Domain");
     addContactTolerance(*command, job.contactTolerance);
     addDensityOption(*command, job.density);
-    addSamples(*command, job.samples);
+    addGreyOptions(*command, job.grey);
     addPreviewOptions(*command, job.preview);
     addThreads(*command, job.threads, "number of threads");
     addMemoryLimit(*command, job.memoryLimit);
@@ -404,16 +410,14 @@ void describe(CLI::App& app) {
     app.fallthrough();
 }
 
-/// Sets the parts of a pack that a file names: each has the options of the command line, but for
-/// those of its own.
-void addParts(PackJob& job) {
-    if (job.partsFile.empty()) return;
-    if (!job.domain.source.empty())
+/// The parts that a file names: each has the options of the command line, but for those of its own.
+/// @param base  those options, without a domain.
+std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
+    std::vector<PackRecipe> parts;
+    if (!base.domain.source.empty())
         throw CLI::ValidationError("--parts", "the parts have domains of their own; leave out '" +
-                                                  job.domain.source + "'");
-    PackJob base = job;
-    base.partsFile.clear();
-    for (PartWords& words : readPartsFile(job.partsFile)) {
+                                                  base.domain.source + "'");
+    for (PartWords& words : readPartsFile(file)) {
         PackJob part = base;
         part.name = words.name;
         PrintOptions unused;
@@ -425,12 +429,28 @@ void addParts(PackJob& job) {
             app.parse(words.arguments);
         } catch (const CLI::ParseError& e) {
             throw CLI::ValidationError("--parts",
-                                       job.partsFile + ": part '" + words.name + "': " + e.what());
+                                       file + ": part '" + words.name + "': " + e.what());
         }
         if (!part.partsFile.empty())
             throw CLI::ValidationError("--parts", "parts have no parts of their own");
-        job.parts.push_back(std::move(part));
+        parts.push_back(std::move(part));
     }
+    return parts;
+}
+
+void addParts(PackJob& job) {
+    if (job.partsFile.empty()) return;
+    PackJob base = job;
+    base.partsFile.clear();
+    job.parts = partsIn(job.partsFile, base);
+}
+
+void addParts(VerifyRecipe& job) {
+    if (job.partsFile.empty()) return;
+    PackJob base;
+    base.domain = job.domain;
+    job.parts = partsIn(job.partsFile, base);
+    job.domain = {};
 }
 
 /// What the options alone do not set in the recipe of the command that was parsed.
@@ -440,7 +460,8 @@ void complete(const Command& command, const std::vector<std::string>& arguments)
             DomainRecipe& domain = recipe.domain;
             if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
             bool hasParts = false;
-            if constexpr (std::is_same_v<std::decay_t<decltype(recipe)>, PackJob>) {
+            using Recipe = std::decay_t<decltype(recipe)>;
+            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>) {
                 addParts(recipe);
                 hasParts = !recipe.parts.empty();
             }

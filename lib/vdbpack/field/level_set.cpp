@@ -81,6 +81,11 @@ double voxelSizeOf(const VdbGrid& grid) {
     return grid.grid->voxelSize()[0];
 }
 
+Vec<3> originOf(const VdbGrid& grid) {
+    const openvdb::Vec3d origin = grid.grid->indexToWorld(openvdb::Vec3d(0));
+    return {{origin[0], origin[1], origin[2]}};
+}
+
 std::uint64_t activeVoxels(const VdbGrid& grid) {
     return grid.grid->activeVoxelCount();
 }

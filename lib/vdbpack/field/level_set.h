@@ -59,6 +59,8 @@ std::string levelSetName(const VdbGrid& grid);
 std::shared_ptr<const VdbGrid> renamed(const VdbGrid& grid, const std::string& name);
 /// Edge of a voxel, mm.
 double voxelSizeOf(const VdbGrid& grid);
+/// Center of the voxel (0, 0, 0), mm.
+Vec<3> originOf(const VdbGrid& grid);
 /// Voxels in the band.
 std::uint64_t activeVoxels(const VdbGrid& grid);
 /// The box around the band, mm.

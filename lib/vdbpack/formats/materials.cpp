@@ -1,31 +1,46 @@
 #include "vdbpack/formats/materials.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace vdbpack {
 
 namespace {
 
 constexpr std::int32_t kMost = 2147483646;
+/// Combinations of part, region and class, of which a table is made.
+constexpr double kMostKeys = 1e7;
 
-const std::vector<double>* partsOf(const PackAttributes& pack) {
-    const std::vector<double>* parts = nullptr;
-    for (const Column& column : pack.columns) {
-        if (column.name == "type" && !column.numbers.empty()) return nullptr;
-        if (column.name == kPartColumn && !column.numbers.empty()) parts = &column.numbers;
-    }
-    const auto isPart = [](double v) { return v >= 0 && v < kMost && v == std::floor(v); };
-    return parts && std::all_of(parts->begin(), parts->end(), isPart) ? parts : nullptr;
+/// The numbers of a column that counts something.
+const std::vector<double>* countedIn(const PackAttributes& pack, const char* name) {
+    if (columnOfNumbers(pack, "type")) return nullptr;
+    const Column* column = columnOfNumbers(pack, name);
+    const auto isCount = [](double v) { return v >= 0 && v < kMost && v == std::floor(v); };
+    return column && std::all_of(column->numbers.begin(), column->numbers.end(), isCount)
+               ? &column->numbers
+               : nullptr;
+}
+
+double largest(const std::vector<double>& numbers) {
+    return *std::max_element(numbers.begin(), numbers.end());
 }
 
 }  // namespace
 
-Materials::Materials(const PackAttributes& pack) : pack_(pack), parts_(partsOf(pack)) {
+const Column* columnOfNumbers(const PackAttributes& pack, const char* name) {
+    for (const Column& column : pack.columns)
+        if (column.name == name && !column.numbers.empty()) return &column;
+    return nullptr;
+}
+
+Materials::Materials(const PackAttributes& pack)
+    : pack_(pack), parts_(countedIn(pack, kPartColumn)), classes_(countedIn(pack, kClassColumn)) {
     for (const std::int32_t region : pack.region)
         if (region < 0 || region >= kMost)
             throw ParameterError(fmt::format(
@@ -33,17 +48,71 @@ Materials::Materials(const PackAttributes& pack) : pack_(pack), parts_(partsOf(p
                 region));
     if (!pack.region.empty())
         regions_ = 1 + *std::max_element(pack.region.begin(), pack.region.end());
-    if (!parts_) return;
-    if (regions_ == 1) regions_ = 0;  // no part has several
-    const double last = *std::max_element(parts_->begin(), parts_->end());
-    if (regions_ > 0 && (last + 1) * regions_ > kMost)
-        throw ParameterError(
-            fmt::format("{} parts of {} regions are too many materials", last + 1, regions_));
+    if (regions_ == 1 && (parts_ || classes_)) regions_ = 0;  // there are not several
+    const double plain = (parts_ ? largest(*parts_) + 1 : 1) * std::max(regions_, 1);
+    if (plain > kMost)
+        throw ParameterError(fmt::format("{} parts of {} regions are too many materials",
+                                         largest(*parts_) + 1, regions_));
+    if (!classes_) return;
+    const double classes = largest(*classes_) + 1;
+    if (plain * classes > kMostKeys) {
+        classes_ = nullptr;
+        return;
+    }
+    classCount_ = static_cast<std::size_t>(classes);
+    const auto found = [&](std::size_t i) {
+        return keyOf(of(partOf(i), regions_ > 0 ? pack_.region[i] : 0), (*classes_)[i]);
+    };
+    rank_.assign(static_cast<std::size_t>(plain) * classCount_, 0);
+    for (std::size_t i = 0; i < classes_->size(); ++i) rank_[found(i)] = 1;
+    std::int32_t next = 0;
+    for (std::int32_t& rank : rank_) rank = rank ? next++ : -1;
+}
+
+Materials::Kind Materials::kindOf(std::int32_t material) const {
+    std::int32_t plain = material, densityClass = 0;
+    if (classes_) {
+        const auto key = std::find(rank_.begin(), rank_.end(), material) - rank_.begin();
+        plain = static_cast<std::int32_t>(static_cast<std::size_t>(key) / classCount_);
+        densityClass = static_cast<std::int32_t>(static_cast<std::size_t>(key) % classCount_);
+    }
+    const std::int32_t regions = std::max(regions_, 1);
+    return {plain / regions, plain % regions, densityClass};
 }
 
 std::string Materials::formula() const {
+    if (classes_) {
+        std::string of;
+        if (parts_) of += "part, ";
+        if (regions_ > 0) of += "region, ";
+        return fmt::format("number of ({}density class)", of);
+    }
     if (!parts_) return regions_ > 0 ? "region" : "";
     return regions_ > 0 ? fmt::format("{} part + region", regions_) : kPartColumn;
+}
+
+SphereDensities::SphereDensities(const PackAttributes& pack, double all,
+                                 std::map<std::int32_t, double> ofMaterials)
+    : materials_(pack),
+      all_(all > 0 ? all : kDefaultDensity),
+      ofMaterials_(std::move(ofMaterials)) {
+    if (all > 0 || !ofMaterials_.empty()) return;
+    const auto usable = [](double v) { return v > 0 && std::isfinite(v); };
+    const auto usableColumn = [&](const char* name) {
+        const Column* column = columnOfNumbers(pack, name);
+        return column && std::all_of(column->numbers.begin(), column->numbers.end(), usable)
+                   ? column
+                   : nullptr;
+    };
+    column_ = usableColumn(kDensityColumn);
+    if (!column_) unconverted_ = usableColumn("density");
+}
+
+double SphereDensities::of(std::size_t i) const {
+    if (column_) return column_->numbers[i];
+    if (ofMaterials_.empty()) return all_;
+    const auto found = ofMaterials_.find(materials_.of(i));
+    return found != ofMaterials_.end() ? found->second : all_;
 }
 
 }  // namespace vdbpack

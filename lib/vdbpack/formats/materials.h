@@ -5,6 +5,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -12,35 +13,85 @@ namespace vdbpack {
 
 /// The column of a pack of several parts: which one a sphere fills, counted from 0.
 inline constexpr const char* kPartColumn = "part";
+/// Columns of densities from grey values, of the classes that they fall into, counted from 0, and
+/// of Young's moduli.
+inline constexpr const char* kDensityColumn = "density_kg_m3";
+inline constexpr const char* kClassColumn = "density_class";
+inline constexpr const char* kModulusColumn = "modulus_MPa";
+
+/// The column of this name, if it holds numbers; else null.
+const Column* columnOfNumbers(const PackAttributes& pack, const char* name);
 
 /// Materials of a pack, counted from 0: its regions, or its parts; where parts have several
-/// regions, those of each part one after another (part 1, region 0 of two: 2).
+/// regions, those of each part one after another (part 1, region 0 of two: 2). Where spheres have
+/// classes of density, the combinations of part, region and class that occur, in that order.
 ///
-/// Parts are those of `kPartColumn`, if it has whole numbers from 0 and the pack has no column
-/// `type`, which says more.
+/// Parts and classes are the columns of these names, if they have whole numbers from 0 and the pack
+/// has no column `type`, which says more.
 class Materials {
 public:
+    /// What a material is; parts, regions and classes that a pack does not have are 0.
+    struct Kind {
+        std::int32_t part, region, densityClass;
+    };
+
     /// @throws ParameterError for regions that are negative, or too many materials.
     explicit Materials(const PackAttributes& pack);
 
     /// Whether the pack says anything of them.
-    bool any() const { return regions_ > 0 || parts_; }
+    bool any() const { return regions_ > 0 || parts_ || classes_; }
     bool hasParts() const { return parts_ != nullptr; }
-    std::int32_t partOf(std::size_t i) const { return static_cast<std::int32_t>((*parts_)[i]); }
-    std::int32_t of(std::size_t i) const {
-        const std::int32_t region = regions_ > 0 ? pack_.region[i] : 0;
-        return parts_ ? of(partOf(i), region) : region;
+    bool hasClasses() const { return classes_ != nullptr; }
+    std::int32_t partOf(std::size_t i) const {
+        return parts_ ? static_cast<std::int32_t>((*parts_)[i]) : 0;
     }
+    std::int32_t of(std::size_t i) const {
+        const std::int32_t plain = of(partOf(i), regions_ > 0 ? pack_.region[i] : 0);
+        return classes_ ? rank_[keyOf(plain, (*classes_)[i])] : plain;
+    }
+    /// The same where there are no classes.
     std::int32_t of(std::int32_t part, std::int32_t region) const {
         return regions_ > 0 ? part * regions_ + region : part;
     }
+    /// @param material  one that `of` returns.
+    Kind kindOf(std::int32_t material) const;
     /// Such as "region", "part" or "2 part + region".
     std::string formula() const;
 
 private:
+    std::size_t keyOf(std::int32_t plain, double densityClass) const {
+        return static_cast<std::size_t>(plain) * classCount_ +
+               static_cast<std::size_t>(densityClass);
+    }
+
     const PackAttributes& pack_;
-    std::int32_t regions_ = 0;                    // the largest + 1; 0: there are none
-    const std::vector<double>* parts_ = nullptr;  // null: there are none
+    std::int32_t regions_ = 0;                      // the largest + 1; 0: there are none
+    const std::vector<double>* parts_ = nullptr;    // null: there are none
+    const std::vector<double>* classes_ = nullptr;  // null: there are none
+    std::size_t classCount_ = 0;
+    std::vector<std::int32_t> rank_;  // by key, where there are classes
+};
+
+/// Densities of the spheres of a pack, kg/m³: those of their materials, else of all, else of the
+/// column `kDensityColumn`, else `kDefaultDensity`.
+class SphereDensities {
+public:
+    /// @param all          0: none is requested.
+    /// @param ofMaterials  by `Materials`; may be empty.
+    SphereDensities(const PackAttributes& pack, double all,
+                    std::map<std::int32_t, double> ofMaterials);
+
+    double of(std::size_t i) const;
+    /// The column `density` of a file, in a unit that nobody knows; null where densities were
+    /// requested or there is none.
+    const Column* unconverted() const { return unconverted_; }
+
+private:
+    Materials materials_;
+    double all_;
+    std::map<std::int32_t, double> ofMaterials_;
+    const Column* column_ = nullptr;
+    const Column* unconverted_ = nullptr;
 };
 
 }  // namespace vdbpack

@@ -35,7 +35,7 @@ struct PackWriteOptions {
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
-    /// `density`, unconverted, or else `kDefaultDensity`.
+    /// `density_kg_m3`, or of `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
     /// The same by material (`Materials`); for those that are not in it the above.
     std::map<std::int32_t, double> materialDensity;

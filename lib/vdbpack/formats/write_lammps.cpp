@@ -29,12 +29,6 @@ namespace {
 constexpr std::int64_t kLargestAtom = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kTitleLength = 240;  // both programs read lines of up to 255 characters
 
-const Column* numbersNamed(const PackView& pack, const char* name) {
-    for (const Column& column : pack.columns())
-        if (column.name == name && !column.numbers.empty()) return &column;
-    return nullptr;
-}
-
 /// Ids of the atoms: positive, and unique.
 class AtomIds {
 public:
@@ -79,7 +73,7 @@ class AtomTypes {
 public:
     explicit AtomTypes(const PackView& pack)
         : materials_(pack.attributes()),
-          column_(materials_.any() ? nullptr : numbersNamed(pack, "type")) {
+          column_(materials_.any() ? nullptr : columnOfNumbers(pack.attributes(), "type")) {
         if (column_ && !std::all_of(column_->numbers.begin(), column_->numbers.end(), [](double v) {
                 return v >= 1 && v <= static_cast<double>(kLargestAtom) && std::trunc(v) == v;
             }))
@@ -130,36 +124,19 @@ double densityIn(double density, Unit unit) {
 class AtomDensities {
 public:
     AtomDensities(const PackView& pack, const PackWriteOptions& options)
-        : materials_(pack.attributes()),
-          all_(densityIn(options.particleDensity > 0 ? options.particleDensity : kDefaultDensity,
-                         options.unit)) {
-        for (const auto& [material, density] : options.materialDensity)
-            ofMaterials_[material] = densityIn(density, options.unit);
-        if (options.particleDensity > 0 || !ofMaterials_.empty()) return;
-        // The densities of an input file are kept, unless others are requested.
-        const Column* given = numbersNamed(pack, "density");
-        if (given && std::all_of(given->numbers.begin(), given->numbers.end(),
-                                 [](double v) { return v > 0 && std::isfinite(v); }))
-            given_ = given;
-    }
+        : densities_(pack.attributes(), options.particleDensity, options.materialDensity),
+          unit_(options.unit) {}
     double operator()(std::size_t i) const {
-        if (given_) return given_->numbers[i];
-        if (ofMaterials_.empty()) return all_;
-        const auto found = ofMaterials_.find(materials_.of(i));
-        return found != ofMaterials_.end() ? found->second : all_;
+        return areGiven() ? densities_.unconverted()->numbers[i]
+                          : densityIn(densities_.of(i), unit_);
     }
-    bool areGiven() const { return given_ != nullptr; }
+    /// Those of an input file, which are kept as they are.
+    bool areGiven() const { return densities_.unconverted() != nullptr; }
 
 private:
-    Materials materials_;
-    const Column* given_ = nullptr;
-    double all_;
-    std::map<std::int32_t, double> ofMaterials_;
+    SphereDensities densities_;
+    Unit unit_;
 };
-
-}  // namespace
-
-namespace {
 
 struct Atoms {
     Atoms(const PackView& pack, const PackWriteOptions& options,

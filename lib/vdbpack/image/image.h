@@ -39,6 +39,7 @@ struct Image {
     double slope = 1, intercept = 0;  ///< value = slope * number + intercept
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
+    bool isSpaced = true;             ///< the file states the distances of its voxels
 
     std::size_t values() const { return grid.voxels() * layers; }
     /// Calls `work(numbers)` with the array in its own type.

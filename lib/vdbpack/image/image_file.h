@@ -14,7 +14,8 @@ namespace vdbpack {
 bool namesImage(const std::string& path);
 
 struct ImageReadOptions {
-    /// Distances of voxels along the axes, mm, instead of those in the file; TIFF needs them.
+    /// Distances of voxels along the axes, mm, of files that state none: TIFF, some NRRD and
+    /// MetaImage. Others keep their own.
     std::optional<Vec<3>> spacing;
     Callbacks callbacks{};  ///< warnings, where a file says less than it should
 };

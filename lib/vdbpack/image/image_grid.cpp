@@ -12,6 +12,13 @@ Vec<3> ImageGrid::indexOf(const Vec<3>& point) const {
              dot(from, cross(step[0], step[1])) / volume}};
 }
 
+Vec<3> ImageGrid::reach() const {
+    // Lengths of the dual steps.
+    const double volume = std::fabs(signedVoxelVolume());
+    return {{length(cross(step[1], step[2])) / volume, length(cross(step[2], step[0])) / volume,
+             length(cross(step[0], step[1])) / volume}};
+}
+
 Box<3> ImageGrid::bounds() const {
     Box<3> box;
     for (int corner = 0; corner < 8; ++corner) {

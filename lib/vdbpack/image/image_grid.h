@@ -31,6 +31,8 @@ struct ImageGrid {
     Vec<3> spacing() const { return {{length(step[0]), length(step[1]), length(step[2])}}; }
     /// Volume of a voxel, mm³; negative for left-handed axes.
     double signedVoxelVolume() const { return dot(step[0], cross(step[1], step[2])); }
+    /// How far a ball of radius 1 reaches along each index.
+    Vec<3> reach() const;
     /// Around all voxels, to their corners.
     Box<3> bounds() const;
     /// The anatomical directions that the axes are nearest to, such as "RAS": the index along the

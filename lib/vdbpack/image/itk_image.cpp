@@ -214,14 +214,14 @@ std::vector<LabelName> namesOf(const Header& header) {
 
 /// Sets distances of voxels. @throws InputError where there are none
 void space(ImageGrid& grid, const ImageReadOptions& options, bool known, const std::string& path) {
-    if (options.spacing)
-        for (int d = 0; d < 3; ++d) {
-            Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
-            if (!(squaredLength(step) > 0)) step[d] = 1;
-            step = normalized(step) * (*options.spacing)[d];
-        }
-    else if (!known)
+    if (known) return;
+    if (!options.spacing)
         throw InputError(path + ": does not say how far its voxels are apart; set `voxelSpacing`");
+    for (int d = 0; d < 3; ++d) {
+        Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
+        if (!(squaredLength(step) > 0)) step[d] = 1;
+        step = normalized(step) * (*options.spacing)[d];
+    }
 }
 
 void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
@@ -270,6 +270,7 @@ Image readByItk(const std::string& path, const ImageReadOptions& options) {
     if (meta) requireData(path, header, image.values() * bytesOf(image.type));
     readVoxels(*io, path, image.bytes.get());
     image.names = namesOf(header);
+    image.isSpaced = spaced;
     image.format = nrrd                          ? "NRRD"
                    : meta                        ? "MetaImage"
                    : grid.size[2] > 1 && !spaced ? "TIFF"
@@ -397,7 +398,6 @@ Image readDicomFolder(const std::string& folder, const ImageReadOptions& options
                 "slice is missing, or they are not evenly spaced: resample the series",
                 slices[k - 1].file, slices[k].file, gap, mean));
     }
-    if (options.spacing) space(grid, options, true, folder);
     checkAxes(grid, folder, options.callbacks);
     Image image = joined(slices, grid, folder, options);
     image.format = "DICOM";
@@ -420,6 +420,7 @@ Image readTiffStack(const std::vector<std::string>& files, const ImageReadOption
     space(grid, options, false, files.front());
     Image image = joined(slices, grid, files.front(), options);
     image.format = "TIFF";
+    image.isSpaced = false;
     return image;
 }
 

@@ -123,11 +123,6 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
                            ": has neither sform nor qform: where it lies and which side is "
                            "left is unknown");
     }
-    if (options.spacing)
-        for (int d = 0; d < 3; ++d) {
-            Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
-            step = normalized(step) * (*options.spacing)[d];
-        }
     checkAxes(grid, path, callbacks);
     std::error_code failed;
     auto bytes = std::filesystem::file_size(nifti->iname ? nifti->iname : path.c_str(), failed);

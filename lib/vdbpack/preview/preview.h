@@ -16,7 +16,7 @@
 namespace vdbpack {
 
 /// The attribute that colors spheres.
-enum class PreviewColor { radius, region, depth, order };
+enum class PreviewColor { radius, region, depth, order, column };
 
 /// A plane that cuts the scene open, seen from the side that is removed. The side of lower x,
 /// higher y or lower z is kept, which the default view shows best.
@@ -28,6 +28,7 @@ struct PreviewCut {
 struct PreviewOptions {
     int width = 1600, height = 1200;  ///< pixels, 16 to 16384 each
     PreviewColor color = PreviewColor::radius;
+    std::string column;  ///< of numbers, for PreviewColor::column
     std::optional<PreviewCut> cut;
     /// Called often, by one thread at a time; once it returns true, drawing throws Interrupted.
     std::function<bool()> cancelled;

@@ -12,6 +12,7 @@ struct PreviewRecipe {
     std::string file;  ///< .png; empty: none
     std::optional<PreviewCut> cut;
     PreviewColor color = PreviewColor::radius;
+    std::string column;               ///< for PreviewColor::column
     int width = 1600, height = 1200;  ///< pixels
 };
 

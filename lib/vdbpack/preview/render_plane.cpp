@@ -63,7 +63,7 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
     if (bounds.empty()) throw ParameterError("preview: the scene is empty; give circles or bounds");
     if (scene.field) checkField(*scene.field);
     SphereColors colors;
-    if (scene.pack) colors = sphereColors(*scene.pack, options.color);
+    if (scene.pack) colors = sphereColors(*scene.pack, options.color, options.column);
 
     Picture image;
     image.width = options.width;

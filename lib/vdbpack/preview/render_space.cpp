@@ -146,7 +146,7 @@ Picture renderPreview(const SpacePreview& scene, const PreviewOptions& options) 
     try {
         checkScene(scene, options);
         SphereColors colors;
-        if (scene.pack) colors = sphereColors(*scene.pack, options.color);
+        if (scene.pack) colors = sphereColors(*scene.pack, options.color, options.column);
         StopRequest request(options.cancelled);
         SpaceTracer tracer(scene, options, request);
         tracer.colorBy(std::move(colors.color));

@@ -15,9 +15,11 @@ struct SphereColors {
     std::vector<Color> color;  ///< one per sphere
     std::string words;         ///< "colored by radius, 1 to 2 mm from dark to light"
 };
+/// Columns of few whole numbers from 0, such as `part`, have colors that are easy to tell apart.
+/// @param column  name of it, for PreviewColor::column.
 /// @throws ParameterError if the pack lacks the attribute.
 template <int Dim>
-SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by);
+SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::string& column);
 
 /// The color of bone, and of bone on a cut face.
 Color boneColor();

@@ -60,6 +60,7 @@ struct Report {
     std::string version;
     std::string task;     ///< the name of the command: "pack", "voids", "verify", ...
     std::string command;  ///< as it was given
+    std::string axes;     ///< of the world of images: "LPS" or "RAS"; empty: unknown
     std::uint64_t seed = 0;
     int threads = 0;         ///< of each process
     int ranks = 1;           ///< processes that shared the work

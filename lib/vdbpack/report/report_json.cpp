@@ -110,6 +110,7 @@ nlohmann::ordered_json toJson(const Report& r) {
     json["version"] = r.version;
     json["command"] = r.command;
     json["unit"] = "mm";
+    json["axes"] = r.axes.empty() ? Json() : Json(r.axes);
     json["seed"] = r.seed;
     json["threads"] = r.threads;
     json["ranks"] = r.ranks;

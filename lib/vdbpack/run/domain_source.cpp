@@ -142,7 +142,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         levelSet_ = domainLevelSet(recipe, scale);
         mesh_ = levelSetMesh(*levelSet_, text);
     } else if (namesImage(text)) {
-        mesh_ = imageMesh(recipe, callbacks);
+        mesh_ = imageMesh(recipe, callbacks, imageGrid_, spaced_);
     } else {
         mesh_ = readDomainMesh(recipe, callbacks, repair_);
     }
@@ -207,6 +207,10 @@ DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double vo
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
 }
 
+std::string describe(const DomainRecipe& recipe) {
+    return recipe.source + (recipe.label.empty() ? "" : ", label " + recipe.label);
+}
+
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks) {
     const std::string& text = recipe.source;
@@ -217,10 +221,8 @@ void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
     if (recipe.threshold && !levelSet && !image)
         callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
                                    *recipe.threshold, text));
-    if (!image &&
-        (!recipe.label.empty() || !recipe.voxelSpacing.empty() || recipe.space != ImageSpace::lps))
-        callbacks.warn("`label`, `voxelSpacing` and `space` have no effect: " + text +
-                       " is no image");
+    if (!image && !recipe.label.empty())
+        callbacks.warn("`label` " + recipe.label + " has no effect: " + text + " is no image");
     if ((levelSet || image) && (recipe.repair || !recipe.cavities.empty()))
         callbacks.warn("`repair` and `cavities` have no effect: " + text +
                        (image ? " is an image" : " is a level set"));

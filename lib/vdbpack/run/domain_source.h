@@ -5,6 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/image/image_grid.h"
 #include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/verify/verify.h"
@@ -36,8 +37,10 @@ struct DomainRecipe {
     std::string gridName;          ///< level set in a .vdb; empty: the first
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
-    std::string label;         ///< of an image: a value or a name, or several joined by "+"
-    std::string voxelSpacing;  ///< "X,Y,Z" or "D", mm, in place of an image's own; empty: its own
+    std::string label;  ///< of an image: a value or a name, or several joined by "+"
+    /// "X,Y,Z" or "D", mm: distances of the voxels of an image that states none, else of those of
+    /// label maps that are written; empty: those of the image.
+    std::string voxelSpacing;
     ImageSpace space = ImageSpace::lps;  ///< of an image
     std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
     std::vector<std::string> clips;      ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
@@ -58,6 +61,9 @@ struct CavityChoice {
     std::string outer, inner;  ///< files; empty: none
 };
 CavityChoice parseCavities(const std::string& text);
+
+/// The file, label or shape of a recipe, for people.
+std::string describe(const DomainRecipe& recipe);
 
 /// The files that a domain is read from; a shape stands for itself.
 std::vector<std::string> domainInputs(const DomainRecipe& recipe);
@@ -109,6 +115,14 @@ public:
     bool hasCavities() const;  ///< closed components of the surface inside others
     const std::optional<TriangleMesh>& mesh() const { return mesh_; }
     const Box<3>& fileBounds() const { return fileBounds_; }
+    /// Of the image that the domain comes from, mm; nothing: it is none.
+    const std::optional<ImageGrid>& imageGrid() const { return imageGrid_; }
+    /// @param spaced  whether that image states the distances of its voxels.
+    void setImageGrid(const ImageGrid& grid, bool spaced) {
+        imageGrid_ = grid;
+        spaced_ = spaced;
+    }
+    bool isSpaced() const { return spaced_; }  ///< whether that image does
     /// Around a domain of space; for a file, without its clips.
     Box<3> domainBounds() const { return space_ ? space_->bounds() : fileBounds_; }
 
@@ -152,6 +166,8 @@ private:
     DomainRecipe recipe_;
     std::optional<TriangleMesh> mesh_;  ///< of a file, level sets contoured
     bool sound_ = false;                ///< `mesh_` needs no checks
+    std::optional<ImageGrid> imageGrid_;
+    bool spaced_ = false;
     std::shared_ptr<const RepairReport> repair_;
     std::shared_ptr<const VdbGrid> levelSet_;  ///< what `mesh_` is the contour of; null: a mesh
     std::shared_ptr<const Domain<3>> space_;   ///< of a shape

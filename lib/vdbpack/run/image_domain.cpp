@@ -2,10 +2,15 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/image/ball_means.h"
 #include "vdbpack/image/image_file.h"
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <system_error>
 #include <utility>
 
 namespace vdbpack {
@@ -73,8 +78,52 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     return image;
 }
 
-TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks) {
+void requireGreyImage(const std::string& setting, const std::string& file) {
+    if (!namesImage(file))
+        throw ParameterError(fmt::format(
+            "{}: {} is no image by its name; give .nii, .nii.gz, .nrrd, .mha or a folder of DICOM",
+            setting, file));
+    std::error_code ignored;
+    if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
+        throw IoError(file + ": there is no such file");
+}
+
+Image readGreyImage(const std::string& file, const DomainRecipe& domain,
+                    const Callbacks& callbacks) {
+    DomainRecipe recipe;
+    recipe.source = file;
+    recipe.space = domain.space;
+    Image image = readDomainImage(recipe, callbacks);
+    if (image.layers != 1)
+        throw InputError(file + ": has several values at each voxel; give one layer");
+    return image;
+}
+
+template <int Dim>
+std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
+                                                 const DomainRecipe& domain, double sliceHeight,
+                                                 const Callbacks& callbacks) {
+    if (voids.bvtvField.empty()) return {};
+    const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
+    const auto image =
+        std::make_shared<const Image>(readGreyImage(voids.bvtvField, domain, callbacks));
+    return [image, sliceHeight, low = marrow, range = bone - marrow](const Vec<Dim>& x) {
+        Vec<3> at{{0, 0, sliceHeight}};
+        for (int d = 0; d < Dim; ++d) at[d] = x[d];
+        return std::clamp((valueAt(*image, at) - low) / range, 0.0, 1.0);
+    };
+}
+
+template std::function<double(const Vec<2>&)> bvtvField<2>(const VoidRecipe&, const DomainRecipe&,
+                                                           double, const Callbacks&);
+template std::function<double(const Vec<3>&)> bvtvField<3>(const VoidRecipe&, const DomainRecipe&,
+                                                           double, const Callbacks&);
+
+TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                       std::optional<ImageGrid>& grid, bool& spaced) {
     const Image image = readDomainImage(recipe, callbacks);
+    grid = image.grid;
+    spaced = image.isSpaced;
     callbacks.stopIfCancelled();
     if (recipe.threshold) {
         if (!recipe.label.empty())

@@ -4,7 +4,9 @@
 #include "vdbpack/image/image.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/run/domain_source.h"
+#include "vdbpack/voids/void_recipe.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,6 +16,23 @@ namespace vdbpack {
 /// The image of a recipe, in its world and in mm. @throws as `readImage`
 Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks);
 
+/// Refuses, before the work, a file that is no image by its name or is not there.
+/// @param setting  for messages. @throws ParameterError, IoError
+void requireGreyImage(const std::string& setting, const std::string& file);
+
+/// An image of one layer whose grey values are looked up, in the world of a domain.
+/// @throws as `readImage`; InputError for one of several layers
+Image readGreyImage(const std::string& file, const DomainRecipe& domain,
+                    const Callbacks& callbacks);
+
+/// BV/TV by place as a recipe of voids says; empty: the same everywhere.
+/// @param domain  whose world the image lies in; in the plane at `sliceHeight`, mm.
+/// @throws as `readImage`; InputError for an image of several layers
+template <int Dim>
+std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
+                                                 const DomainRecipe& domain, double sliceHeight,
+                                                 const Callbacks& callbacks);
+
 /// Warns of a part that the border of its image cuts off.
 void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
                   const Callbacks& callbacks);
@@ -22,6 +41,8 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
 /// from a threshold on.
 /// @throws ParameterError if it selects nothing that there is, or several parts; else as
 /// `readImage`.
-TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks);
+/// @param grid, spaced  those of the image.
+TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                       std::optional<ImageGrid>& grid, bool& spaced);
 
 }  // namespace vdbpack

@@ -42,7 +42,8 @@ double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double 
     Callbacks quiet;
     if (!run_.ranks()) quiet.cancelled = run_.callbacks.cancelled;
     const VoidSetting<Dim> setting{
-        recipe, run_.domain(), run_.built.sliceHeight, run_.settings.seed, largest, quiet};
+        recipe,  run_.domain(), run_.built.sliceHeight, run_.settings.seed, largest, quiet,
+        nullptr, run_.bvtv};
     MadeVoids<Dim> made;
     if (voids_)
         made = std::move(*voids_);

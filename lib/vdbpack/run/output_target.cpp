@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/image/label_map.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/outputs.h"
 
@@ -16,16 +17,23 @@ struct Prefix {
     OutputKind kind;
     const char* extension;  ///< that its files have; null: any
     const char* grid;       ///< level set that it names; empty: the one left, of several
+    const char* labels = "";
 };
 constexpr Prefix kPrefixes[] = {
     {"contacts:", OutputKind::contacts, nullptr, ""},
     {"list:", OutputKind::voidList, nullptr, ""},
+    {"materials:", OutputKind::materials, ".csv", ""},
     {"surface:", OutputKind::contour, ".stl", kSurface},
     {"voids:", OutputKind::contour, ".stl", kVoids},
     {"solid:", OutputKind::contour, ".stl", kSolid},
     {"levelsets:", OutputKind::levelSets, ".vdb", ""},
     {"fog:", OutputKind::fog, ".vdb", ""},
     {"blender:", OutputKind::blender, ".py", ""},
+    {"labels:", OutputKind::labels, nullptr, "", "ids"},
+    {"labels-regions:", OutputKind::labels, nullptr, "", "regions"},
+    {"labels-parts:", OutputKind::labels, nullptr, "", "parts"},
+    {"labels-materials:", OutputKind::labels, nullptr, "", "materials"},
+    {"labels-solid:", OutputKind::labels, nullptr, "", "solid"},
 };
 
 }  // namespace
@@ -40,10 +48,14 @@ OutputTarget targetOf(const std::string& output) {
         if (p.extension && extensionOf(file) != p.extension)
             throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
                                              p.extension, p.text, p.extension));
-        return {p.kind, file, p.grid};
+        if (p.kind == OutputKind::labels && !namesLabelMap(file))
+            throw ParameterError(fmt::format(
+                "{}: label maps are written as .nii, .nii.gz, .nrrd or .mha; name it {}FILE.nii.gz",
+                output, p.text));
+        return {p.kind, file, p.grid, p.labels};
     }
-    if (extensionOf(output) == ".stl") return {OutputKind::contour, output, ""};
-    return {OutputKind::pack, packPath(output), ""};
+    if (extensionOf(output) == ".stl") return {OutputKind::contour, output, "", ""};
+    return {OutputKind::pack, packPath(output), "", ""};
 }
 
 std::string filePart(const std::string& name) {

@@ -5,7 +5,17 @@
 
 namespace vdbpack {
 
-enum class OutputKind { pack, contacts, voidList, contour, levelSets, fog, blender };
+enum class OutputKind {
+    pack,
+    contacts,
+    voidList,
+    materials,
+    labels,
+    contour,
+    levelSets,
+    fog,
+    blender
+};
 
 /// Level sets by name.
 inline constexpr const char* kSurface = "surface";
@@ -15,7 +25,8 @@ inline constexpr const char* kSolid = "solid";
 struct OutputTarget {
     OutputKind kind;
     std::string file;
-    std::string grid;  ///< level set that it names; empty: the one left, of several
+    std::string grid;    ///< level set that it names; empty: the one left, of several
+    std::string labels;  ///< of a label map: "ids", "regions", "parts", "materials" or "solid"
 };
 
 /// @throws ParameterError for a prefix without a file; whether a pack file has a format is another

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
+#include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"
@@ -101,7 +102,9 @@ double shapeVoxelSize(const Box<3>& bounds) {
 
 std::string interruptedName(const std::string& name) {
     const std::string file = filePart(name);
-    const std::string extension = std::filesystem::path(file).extension().string();
+    std::string extension = std::filesystem::path(file).extension().string();
+    if (extension == ".gz")  // .nii.gz
+        extension = std::filesystem::path(file).stem().extension().string() + extension;
     const std::string mark = ".interrupted";
     // A name of more than 255 bytes is cut, between characters.
     const std::size_t bytes = std::filesystem::path(file).filename().string().size() + mark.size();
@@ -201,7 +204,13 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
                                  ": measure writes contact lists alone; name it contacts:FILE.csv");
         const bool solid = isSolidOutput(output);
         const bool levelSet = solid && target.kind != OutputKind::pack;
-        if (run == RunKind::voids && target.kind != OutputKind::voidList) {
+        if (target.kind == OutputKind::labels && dim == 2)
+            throw ParameterError(output + ": label maps are of spheres; leave it out");
+        if (run == RunKind::voids && target.kind == OutputKind::labels && target.labels != "solid")
+            throw ParameterError(output +
+                                 ": voids have no spheres to label; name it labels-solid:FILE");
+        if (run == RunKind::voids && target.kind != OutputKind::voidList &&
+            target.kind != OutputKind::labels) {
             if (!solid)
                 throw ParameterError(output +
                                      ": voids are level sets or a list; name it .vdb, .stl or "
@@ -256,6 +265,15 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
             writeContacts(*have.pack,
                           listContacts(have.pack->spheres, have.options.contactTolerance),
                           target.file, have.options.unit);
+            break;
+        case OutputKind::materials:
+            need(have.pack != nullptr, "pack");
+            writeMaterials(*have.pack, target.file, have.options);
+            break;
+        case OutputKind::labels:
+            if constexpr (Dim == 3)
+                writeLabels(output, target.labels, target.file, have.pack, have.labels,
+                            have.options.generator);
             break;
         case OutputKind::contour: {
             const auto levelSets = levelSetsOf(have);

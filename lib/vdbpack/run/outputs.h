@@ -7,6 +7,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/run/label_stage.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <optional>
@@ -67,14 +68,19 @@ struct RunOutputs {
     double sliceHeight = 0;                                 ///< 2D: z of the voids in a list, mm
     const Domain<Dim>* domain = nullptr;  ///< for the level set where `options` has none
     const TriangleMesh* wall = nullptr;   ///< of a mesh: what a .stl of `surface` holds; null: none
-    PackWriteOptions options;             ///< unit, level sets, contact tolerance, ...
-    std::string volume;                   ///< a .vdb of this run with those level sets; empty: none
+    LabelSource labels;
+    PackWriteOptions options;  ///< unit, level sets, contact tolerance, ...
+    std::string volume;        ///< a .vdb of this run with those level sets; empty: none
 };
 
 /// Writes one target, a file that is whole or absent:
 ///
 /// - a pack, as `writePack` names them; where there is no pack, a .vdb of the level sets;
-/// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids;
+/// - "contacts:FILE.csv", the touching pairs; "list:FILE.csv", the voids; "materials:FILE.csv",
+///   the materials that files of DEM programs number;
+/// - "labels:FILE", the ids of the spheres + 1 as a label map (.nii .nii.gz .nrrd .mha);
+///   "labels-regions:", "labels-parts:" and "labels-materials:", these numbers + 1;
+///   "labels-solid:", 1 (or the part + 1) within what is left of the domain;
 /// - FILE.stl, the zero contour of `solid`, or the surface where nothing was cut: the triangles of
 ///   a mesh (as repaired), the zero contour of `surface` elsewhere; "surface:", "voids:" or
 ///   "solid:" before it chooses;

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/made_mesh.h"
@@ -120,6 +121,7 @@ Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSou
 PreviewOptions optionsOf(const PreviewRecipe& recipe) {
     PreviewOptions options;
     options.color = recipe.color;
+    options.column = recipe.column;
     options.cut = recipe.cut;
     options.width = recipe.width;
     options.height = recipe.height;
@@ -182,6 +184,12 @@ PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& repor
     if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
     PreviewOptions options = optionsOf(recipe);
     options.cancelled = callbacks.cancelled;
+    if (options.color == PreviewColor::column &&
+        !(pack && columnOfNumbers(*pack, recipe.column.c_str()))) {
+        callbacks.warn("`preview.color` " + recipe.column +
+                       ": there is no such column of numbers; the picture is colored by radius");
+        options.color = PreviewColor::radius;
+    }
     if (recipe.file.empty()) {
         options.width = kPageWidth;
         options.height = kPageHeight;

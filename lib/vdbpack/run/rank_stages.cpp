@@ -43,8 +43,9 @@ void checkRanks(const PackRecipe& recipe) {
     for (const std::string& output : recipe.outputs) {
         const OutputKind kind = targetOf(output).kind;
         if (kind == OutputKind::pack) checkShareFormat(output);
-        refuse(kind == OutputKind::contacts || kind == OutputKind::blender, output.c_str(),
-               "write it from a file of the spheres");
+        refuse(kind == OutputKind::contacts || kind == OutputKind::materials ||
+                   kind == OutputKind::labels || kind == OutputKind::blender,
+               output.c_str(), "write it from a file of the spheres");
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -92,8 +93,8 @@ double parseDensify(const std::string& text) {
 }
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe), recipe.matrix, recipe.orientation.field, recipe.radius,
-            recipe.aspect};
+    return {listFile(recipe), recipe.matrix, recipe.orientation.field,
+            recipe.radius,    recipe.aspect, recipe.bvtvField};
 }
 
 namespace {
@@ -117,9 +118,8 @@ void checkSolidFill(const PackRecipe& recipe) {
             "`fill` solid: voids have level sets in space alone; leave `slice` out");
 }
 
-}  // namespace
-
-void checkRecipe(const PackRecipe& recipe) {
+/// Refuses settings of one domain that exclude one another.
+void checkPacking(const PackRecipe& recipe) {
     if (recipe.densify > 0 && recipe.maxCount > 0)
         throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
     if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
@@ -137,10 +137,26 @@ void checkRecipe(const PackRecipe& recipe) {
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);
-    auto inputs = voidInputs(recipe.voids);
+}
+
+void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
+    for (auto& file : voidInputs(recipe.voids)) inputs.push_back(std::move(file));
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
+}
+
+}  // namespace
+
+void checkRecipe(const PackRecipe& recipe) {
+    std::vector<std::string> inputs{recipe.partsFile};
+    checkPacking(recipe);
+    addInputs(recipe, inputs);
+    for (const PackRecipe& part : recipe.parts) {
+        checkPacking(part);
+        checkDensity(part.density);
+        addInputs(part, inputs);
+    }
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
 }
 

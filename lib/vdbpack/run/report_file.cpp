@@ -86,6 +86,9 @@ public:
         add("--threads", std::to_string(report.threads));
         add("--contact-tol", settings.contactTolerance);
         add("--density", settings.density);
+        for (const std::string& sample : settings.grey.samples) add("--sample", sample);
+        add("--calibrate", settings.grey.calibration);
+        add("--modulus", settings.grey.modulus);
     }
     void add(const VoidRecipe& voids) {
         add("--voids", voids.method);
@@ -93,6 +96,8 @@ public:
         if (voids.cull == Cull::touch) add("--cull", "touch");
         if (voids.keepConnected) add("--keep-connected", "yes");
         add("--target-bvtv", voids.targetBvtv.value_or(0));
+        add("--bvtv-field", voids.bvtvField);
+        add("--bvtv-range", voids.bvtvRange);
         add("--target-tbth", voids.targetTbth.value_or(0), " mm");
         add("--void-voxel", voids.voxelSize, " mm");
         add("--void-radius", voids.radius);

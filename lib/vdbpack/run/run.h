@@ -72,6 +72,10 @@ struct InputPack : RunSettings {
 struct VerifyRecipe : InputPack {
     double gap = 0;                    ///< least distance that the spheres must keep, mm
     std::uint64_t vacancySamples = 0;  ///< points at which to search for vacancies; 0: none
+    /// Of a pack of several parts, with its column `part`: the domains that they fill, as those of
+    /// PackRecipe; empty: `domain`, unless its `label` names several.
+    std::vector<PackRecipe> parts;
+    std::string partsFile;  ///< that `parts` were read from; empty: none
 };
 
 /// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.

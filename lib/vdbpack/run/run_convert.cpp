@@ -5,9 +5,9 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
+#include "vdbpack/run/grey_stage.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/preview_stage.h"
-#include "vdbpack/run/sample_stage.h"
 #include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
@@ -69,6 +69,16 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         extent.count = static_cast<double>(pack.spheres.size());
         requireResources(extent, recipe);
     }
+    if constexpr (Dim == 3) {
+        std::vector<const DomainSource*> sources;
+        if (source) {
+            sources.push_back(&*source);
+            have.labels.solids.push_back(solidTest(built.space));
+            warnOfUnusedPlacement(recipe, *source, callbacks);
+        }
+        have.labels.grid = labelGridOf(recipe, sources);
+        have.labels.space = recipe.domain.space;
+    }
     callbacks.stopIfCancelled();
     const SphereDensity density = particleDensity(recipe.density, solid);
     write.particleDensity = density.all;
@@ -76,7 +86,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     result.kind = Measure<Dim>::kSpheres;
     result.count = pack.spheres.size();
     result.hash = packHash(pack);
-    addSamples(recipe.samples, recipe.domain, pack, callbacks);
+    addGreyValues(recipe.grey, recipe.domain, {}, pack, callbacks);
     result.files = writeOutputs(recipe.outputs, have, callbacks);
     if (drawGiven(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built))
         result.files.push_back(recipe.preview.file);
@@ -87,7 +97,7 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
     if (!recipe.domain.source.empty())
         throw ParameterError("`domain` " + recipe.domain.source + ": goes with a pack, and " +
                              recipe.pack + " is a solid; leave it out");
-    if (!recipe.samples.empty())
+    if (!recipe.grey.empty())
         throw ParameterError("`samples` are taken over spheres, and " + recipe.pack +
                              " holds none; leave them out");
     if (!recipe.density.empty())

@@ -4,6 +4,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_plan.h"
@@ -37,6 +38,7 @@ struct Prepared {
     DomainSource::Built built;
     Pack<Dim> existing;
     std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
+    std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
 };
 
 /// Reads the spheres to pack around, and counts what is wrong with them already.
@@ -78,7 +80,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
     const FieldRadii& radii = plan.radii;
-    Prepared<Dim> prepared{std::move(plan.requested), radii, {}, {}};
+    Prepared<Dim> prepared{std::move(plan.requested), radii, {}, {}, 0, 0, {}};
     prepared.built =
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
@@ -87,6 +89,8 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         checkRoom(VoidSetting<Dim>{recipe.voids, domain, prepared.built.sliceHeight, recipe.seed,
                                    largest, callbacks},
                   true);
+    prepared.bvtv =
+        bvtvField<Dim>(recipe.voids, source.recipe(), prepared.built.sliceHeight, callbacks);
     checkPreview<Dim>(recipe.preview, domain, nullptr);
     prepareExisting(recipe, source, prepared, callbacks);
     return prepared;
@@ -204,6 +208,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     run->keepsPack = true;
     run->built = prepared.built;
     run->voidRecipe = &recipe.voids;
+    run->bvtv = prepared.bvtv;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
     run->report.requestedGap = recipe.gap;
@@ -380,6 +385,7 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
         }
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
+        beginOn({&source}, recipe, report, heard);
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         packDomain(recipes, source, report, clock, callbacks, done);

@@ -110,6 +110,8 @@ public:
         image_.bytes.reset();
     }
     TriangleMesh& surface(std::size_t part) { return surfaces_[part]; }
+    const ImageGrid& grid() const { return image_.grid; }
+    bool isSpaced() const { return image_.isSpaced; }
     std::size_t layerOf(std::size_t part) const { return parts_[part].labels.front().layer; }
 
 private:
@@ -165,11 +167,11 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     for (std::size_t k = 0; k < recipes.size(); ++k) {
         callbacks.stopIfCancelled();
         const DomainRecipe domain = recipes[k].domain;
+        LabelledImage* image = places[k].image;
         DomainSource source =
-            places[k].image
-                ? DomainSource(domain, std::move(places[k].image->surface(places[k].part)),
-                               callbacks)
-                : DomainSource(domain, callbacks);
+            image ? DomainSource(domain, std::move(image->surface(places[k].part)), callbacks)
+                  : DomainSource(domain, callbacks);
+        if (image) source.setImageGrid(image->grid(), image->isSpaced());
         if (source.dim() != 3)
             throw ParameterError(recipes[k].name + ": parts fill domains of space");
         parts.push_back(std::make_unique<Part>(Part{std::move(recipes[k]), std::move(source)}));
@@ -271,8 +273,7 @@ public:
         const Report& r = run.report;
         PartReport one;
         one.name = recipe.name;
-        one.source = recipe.domain.source;
-        if (!recipe.domain.label.empty()) one.source += ", label " + recipe.domain.label;
+        one.source = describe(recipe.domain);
         one.requested = r.requested;
         one.count = r.count;
         one.volume = r.volume;
@@ -353,6 +354,10 @@ void addLevelSets(const Run<3>& part, const std::string& name, Run<3>& all) {
 
 RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& begun, Clock& clock,
                     const Callbacks& callbacks) {
+    std::vector<const DomainSource*> sources;
+    for (const auto& part : parts) sources.push_back(&part->source);
+    Report first = begun;
+    beginOn(sources, recipe, first, callbacks);
     SharedRadii radii(recipe, parts);
     std::vector<PackedPart> packed(parts.size());
     bool interrupted = false;
@@ -370,7 +375,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
         radii.take(packed[k].options->sizes, k);
         interrupted = packed[k].run->report.interrupted;
     }
-    Run<3> all(recipe, parts.front()->source, begun, clock, callbacks);
+    Run<3> all(recipe, parts.front()->source, first, clock, callbacks);
     all.keepsPack = true;
     Report& report = all.report;
     JoinedReport joined(report);
@@ -389,6 +394,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
             anyPosition = true;
         addLevelSets(run, parts[k]->recipe.name, all);
         if (const auto& mesh = parts[k]->source.mesh()) append(all.partWalls, *mesh);
+        all.partRuns.push_back(&run);
     }
     if (anyPosition) all.positionStep = 0;
     joined.finish();

@@ -1,8 +1,15 @@
 // The run that checks any pack: `vdb_pack verify`.
+#include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/run_parts.h"
+#include "vdbpack/verify/worst.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -10,10 +17,66 @@
 
 namespace vdbpack {
 
+namespace {
+
+/// Spheres of each part by their number in a pack. @throws InputError if some have none
+std::vector<std::vector<std::size_t>> membersOf(const std::string& file, const Pack<3>& pack,
+                                                std::size_t parts) {
+    const Materials materials(pack);
+    if (!materials.hasParts())
+        throw InputError(file +
+                         ": has no column `part` that says which of several parts each "
+                         "sphere fills; verify the parts one by one, with their own files");
+    std::vector<std::vector<std::size_t>> members(parts);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        const auto part = static_cast<std::size_t>(materials.partOf(i));
+        if (part >= parts)
+            throw InputError(
+                fmt::format("{}: sphere {} is of part {}, and there are {} parts, "
+                            "counted from 0; give the domains it was packed in",
+                            file, pack.id.empty() ? std::int64_t(i) : pack.id[i], part, parts));
+        members[part].push_back(i);
+    }
+    return members;
+}
+
+/// Holds each sphere against the wall of its own part.
+void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pack, Report& report) {
+    const auto members = membersOf(file, pack, parts.size());
+    report.domain.kind = "parts";
+    ProtrusionCheck all;
+    double covered = 0;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        std::vector<Sphere<3>> spheres;
+        for (const std::size_t i : members[k]) spheres.push_back(pack.spheres[i]);
+        const ProtrusionCheck own = parts[k]->source.protrusion(spheres);
+        PartReport one;
+        one.name = parts[k]->recipe.name;
+        one.source = describe(parts[k]->recipe.domain);
+        one.count = spheres.size();
+        one.volume = parts[k]->source.volume();
+        one.solidFraction = ballShare(spheres, one.volume);
+        one.protrusion = own.max;
+        covered += one.solidFraction * one.volume;
+        report.volume += one.volume;
+        report.parts.push_back(std::move(one));
+        all.max = std::max(all.max, own.max);
+        all.spheres += own.spheres;
+        all.centersOutside += own.centersOutside;
+        for (const auto& worst : own.worst)
+            if (all.worst.size() < kWorstNamed)
+                all.worst.push_back({members[k][worst.i], worst.protrusion});
+    }
+    report.protrusion = std::move(all);
+    if (report.volume > 0) report.solidFractionTotal = covered / report.volume;
+}
+
+}  // namespace
+
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
     std::vector<std::string> warnings;
     const Callbacks callbacks = keepingWarnings(withinMemory(caller, recipe.memoryLimit), warnings);
-    if (recipe.vacancySamples > 0 && recipe.domain.source.empty())
+    if (recipe.vacancySamples > 0 && recipe.domain.source.empty() && recipe.parts.empty())
         throw ParameterError("`vacancySamples` are points of a domain; set `domain`");
     Report report = begunReport(recipe, "verify", recipe.pack);
     report.requestedGap = recipe.gap;
@@ -21,9 +84,18 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
         Clock clock;
         Pack<3> given = readInputPack(recipe, callbacks);
         report.seconds.mesh = clock.lap();
+        PackRecipe filled;
+        filled.domain = recipe.domain;
+        filled.parts = recipe.parts;
+        const Parts parts = partsOf(filled, callbacks);
+        VerifyRecipe whole = recipe;
+        if (!parts.empty()) whole.domain = {};
+        if (!parts.empty() && recipe.vacancySamples > 0)
+            throw ParameterError(
+                "`vacancySamples`: are not searched in several parts; verify them one by one");
         std::optional<VacancySearch> vacancies;
         RunResult run = measureInputPack(
-            recipe, std::move(given), std::move(report),
+            whole, std::move(given), std::move(report),
             [](const RadiusStatistics& r) { return 3 * r.max; }, callbacks,
             [&](const auto& pack, const auto* domain, const Report& measured) {
                 if (recipe.vacancySamples == 0) return;
@@ -37,6 +109,12 @@ RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& caller) {
                 vacancies = all;
             });
         run.vacancies = vacancies;
+        if (!parts.empty()) {
+            const auto* pack = std::get_if<Pack<3>>(&run.pack);
+            if (!pack) throw InputError(recipe.pack + ": holds circles, and parts hold spheres");
+            verifyParts(parts, recipe.pack, *pack, run.report);
+            run.passed = !failedChecks(run.report).any();
+        }
         run.report.seconds.total = clock.total();
         run.report.warnings = std::move(warnings);
         return run;

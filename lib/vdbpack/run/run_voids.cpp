@@ -55,6 +55,7 @@ void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& caller,
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
         const DomainSource source(first.domain, heard);
         report.seconds.mesh = clock.lap();
+        beginOn({&source}, first, report, heard);
         warnOfUnused(first.domain, source, heard);
         checkOutputKinds(first.outputs, RunKind::voids, first.voids, source.dim());
         for (const auto& recipe : recipes) {

@@ -11,6 +11,20 @@
 
 namespace vdbpack {
 
+/// Properties of spheres from the grey values of images.
+struct GreyRecipe {
+    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
+    std::vector<std::string> samples;
+    /// "SLOPE,INTERCEPT": density of each sphere, kg/m³, from the only sample; with "NAME=" before
+    /// it, from a column of that name. Empty: none.
+    std::string calibration;
+    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³. Empty: none.
+    std::string modulus;
+    int classes = 10;  ///< of density, for programs that know materials by number
+
+    bool empty() const { return samples.empty() && calibration.empty() && modulus.empty(); }
+};
+
 /// Base of all recipes. A command passes over what it has no use for.
 struct RunSettings {
     int threads = 0;         ///< of each rank; 0: all cores
@@ -21,8 +35,7 @@ struct RunSettings {
     std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
     Unit outUnit = Unit::millimeter;   ///< of the lengths in them
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
-    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
-    std::vector<std::string> samples;
+    GreyRecipe grey;
     PreviewRecipe preview;   ///< picture; without a file: none
     std::string reportFile;  ///< .json or .html; empty: none
     std::string command;     ///< for the report; empty: the task and what it works on

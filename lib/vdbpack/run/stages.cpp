@@ -4,6 +4,8 @@
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/densify_stage.h"
+#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
@@ -11,7 +13,6 @@
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/sample_stage.h"
 #include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
@@ -36,16 +37,23 @@ constexpr double kLeastBvtv = 1e-6;
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
-    for (auto& file : checkSamples(settings.samples)) all.push_back(std::move(file));
-    if (settings.ranks && !settings.samples.empty())
-        throw ParameterError(
-            "`samples`: are not taken over several processes; take them from a file");
+    for (auto& file : checkGrey(settings)) all.push_back(std::move(file));
+    if (!voids.bvtvField.empty()) requireGreyImage("`bvtvField`", voids.bvtvField);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
     requireContactTolerance(settings.contactTolerance);
     checkPreview(settings.preview, settings.reportFile);
     checkFiles(settings.outputs, settings.reportFile, all, {settings.preview.file});
     if (kind == RunKind::pack) checkInterruptedFiles(settings.outputs, all);
+}
+
+void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
+             Report& report, const Callbacks& callbacks) {
+    labelGridOf(settings, sources);
+    for (const DomainSource* source : sources)
+        if (source->imageGrid())
+            report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
+    if (sources.size() == 1) warnOfUnusedPlacement(settings, *sources.front(), callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -93,6 +101,9 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
     run.report.seconds.domain = run.clock.lap();
     run.callbacks.stopIfCancelled();
     if (run.cuts()) checkRoom(run.voidSetting(), false);
+    if (run.voidRecipe)
+        run.bvtv = bvtvField<Dim>(*run.voidRecipe, run.source.recipe(), run.built.sliceHeight,
+                                  run.callbacks);
     checkPreview<Dim>(run.settings.preview, run.domain(), run.hasPack ? &run.pack : nullptr);
 }
 
@@ -217,6 +228,28 @@ void measureStage(Run<Dim>& run) {
 
 namespace {
 
+/// What a run leaves of its domain.
+SolidTest solidOf(const Run<3>& run) {
+    return run.voids.solid.grid ? solidTest(run.voids.solid.grid) : solidTest(run.built.space);
+}
+
+LabelSource labelsOf(const Run<3>& run) {
+    LabelSource labels;
+    std::vector<const DomainSource*> sources;
+    if (run.partRuns.empty()) {
+        sources.push_back(&run.source);
+        labels.solids.push_back(solidOf(run));
+    }
+    for (const Run<3>* part : run.partRuns) {
+        sources.push_back(&part->source);
+        labels.solids.push_back(solidOf(*part));
+    }
+    labels.grid = labelGridOf(run.settings, sources);
+    for (const DomainSource* source : sources)
+        if (source->recipe().space == ImageSpace::ras) labels.space = ImageSpace::ras;
+    return labels;
+}
+
 template <int Dim>
 RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     RunOutputs<Dim> have;
@@ -229,18 +262,23 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     PackWriteOptions& write = have.options;
     write.contactTolerance = run.settings.contactTolerance;
     write.unit = run.settings.outUnit;
-    write.generator =
-        "vdb_pack " + run.report.version + (run.report.interrupted ? ", interrupted" : "");
+    write.generator = "vdb_pack " + run.report.version +
+                      (run.report.interrupted ? ", interrupted" : "") +
+                      (run.report.axes.empty() ? "" : "; axes " + run.report.axes);
     const SphereDensity density =
         particleDensity(run.settings.density, run.report.solidFractionTotal);
     write.particleDensity = density.all;
-    write.materialDensity = run.partDensity.empty() ? density.ofRegions : run.partDensity;
+    if (run.settings.grey.calibration.empty())
+        write.materialDensity = run.partDensity.empty() ? density.ofRegions : run.partDensity;
     write.levelSets = run.partLevelSets.empty() ? run.voids.levelSets() : run.partLevelSets;
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&
         std::any_of(outputs.begin(), outputs.end(), usesLevelSets))
         write.levelSets = {run.built.mesh->grid()};
-    if constexpr (Dim == 2) write.frame = run.domain().bounds();
+    if constexpr (Dim == 2)
+        write.frame = run.domain().bounds();
+    else
+        have.labels = labelsOf(run);
     // 25 bits of a voxel's edge are exact in the file: no coarser than the positions.
     if (run.positionStep > 0)
         write.pointVoxel = std::min(
@@ -257,6 +295,7 @@ void leaveOutIncomplete(const Run<Dim>& run, std::vector<std::string>& outputs) 
         const OutputKind kind = targetOf(output).kind;
         const bool missing = kind == OutputKind::contour || kind == OutputKind::levelSets ||
                              kind == OutputKind::fog ||
+                             (kind == OutputKind::labels && targetOf(output).labels == "solid") ||
                              (kind == OutputKind::voidList && run.voids.list.empty());
         if (missing)
             run.callbacks.warn(output +
@@ -308,7 +347,7 @@ void draw(Run<Dim>& run) {
 
 template <int Dim>
 RunResult finishStage(Run<Dim>& run) {
-    addSamples(run.settings.samples, run.source.recipe(), run.pack, run.callbacks);
+    addGreyValues(run.settings.grey, run.source.recipe(), run.partDensity, run.pack, run.callbacks);
     write(run);
     draw(run);
     Report& report = run.report;

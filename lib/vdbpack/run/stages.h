@@ -73,8 +73,9 @@ struct Run {
     const SizeDistribution* sizes = nullptr;  ///< requested; null: none
     double positionStep = 0;                  ///< coordinates are multiples of it, mm; 0: unknown
 
-    const VoidRecipe* voidRecipe = nullptr;  ///< null: none are cut
-    double largestRadius = 0;                ///< of the spheres there are or will be, mm
+    const VoidRecipe* voidRecipe = nullptr;       ///< null: none are cut
+    double largestRadius = 0;                     ///< of the spheres there are or will be, mm
+    std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
     MadeVoids<Dim> voids;
     std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
 
@@ -87,6 +88,7 @@ struct Run {
     std::vector<std::shared_ptr<const VdbGrid>> partLevelSets;
     std::map<std::int32_t, double> partDensity;  ///< by material, kg/m³
     TriangleMesh partWalls;                      ///< of all parts
+    std::vector<const Run*> partRuns;            ///< which must outlive this one
 
     PreviewPicture picture;
 
@@ -108,7 +110,7 @@ struct Run {
     VoidSetting<Dim> voidSetting() const {
         return {*voidRecipe,   domain(),      built.sliceHeight,
                 settings.seed, largestRadius, ranks() ? uncancelled : callbacks,
-                ranks()};
+                ranks(),       bvtv};
     }
     /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {
@@ -136,6 +138,12 @@ struct Run {
 /// @throws ParameterError, IoError
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs);
+
+/// Checks what is to be written against the domains of a run, and records their axes in its report.
+/// @param sources  one, or those of several parts.
+/// @throws as `labelGridOf`
+void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
+             Report& report, const Callbacks& callbacks);
 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);

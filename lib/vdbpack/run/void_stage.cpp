@@ -125,8 +125,8 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     double least = std::numeric_limits<double>::infinity();  // miss of a round
     std::string nearest;                                     // radii of that round
     for (int round = 0;; ++round) {
-        const VoidSetting<3> setting{recipe, s.domain,        s.sliceHeight,
-                                     s.seed, s.largestRadius, s.callbacks};
+        const VoidSetting<3> setting{recipe,          s.domain,    s.sliceHeight, s.seed,
+                                     s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
         made.surface.reset();
         solve(setting, made);
         cut(setting, made);
@@ -276,7 +276,16 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         std::vector<std::string> chosen;
         const bool undecided = method == VoidMethod::boolean && !r.count && !r.targetBvtv;
         VoidRecipe decided = r;
-        if (undecided) {
+        if (undecided && s.bvtv) {
+            const double mean = meanBvtv(s);
+            if (!(mean > 0 && mean < 1))
+                throw InputError(fmt::format(
+                    "`bvtvField` {}: BV/TV is {:g} in all of the domain; check `bvtvRange` {}",
+                    r.bvtvField, mean, r.bvtvRange));
+            decided.targetBvtv = mean;
+            chosen.push_back(fmt::format("as many voids as make BV/TV {:.4f}, the mean of {}", mean,
+                                         r.bvtvField));
+        } else if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
             chosen.push_back(fmt::format("as many voids as make BV/TV {}", kDefaultBvtv));
         }
@@ -299,8 +308,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
                                                        : asked.probability.value_or(1));
         };
-        const VoidSetting<Dim> setting{decided, s.domain,        s.sliceHeight,
-                                       s.seed,  s.largestRadius, s.callbacks};
+        const VoidSetting<Dim> setting{decided,         s.domain,    s.sliceHeight, s.seed,
+                                       s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
         if (r.targetTbth)
             solveThickness(setting, made, solve);
         else

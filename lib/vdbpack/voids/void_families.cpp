@@ -74,6 +74,11 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
 
 namespace {
 
+/// Where less is wanted, voids are as many as leave this share.
+constexpr double kLeastBvtv = 0.005;
+/// Points for the mean of a field.
+constexpr int kFieldPoints = 200'000;
+
 template <int Dim>
 VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
                               std::vector<std::string>* chosen) {
@@ -84,8 +89,16 @@ VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
     family.remedy = "; take larger voids";
     family.leastHalfAxis = shape.radius.min() * std::min(1.0, shape.aspect.min());
     const auto& setting = s;
-    family.list = [&setting, shape](double density) {
-        return booleanVoids(regionOf(setting), shape, setting.seed, density);
+    std::function<double(const Vec<Dim>&)> share;
+    if (s.bvtv) {
+        // Voids of density d leave the share exp(-d v).
+        family.guess = -std::log(kLeastBvtv) / shape.meanMeasure();
+        share = [&setting](const Vec<Dim>& x) {
+            return std::log(std::clamp(setting.bvtv(x), kLeastBvtv, 1.0)) / std::log(kLeastBvtv);
+        };
+    }
+    family.list = [&setting, shape, share](double density) {
+        return booleanVoids(regionOf(setting), shape, setting.seed, density, share);
     };
     return family;
 }
@@ -143,6 +156,25 @@ VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s) {
 }  // namespace
 
 template <int Dim>
+double meanBvtv(const VoidSetting<Dim>& s) {
+    // The additive recurrence in the box around the domain (Roberts 2018).
+    constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    const Box<Dim> box = s.domain.bounds();
+    const auto sampler = s.domain.envelope().sampler();
+    double sum = 0;
+    int count = 0;
+    for (int k = 0; k < kFieldPoints; ++k) {
+        Vec<Dim> x;
+        for (int d = 0; d < Dim; ++d)
+            x[d] = box.lo[d] + std::fmod((k + 0.5) * kSteps[d], 1.0) * box.size()[d];
+        if (!(sampler->signedDistance(x) < -s.recipe.shell)) continue;
+        sum += s.bvtv(x);
+        ++count;
+    }
+    return count > 0 ? sum / count : 0;
+}
+
+template <int Dim>
 VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
                            std::vector<std::string>* chosen) {
     switch (methodOf(s.recipe)) {
@@ -165,6 +197,7 @@ VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
 
 #define VDBPACK_INSTANTIATE(Dim)                                                             \
     template VoidRegion<Dim> regionOf(const VoidSetting<Dim>&);                              \
+    template double meanBvtv(const VoidSetting<Dim>&);                                       \
     template std::string voidRadiusSpec(const VoidSetting<Dim>&, std::vector<std::string>*); \
     template VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>&, std::vector<std::string>*); \
     template VoidFamily<Dim> voidFamily(const VoidSetting<Dim>&, double, std::vector<std::string>*);

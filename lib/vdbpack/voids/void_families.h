@@ -24,6 +24,8 @@ struct VoidSetting {
     double largestRadius = 0;  ///< of the spheres of the run, mm; 0: none
     const Callbacks& callbacks;
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
+    /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
+    std::function<double(const Vec<Dim>&)> bvtv{};
 };
 
 /// The part of the domain that voids are cut into: deeper than the shell.
@@ -42,6 +44,10 @@ std::string voidRadiusSpec(const VoidSetting<Dim>& setting, std::vector<std::str
 template <int Dim>
 VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& setting,
                            std::vector<std::string>* chosen = nullptr);
+
+/// The mean of `setting.bvtv` over the part that voids are cut into.
+template <int Dim>
+double meanBvtv(const VoidSetting<Dim>& setting);
 
 /// The lists of voids of one method. The amount is the number of voids for each unit of volume
 /// (boolean), their number (overlay), or the probability that a box has one (grid).

@@ -22,6 +22,14 @@ constexpr std::uint64_t kCenters = std::uint64_t{1} << 56, kBoxes = std::uint64_
 /// Voids per parallel task.
 constexpr std::size_t kBatch = 4096;
 
+template <int Dim>
+void keepMarked(const std::vector<std::uint8_t>& marked, std::vector<Ellipsoid<Dim>>& voids) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < voids.size(); ++i)
+        if (marked[i]) voids[kept++] = voids[i];
+    voids.resize(kept);
+}
+
 /// Removes voids that cannot reach the part of the domain deeper than the shell.
 template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
@@ -41,10 +49,7 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
                                   reaches[i] = sampler->nearestWall(e.center, reach, wall);
                           }
                       });
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < voids.size(); ++i)
-        if (reaches[i]) voids[kept++] = voids[i];
-    voids.resize(kept);
+    keepMarked(reaches, voids);
 }
 
 }  // namespace
@@ -57,7 +62,8 @@ double VoidShape<Dim>::meanMeasure() const {
 
 template <int Dim>
 std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
-                                         std::uint64_t seed, double density) {
+                                         std::uint64_t seed, double density,
+                                         const std::function<double(const Vec<Dim>&)>& share) {
     const Box<Dim> window = region.domain.bounds().grown(shape.reach());
     const double expected = density * window.volume();
     if (!(expected < 4e9))
@@ -65,6 +71,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
             "{:.3g} voids would have to be drawn; choose fewer or larger ones", expected));
     const auto drawn = static_cast<std::size_t>(std::llround(expected));
     std::vector<Ellipsoid<Dim>> voids, batch;
+    std::vector<std::uint8_t> kept(share ? 256 * kBatch : 0);
     // In parts, since most of the box around a bone is empty.
     for (std::size_t first = 0; first < drawn; first += 256 * kBatch) {
         batch.resize(std::min<std::size_t>(256 * kBatch, drawn - first));
@@ -79,8 +86,10 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
                                   e.b = shape.radius.quantile(random.uniform());
                                   e.a = e.b * shape.aspect.quantile(random.uniform());
                                   e.axis = shape.orientation->axis(e.center, random);
+                                  if (share) kept[i] = random.uniform() < share(e.center);
                               }
                           });
+        if (share) keepMarked(kept, batch);
         keepReaching(region, batch);
         voids.insert(voids.end(), batch.begin(), batch.end());
     }
@@ -206,7 +215,8 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
 #define VDBPACK_INSTANTIATE(Dim)                                                                   \
     template struct VoidShape<Dim>;                                                                \
     template std::vector<Ellipsoid<Dim>> booleanVoids(                                             \
-        const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double);                     \
+        const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                      \
+        const std::function<double(const Vec<Dim>&)>&);                                            \
     template VoidLattice<Dim> voidLattice(const Box<Dim>&, const std::string&, const VoidMatrix*); \
     template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                      \
                                                       const VoidLattice<Dim>&, const VoidMatrix*,  \

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -41,10 +42,12 @@ struct VoidRegion {
 /// A list of higher density begins with the voids of one of lower density. The expected share
 /// outside of all voids is exp(-density * mean measure).
 /// @param density  centers per mm^Dim.
+/// @param share    of that density, from 0 to 1, at a center; empty: all of it.
 /// Source: Chiu, Stoyan, Kendall, Mecke (2013), Stochastic Geometry, 3.1: the Boolean model.
 template <int Dim>
 std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
-                                         std::uint64_t seed, double density);
+                                         std::uint64_t seed, double density,
+                                         const std::function<double(const Vec<Dim>&)>& share = {});
 
 /// A lattice of boxes over a domain.
 template <int Dim>

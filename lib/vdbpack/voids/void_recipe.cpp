@@ -1,6 +1,7 @@
 #include "vdbpack/voids/void_recipe.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 
@@ -67,6 +68,8 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
         {"targetBvtv",
          r.targetBvtv.has_value(),
          {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean}},
+        {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
+        {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
         {"targetTbth", r.targetTbth.has_value(), {M::boolean}},
         {"keepConnected", r.keepConnected, all},
         {"cull", r.cull == Cull::touch, {M::grid, M::overlay, M::ellipses, M::boolean, M::list}}};
@@ -118,6 +121,16 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
 
 /// Refuses two parameters that both determine the amount of voids, or none.
 void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
+    if (r.bvtvField.empty() != r.bvtvRange.empty())
+        throw ParameterError(
+            r.bvtvField.empty()
+                ? "`bvtvRange` " + r.bvtvRange + ": says what grey values mean; set `bvtvField`"
+                : "`bvtvField` " + r.bvtvField +
+                      ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
+    if (!r.bvtvRange.empty()) parseBvtvRange(r.bvtvRange);
+    if (!r.bvtvField.empty() && r.count)
+        throw ParameterError(
+            "`voids.count` and `bvtvField` both determine the amount of voids; give one of them");
     if (r.targetTbth && !r.targetBvtv)
         throw ParameterError(
             "`targetTbth` fixes the thickness at a given BV/TV; give `targetBvtv` as well");
@@ -143,6 +156,15 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
 }
 
 }  // namespace
+
+std::pair<double, double> parseBvtvRange(const std::string& text) {
+    const auto numbers = parseNumberList(text);
+    if (!numbers || numbers->size() != 2 || (*numbers)[0] == (*numbers)[1])
+        throw ParameterError("`bvtvRange` '" + text +
+                             "': write MARROW,BONE, the grey values at BV/TV 0 and 1, such as "
+                             "0,1200");
+    return {(*numbers)[0], (*numbers)[1]};
+}
 
 VoidMethod methodOf(const VoidRecipe& recipe) {
     if (recipe.method.empty()) return VoidMethod::none;

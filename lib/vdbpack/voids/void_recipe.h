@@ -5,6 +5,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace vdbpack {
 
@@ -38,6 +39,9 @@ struct VoidRecipe {
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
     std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1
+    /// boolean: an image whose grey values say how BV/TV varies by place; empty: it does not.
+    std::string bvtvField;
+    std::string bvtvRange;             ///< "MARROW,BONE": grey values at BV/TV 0 and 1
     std::optional<double> targetTbth;  ///< boolean: mean Tb.Th to reach by the size of voids
     double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
@@ -51,6 +55,9 @@ struct VoidRecipe {
 
     bool empty() const { return method.empty(); }
 };
+
+/// Grey values at BV/TV 0 and 1. @throws ParameterError if they are malformed or equal
+std::pair<double, double> parseBvtvRange(const std::string& text);
 
 /// The method that a recipe names. @throws ParameterError with the known names.
 VoidMethod methodOf(const VoidRecipe& recipe);

@@ -1,0 +1,59 @@
+#include "vdbpack/formats/material_file.h"
+
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/output_file.h"
+
+#include <cmath>
+#include <cstdint>
+#include <map>
+
+namespace vdbpack {
+
+namespace {
+
+/// Sums over the spheres of a material.
+struct Sums {
+    std::int64_t spheres = 0;
+    double volume = 0, density = 0, modulus = 0;
+};
+
+}  // namespace
+
+template <int Dim>
+void writeMaterials(const Pack<Dim>& pack, const std::string& file,
+                    const PackWriteOptions& options) {
+    const Materials materials(pack);
+    const SphereDensities densities(pack, options.particleDensity, options.materialDensity);
+    const Column* modulus = columnOfNumbers(pack, kModulusColumn);
+    std::map<std::int32_t, Sums> all;
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        Sums& sums = all[materials.of(i)];
+        const double volume = std::pow(pack.spheres[i].radius, Dim);
+        ++sums.spheres;
+        sums.volume += volume;
+        sums.density += volume * densities.of(i);
+        if (modulus) sums.modulus += volume * modulus->numbers[i];
+    }
+    std::string text = "material,part,region,density_class,spheres,density_kg_m3";
+    text += modulus ? ",modulus_MPa\n" : "\n";
+    for (const auto& [material, sums] : all) {
+        const Materials::Kind kind = materials.kindOf(material);
+        appendNumber(text, std::int64_t{material});
+        for (const std::int32_t n : {kind.part, kind.region, kind.densityClass})
+            appendNumber(text += ',', std::int64_t{n});
+        appendNumber(text += ',', sums.spheres);
+        text += ',';
+        if (!densities.unconverted()) appendNumber(text, sums.density / sums.volume);
+        if (modulus) appendNumber(text += ',', sums.modulus / sums.volume);
+        text += '\n';
+    }
+    OutputFile out(file);
+    out.write(text);
+    out.commit();
+}
+
+template void writeMaterials<2>(const Pack<2>&, const std::string&, const PackWriteOptions&);
+template void writeMaterials<3>(const Pack<3>&, const std::string&, const PackWriteOptions&);
+
+}  // namespace vdbpack

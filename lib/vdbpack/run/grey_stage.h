@@ -1,0 +1,30 @@
+// Private to runs: grey values of images as properties of spheres.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/core/progress.h"
+#include "vdbpack/run/domain_source.h"
+#include "vdbpack/run/settings.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// Refuses, before the work, samples that are malformed, have the name of another column, or name
+/// no image, and what is malformed or lacks its column otherwise.
+/// @return the images. @throws ParameterError, IoError
+std::vector<std::string> checkGrey(const RunSettings& settings);
+
+/// Adds to a pack a column for each sample, an image in the world that `domain` says, and those of
+/// density, its classes and moduli (`kDensityColumn`, ...) where they are requested.
+/// @param densities  kg/m³, by `Materials`: of spheres whose density does not come from images.
+/// @throws InputError, IoError, ResourceError, ParameterError for a column that is not there
+template <int Dim>
+void addGreyValues(const GreyRecipe& recipe, const DomainRecipe& domain,
+                   const std::map<std::int32_t, double>& densities, Pack<Dim>& pack,
+                   const Callbacks& callbacks);
+
+}  // namespace vdbpack

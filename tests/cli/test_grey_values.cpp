@@ -1,0 +1,351 @@
+// Properties of spheres and voids from the grey values of images, and packs as label maps.
+#include "support/image_file.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/image/image_file.h"
+#include "vdbpack/run/run.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <sstream>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+/// A ball of label 5, cut askew from one of label 9, on an oblique grid.
+void writeHalves(const std::string& path) {
+    const ImageGrid grid = turned(gridAround(14, {{1, 1, 1.3}}), 0.3, 0.5);
+    writeNrrd(path,
+              Voxels<std::uint8_t>::of(grid,
+                                       [](const Vec<3>& p) {
+                                           if (length(p) > 12) return 0;
+                                           return p[0] + 0.5 * p[2] < 1 ? 5 : 9;
+                                       }),
+              "uint8");
+}
+
+/// Values that grow along x and fall along z.
+void writeSlope(const std::string& path) {
+    writeNrrd(path,
+              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
+                                [](const Vec<3>& p) { return 100 + 3 * p[0] - p[2]; }),
+              "float");
+}
+
+const std::vector<double>& numbersOf(const PackAttributes& pack, const char* name) {
+    const Column* column = columnOfNumbers(pack, name);
+    REQUIRE(column);
+    return column->numbers;
+}
+
+/// The labels of a file, and how many voxels have each.
+std::map<std::int64_t, int> countsIn(const std::string& file) {
+    std::map<std::int64_t, int> counts;
+    const Image image = readImage(file);
+    image.visit([&](const auto* numbers) {
+        for (std::size_t i = 0; i < image.values(); ++i)
+            ++counts[static_cast<std::int64_t>(numbers[i])];
+    });
+    return counts;
+}
+
+}  // namespace
+
+TEST_CASE("grey values of an image become a column", "[cli][parts]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
+    writeHalves(file);
+    writeNrrd(grey,
+              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
+                                [](const Vec<3>& p) { return 100 + 3 * p[0] - p[2]; }),
+              "float");
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = GENERATE("all", "5+9");
+    recipe.radius = "uniform:0.8,1.6";
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.outputs = {folder.file("p.csv")};
+    runPack(recipe);
+    const std::string again = folder.file("again.csv");
+    REQUIRE(vdbPack("convert " + folder.file("p.csv") + " --sample mean=" + grey + " -o " + again)
+                .code == 0);
+    const Pack<3> pack = readPack(again);
+    int found = 0;
+    for (const Column& column : pack.columns)
+        if (column.name == "hu" || column.name == "mean") {
+            ++found;
+            for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+                const Vec<3>& x = pack.spheres[i].center;
+                CHECK(column.numbers[i] == Approx(100 + 3 * x[0] - x[2]).margin(3));
+            }
+        }
+    CHECK(found == 2);
+    for (const std::string& bad :
+         std::vector<std::string>{"hu", "=" + grey, "radius=" + grey, "a=b.stl"}) {
+        recipe.grey.samples = {bad};
+        CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    }
+    recipe.grey.samples = {"hu=" + folder.file("absent.nii")};
+    CHECK_THROWS_AS(runPack(recipe), IoError);
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.outputs = {grey};
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("grey values become densities, moduli and classes of material", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
+    writeHalves(file);
+    writeSlope(grey);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = "5+9";
+    recipe.radius = "uniform:0.8,1.6";
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.grey.calibration = "12,-150";
+    recipe.grey.modulus = "6850,1.49";
+    recipe.grey.classes = 6;
+    recipe.outputs = {folder.file("p.csv"), folder.file("p.data"), "yade:" + folder.file("p.txt"),
+                      "materials:" + folder.file("m.csv")};
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    const auto &hu = numbersOf(pack, "hu"), &density = numbersOf(pack, kDensityColumn),
+               &modulus = numbersOf(pack, kModulusColumn), &kind = numbersOf(pack, kClassColumn);
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+        CHECK(density[i] == Approx(12 * hu[i] - 150));
+        CHECK(modulus[i] == Approx(6850 * std::pow(density[i] / 1000, 1.49)));
+    }
+    // A class is a range of densities, and all are as wide.
+    const auto [least, most] = std::minmax_element(density.begin(), density.end());
+    for (std::size_t i = 0; i < density.size(); ++i) {
+        CHECK(density[i] >= *least + (kind[i] - 1e-9) * (*most - *least) / 6);
+        CHECK(density[i] <= *least + (kind[i] + 1 + 1e-9) * (*most - *least) / 6);
+    }
+    CHECK(*std::max_element(kind.begin(), kind.end()) == 5);
+
+    const Pack<3> atoms = readPack(folder.file("p.data"));
+    const Pack<3> yade = readPack("yade:" + folder.file("p.txt"));
+    const auto &types = numbersOf(atoms, "type"), &written = numbersOf(atoms, "density");
+    for (std::size_t i = 0; i < density.size(); ++i) {
+        CHECK(written[i] == Approx(1e-12 * density[i]));
+        CHECK(types[i] == kind[i] + 1);
+        CHECK(yade.region[i] == kind[i]);
+    }
+    // The table lists what the numbers mean.
+    std::istringstream table(contentOf(folder.file("m.csv")));
+    std::string line;
+    std::getline(table, line);
+    CHECK(line == "material,part,region,density_class,spheres,density_kg_m3,modulus_MPa");
+    std::size_t spheres = 0;
+    for (int row = 0; std::getline(table, line); ++row) {
+        int material = 0, part = 0, region = 0, densityClass = 0, count = 0;
+        double mean = 0;
+        REQUIRE(std::sscanf(line.c_str(), "%d,%d,%d,%d,%d,%lf", &material, &part, &region,
+                            &densityClass, &count, &mean) == 6);
+        CHECK(material == row);
+        CHECK(densityClass == row);
+        CHECK(mean >= *least + row * (*most - *least) / 6 - 1e-6);
+        CHECK(mean <= *least + (row + 1) * (*most - *least) / 6 + 1e-6);
+        spheres += static_cast<std::size_t>(count);
+    }
+    CHECK(spheres == pack.spheres.size());
+    // A column of a file does as well as a sample.
+    const Output output = vdbPack("convert " + folder.file("p.csv") +
+                                  " --calibrate hu=12,-150 -o " + folder.file("q.csv"));
+    CAPTURE(output.text);
+    REQUIRE(output.code == 0);
+    CHECK(numbersOf(readPack(folder.file("q.csv")), kDensityColumn) == density);
+}
+
+TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
+    writeHalves(file);
+    writeSlope(grey);
+    PackRecipe recipe;
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.grey.calibration = "12,-150";
+    recipe.radius = "uniform:0.8,1.6";
+    PackRecipe part = recipe;
+    part.domain.source = file;
+    part.domain.label = "5";
+    recipe.parts.push_back(part);
+    part.domain.label = "9";
+    part.density = "4430";
+    recipe.parts.push_back(part);
+    recipe.outputs = {folder.file("p.data")};
+    // The grey values are those of the whole run.
+    for (PackRecipe& one : recipe.parts) one.grey = {};
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    const auto &density = numbersOf(pack, kDensityColumn), &parts = numbersOf(pack, kPartColumn);
+    const auto written = numbersOf(readPack(folder.file("p.data")), "density");
+    for (std::size_t i = 0; i < density.size(); ++i) {
+        CHECK((parts[i] == 1) == (density[i] == 4430));
+        CHECK(written[i] == Approx(1e-12 * density[i]));
+    }
+}
+
+TEST_CASE("calibrations that say too little or too much are refused", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string grey = folder.file("grey.nrrd");
+    writeSlope(grey);
+    PackRecipe recipe;
+    recipe.domain.source = "ball:5";
+    recipe.radius = "uniform:0.8,1.6";
+    const auto refused = [&](const char* word) {
+        CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains(word));
+    };
+    recipe.grey.calibration = "1,0";
+    refused("samples");
+    recipe.grey.samples = {"a=" + grey, "b=" + grey};
+    refused("several");
+    recipe.grey.calibration = "c=1,0";
+    refused("'c'");
+    for (const char* bad : {"1", "a=", "=1,2", "a=0,3", "x,y"}) {
+        recipe.grey.calibration = bad;
+        refused("SLOPE,INTERCEPT");
+    }
+    recipe.grey.calibration = "a=1,0";
+    recipe.density = "1200";
+    refused("one density");
+    recipe.density.clear();
+    recipe.grey.modulus = "-1,2";
+    refused("A,B");
+    recipe.grey.modulus = "1,2";
+    recipe.grey.calibration.clear();
+    refused("calibration");
+    // A density below that of air is raised, with a warning.
+    recipe.grey.modulus.clear();
+    recipe.grey.calibration = "a=1,-100";
+    const RunResult run = runPack(recipe);
+    CHECK(std::any_of(run.report.warnings.begin(), run.report.warnings.end(), [](const auto& w) {
+        return w.find("less than 1 kg/m³") != std::string::npos;
+    }));
+    for (const double d : numbersOf(std::get<Pack<3>>(run.pack), kDensityColumn)) CHECK(d >= 1);
+}
+
+TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string grey = folder.file("grey.nrrd");
+    // BV/TV 0.1 at one end, 0.7 at the other.
+    writeNrrd(grey,
+              Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
+                                [](const Vec<3>& p) { return 800 + 60 * p[0]; }),
+              "float");
+    VoidsRecipe recipe;
+    recipe.domain.source = "box:20,20,20";
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "uniform:0.5,0.8";
+    recipe.voids.bvtvField = grey;
+    recipe.voids.bvtvRange = "0,2000";
+    recipe.domain.voxelSpacing = "0.25";
+    recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
+    const RunResult run = runVoids(recipe);
+    CHECK(*run.report.voids->bvtv == Approx(0.4).margin(0.005));
+    const Image image = readImage(folder.file("s.nrrd"));
+    double solid[4] = {}, all[4] = {};
+    const auto& size = image.grid.size;
+    std::size_t voxel = 0;
+    for (std::size_t z = 0; z < size[2]; ++z)
+        for (std::size_t y = 0; y < size[1]; ++y)
+            for (std::size_t x = 0; x < size[0]; ++x, ++voxel) {
+                const Vec<3> at = image.grid.at(
+                    {{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
+                if (std::fabs(at[0]) > 10 || std::fabs(at[1]) > 10 || std::fabs(at[2]) > 10)
+                    continue;
+                const auto slab =
+                    std::min<std::size_t>(3, static_cast<std::size_t>((at[0] + 10) / 5));
+                all[slab] += 1;
+                solid[slab] += std::to_integer<int>(image.bytes[voxel]) != 0;
+            }
+    for (int slab = 0; slab < 4; ++slab)
+        CHECK(solid[slab] / all[slab] ==
+              Approx((800 + 60 * (-7.5 + 5 * slab)) / 2000).margin(0.04));
+
+    recipe.voids.bvtvRange.clear();
+    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("bvtvRange"));
+    recipe.voids.bvtvRange = "5,5";
+    CHECK_THROWS_AS(runVoids(recipe), ParameterError);
+    recipe.voids.bvtvRange = "3000,5000";
+    CHECK_THROWS_AS(runVoids(recipe), InputError);
+    recipe.voids.bvtvRange = "0,2000";
+    recipe.voids.method = "overlay";
+    CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("boolean"));
+}
+
+TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string file = folder.file("halves.nrrd");
+    writeHalves(file);
+    const ImageSpace space = GENERATE(ImageSpace::lps, ImageSpace::ras);
+    PackRecipe recipe;
+    recipe.domain.source = file;
+    recipe.domain.label = "all";
+    recipe.domain.space = space;
+    recipe.radius = "uniform:2,3";
+    recipe.outputs = {"labels:" + folder.file("ids.nii.gz"),
+                      "labels-parts:" + folder.file("parts.mha"),
+                      "labels-solid:" + folder.file("solid.nrrd")};
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(run.report.axes == (space == ImageSpace::lps ? "LPS" : "RAS"));
+    const Image from = readImage(file), parts = readImage(folder.file("parts.mha")),
+                solid = readImage(folder.file("solid.nrrd"));
+    for (const Image* image : {&parts, &solid}) {
+        CHECK(image->grid.size == from.grid.size);
+        CHECK(length(image->grid.origin - from.grid.origin) < 1e-9);
+    }
+    // The solid is what the image says, but where its surface was smoothed; spheres lie in their
+    // own part.
+    std::size_t off = 0, voxels = 0;
+    for (std::size_t i = 0; i < from.values(); ++i) {
+        const int value = std::to_integer<int>(from.bytes[i]);
+        const int expected = value == 5 ? 1 : value == 9 ? 2 : 0;
+        voxels += expected != 0;
+        off += std::to_integer<int>(solid.bytes[i]) != expected;
+        const int part = std::to_integer<int>(parts.bytes[i]);
+        if (part != 0) CHECK(part == expected);
+    }
+    CHECK(100 * off < voxels);
+    const auto counts = countsIn(folder.file("ids.nii.gz"));
+    CHECK(10 * counts.size() > 9 * pack.spheres.size());
+    CHECK(counts.rbegin()->first <= static_cast<std::int64_t>(pack.spheres.size()));
+
+    recipe.outputs = {"labels:" + folder.file("r.vdb")};
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe;
+    recipe.domain.source = "ball:6";
+    recipe.radius = "uniform:1,2";
+    recipe.voids.shell = 2;
+    recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
+                      "labels-solid:" + folder.file("s.nii.gz")};
+    CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("voxelSpacing"));
+    recipe.domain.voxelSpacing = "0.2";
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    double volume[2] = {};
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        volume[pack.region[i]] += Measure<3>::ball(pack.spheres[i].radius) / 0.008;
+    auto counts = countsIn(folder.file("r.nii.gz"));
+    CHECK(counts[1] == Approx(volume[0]).epsilon(0.01));
+    CHECK(counts[2] == Approx(volume[1]).epsilon(0.02));
+    CHECK(countsIn(folder.file("s.nii.gz"))[1] == Approx(run.report.volume / 0.008).epsilon(0.005));
+}

@@ -1,0 +1,80 @@
+#include "support/image_file.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/core/rng.h"
+#include "vdbpack/image/label_map.h"
+
+#include <catch2/catch.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+ImageGrid obliqueGrid() {
+    ImageGrid grid = turned(gridAround(12, {{0.7, 0.9, 1.3}}), 0.4, -0.8);
+    grid.step[1] = -grid.step[1];  // left-handed
+    return grid;
+}
+
+/// Balls that do not overlap, some of them partly or wholly outside of the grid.
+std::vector<Sphere<3>> looseBalls() {
+    RandomStream random(7, 1);
+    std::vector<Sphere<3>> balls;
+    while (balls.size() < 120) {
+        Sphere<3> s;
+        for (int d = 0; d < 3; ++d) s.center[d] = 50 * (random.uniform() - 0.5);
+        s.radius = 0.2 + 3 * random.uniform();
+        if (std::none_of(balls.begin(), balls.end(), [&](const Sphere<3>& t) {
+                return length(s.center - t.center) < s.radius + t.radius;
+            }))
+            balls.push_back(s);
+    }
+    return balls;
+}
+
+}  // namespace
+
+TEST_CASE("a voxel has the label of the sphere that its center lies in", "[image]") {
+    const ImageGrid grid = obliqueGrid();
+    const auto balls = looseBalls();
+    std::vector<std::int32_t> labels;
+    for (std::size_t i = 0; i < balls.size(); ++i)
+        labels.push_back(static_cast<std::int32_t>(3 * i + 1));
+    const LabelMap map = labelMapOf(balls, labels, grid);
+    std::size_t voxel = 0, labelled = 0, wrong = 0;
+    for (std::size_t z = 0; z < grid.size[2]; ++z)
+        for (std::size_t y = 0; y < grid.size[1]; ++y)
+            for (std::size_t x = 0; x < grid.size[0]; ++x, ++voxel) {
+                const Vec<3> at = grid.at(
+                    {{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
+                std::int32_t expected = 0;
+                for (std::size_t i = 0; i < balls.size(); ++i)
+                    if (length(at - balls[i].center) <= balls[i].radius) expected = labels[i];
+                wrong += map.labels[voxel] != expected;
+                labelled += expected != 0;
+            }
+    CHECK(wrong == 0);
+    CHECK(labelled > 500);
+}
+
+TEST_CASE("voxels of another size cover the same space", "[image]") {
+    const ImageGrid grid = obliqueGrid();
+    const ImageGrid fine = withSpacing(grid, {{0.35, 0.3, 1.3}});
+    CHECK(fine.size ==
+          std::array<std::size_t, 3>{2 * grid.size[0], 3 * grid.size[1], grid.size[2]});
+    const Vec<3> corner{{-0.5, -0.5, -0.5}};
+    CHECK(length(fine.at(corner) - grid.at(corner)) < 1e-12);
+    CHECK(fine.bounds().volume() == Approx(grid.bounds().volume()));
+
+    const Box<3> box{{{-1, 2, 3}}, {{4, 9, 5.5}}};
+    const ImageGrid around = gridAround(box, {{0.5, 0.75, 0.5}});
+    for (int d = 0; d < 3; ++d) {
+        CHECK(around.bounds().lo[d] < box.lo[d]);
+        CHECK(around.bounds().hi[d] > box.hi[d]);
+    }
+    CHECK_THROWS_AS(withSpacing(grid, {{1e-9, 1, 1}}), ParameterError);
+}
