@@ -35,6 +35,8 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
         sums.density += volume * densities.of(i);
         if (modulus) sums.modulus += volume * modulus->numbers[i];
     }
+    // Rows can be counted: a number that does not occur has one as well.
+    for (std::int32_t m = all.empty() ? 0 : all.rbegin()->first; m-- > 0;) all[m];
     std::string text = "material,part,region,density_class,spheres,density_kg_m3";
     text += modulus ? ",modulus_MPa\n" : "\n";
     for (const auto& [material, sums] : all) {
@@ -44,8 +46,10 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
             appendNumber(text += ',', std::int64_t{n});
         appendNumber(text += ',', sums.spheres);
         text += ',';
-        if (!densities.unconverted()) appendNumber(text, sums.density / sums.volume);
-        if (modulus) appendNumber(text += ',', sums.modulus / sums.volume);
+        const bool any = sums.spheres > 0;
+        if (!densities.unconverted())
+            appendNumber(text, any ? sums.density / sums.volume : densities.ofMaterial(material));
+        if (modulus) appendNumber(text += ',', any ? sums.modulus / sums.volume : 0.0);
         text += '\n';
     }
     OutputFile out(file);

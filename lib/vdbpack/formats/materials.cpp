@@ -110,8 +110,11 @@ SphereDensities::SphereDensities(const PackAttributes& pack, double all,
 
 double SphereDensities::of(std::size_t i) const {
     if (column_) return column_->numbers[i];
-    if (ofMaterials_.empty()) return all_;
-    const auto found = ofMaterials_.find(materials_.of(i));
+    return ofMaterials_.empty() ? all_ : ofMaterial(materials_.of(i));
+}
+
+double SphereDensities::ofMaterial(std::int32_t material) const {
+    const auto found = ofMaterials_.find(material);
     return found != ofMaterials_.end() ? found->second : all_;
 }
 

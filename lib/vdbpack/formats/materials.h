@@ -82,6 +82,8 @@ public:
                     std::map<std::int32_t, double> ofMaterials);
 
     double of(std::size_t i) const;
+    /// What is requested for a material, or else for all.
+    double ofMaterial(std::int32_t material) const;
     /// The column `density` of a file, in a unit that nobody knows; null where densities were
     /// requested or there is none.
     const Column* unconverted() const { return unconverted_; }

@@ -152,6 +152,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     for (std::size_t k = 0; k < recipes.size(); ++k) {
         checkPartsRecipe(recipes[k]);
         if (recipes[k].name.empty()) recipes[k].name = fmt::format("part {}", k);
+        recipes[k].preview = {};  // there is one picture, of all
         if (!isImage(recipes[k].domain)) continue;
         LabelledImage& image = imageOf(recipes[k].domain);
         const auto parts =
@@ -358,6 +359,14 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     for (const auto& part : parts) sources.push_back(&part->source);
     Report first = begun;
     beginOn(sources, recipe, first, callbacks);
+    if (recipe.preview.cut) {
+        Box<3> box;
+        for (const DomainSource* source : sources) {
+            box.add(source->domainBounds().lo);
+            box.add(source->domainBounds().hi);
+        }
+        checkPreviewCut(*recipe.preview.cut, box);
+    }
     SharedRadii radii(recipe, parts);
     std::vector<PackedPart> packed(parts.size());
     bool interrupted = false;

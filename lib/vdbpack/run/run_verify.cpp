@@ -55,10 +55,12 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
         one.source = describe(parts[k]->recipe.domain);
         one.count = spheres.size();
         one.volume = parts[k]->source.volume();
+        one.area = parts[k]->source.plan(1, 1).area;
         one.solidFraction = ballShare(spheres, one.volume);
         one.protrusion = own.max;
         covered += one.solidFraction * one.volume;
         report.volume += one.volume;
+        report.area += one.area;
         report.parts.push_back(std::move(one));
         all.max = std::max(all.max, own.max);
         all.spheres += own.spheres;
