@@ -108,6 +108,7 @@ public:
     /// Leaves the inside of another file's mesh to that one: from now on the domain is what it
     /// leaves. @throws ParameterError if either is no file without clips and slices
     void cutBy(const DomainSource& other);
+    bool isCut() const { return !outsides_.empty(); }  ///< by `cutBy`
 
     int dim() const;        ///< 2 for rect, disc and slices
     double volume() const;  ///< estimate before the field is made, mm^dim

@@ -40,6 +40,12 @@ std::vector<std::vector<std::size_t>> membersOf(const std::string& file, const P
     return members;
 }
 
+/// What other parts leave of a domain is known by its field alone, mm³.
+double volumeOf(const DomainSource& source, const RadiusStatistics& radius) {
+    if (!source.isCut() || !(radius.min > 0)) return source.volume();
+    return source.build(fieldDetail(radius.min, radius.mean), radius.max).space->volume();
+}
+
 /// Holds each sphere against the wall of its own part.
 void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pack, Report& report) {
     const auto members = membersOf(file, pack, parts.size());
@@ -54,7 +60,7 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
         one.name = parts[k]->recipe.name;
         one.source = describe(parts[k]->recipe.domain);
         one.count = spheres.size();
-        one.volume = parts[k]->source.volume();
+        one.volume = volumeOf(parts[k]->source, radiusStatistics(spheres));
         one.area = parts[k]->source.plan(1, 1).area;
         one.solidFraction = ballShare(spheres, one.volume);
         one.protrusion = own.max;
