@@ -53,6 +53,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (parseClip(text).empty()) fuzz::report("a clip without a plane");
         } else if (kind == "slice") {
             if (!std::isfinite(parseSlice(text))) fuzz::report("a slice at no height");
+        } else if (kind == "spacing") {
+            for (const double s : parseVoxelSpacing(text).c)
+                if (!(s > 0) || !std::isfinite(s)) fuzz::report("voxels without a distance");
         }
     } catch (const ResourceError& e) {
         fuzz::report(e.what());

@@ -84,6 +84,46 @@ void writeGrids(const std::string& folder) {
     io::Stream(stream).write(GridCPtrVec{ball});
 }
 
+/// Small images of the formats whose headers are checked before a library sees them.
+void writeImages(const std::string& folder) {
+    const auto save = [&folder](const std::string& name, const std::string& bytes) {
+        std::ofstream(folder + "/" + name, std::ios::binary) << bytes;
+    };
+    const auto raw = [](auto value) {
+        return std::string(reinterpret_cast<const char*>(&value), sizeof value);
+    };
+    std::string nifti = raw(std::int32_t{348}) + std::string(344, '\0') + std::string(4 + 8, '\0');
+    const std::int16_t dims[] = {3, 2, 2, 2}, type = 2;
+    nifti.replace(40, 8, reinterpret_cast<const char*>(dims), 8);
+    nifti.replace(70, 2, raw(type));
+    nifti.replace(108, 4, raw(352.0f));
+    nifti.replace(344, 3, "n+1");
+    save("a.nii", nifti);
+
+    std::string tiff = "II*" + std::string(1, '\0') + raw(std::uint32_t{8});
+    tiff += raw(std::uint16_t{1}) + raw(std::uint16_t{256}) + raw(std::uint16_t{3}) +
+            raw(std::uint32_t{1}) + raw(std::uint32_t{2}) + raw(std::uint32_t{0});
+    save("a.tif", tiff);
+
+    const auto element = [&](std::uint16_t group, std::uint16_t number, const std::string& vr,
+                             const std::string& value) {
+        const bool wide = vr == "OW" || vr == "SQ";
+        const auto size = static_cast<std::uint32_t>(value.size());
+        return raw(group) + raw(number) + vr +
+               (wide ? raw(std::uint16_t{0}) + raw(size) : raw(static_cast<std::uint16_t>(size))) +
+               value;
+    };
+    const auto us = [&](int value) { return raw(static_cast<std::uint16_t>(value)); };
+    save("a.dcm", std::string(128, '\0') + "DICM" + element(2, 0x10, "UI", "1.2.840.10008.1.2.1 ") +
+                      element(8, 0x1140, "SQ",
+                              raw(std::uint32_t{0xe000fffe}) + raw(std::uint32_t{10}) +
+                                  element(8, 0x60, "CS", "CT")) +
+                      element(0x20, 0x32, "DS", "0\\0\\1.5 ") + element(0x28, 2, "US", us(1)) +
+                      element(0x28, 0x10, "US", us(2)) + element(0x28, 0x11, "US", us(2)) +
+                      element(0x28, 0x100, "US", us(16)) + element(0x28, 0x101, "US", us(12)) +
+                      element(0x28, 0x102, "US", us(11)) + element(0x7fe0, 0x10, "OW", "12345678"));
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -98,5 +138,6 @@ int main(int argc, char** argv) {
         writePack(pack, folder(family.c_str()) + "/pack." + family, {});
     writeStl(folder("mesh") + "/binary.stl");
     writeGrids(folder("vdb"));
+    writeImages(folder("image"));
     return 0;
 }

@@ -109,9 +109,10 @@ TEST_CASE("a file without the spacing of its voxels is refused unless one is giv
         std::to_string(s[0]) + ' ' + std::to_string(s[1]) + ' ' + std::to_string(s[2]);
     writeBytes(folder.file("a.nrrd"), "NRRD0001\ntype: uint8\ndimension: 3\nsizes: " + sizes +
                                           "\nencoding: raw\n\n" + bytesOfValues(made.values));
-    writeBytes(folder.file("a.mha"), "ObjectType = Image\nNDims = 3\nDimSize = " + sizes +
-                                         "\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
-                                         bytesOfValues(made.values));
+    writeBytes(folder.file("a.mha"),
+               "ObjectType = Image\nNDims = 3\nBinaryData = True\nDimSize = " + sizes +
+                   "\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" +
+                   bytesOfValues(made.values));
     for (const char* name : {"a.nrrd", "a.mha"}) {
         CHECK_THAT(messageFor(folder.file(name)), Contains("voxelSpacing"));
         ImageReadOptions options;

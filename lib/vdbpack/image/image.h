@@ -68,4 +68,7 @@ struct Image {
     }
 };
 
+/// Images are not copied by accident. @throws ResourceError
+Image copyOf(const Image& image);
+
 }  // namespace vdbpack

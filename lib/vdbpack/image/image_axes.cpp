@@ -33,6 +33,18 @@ std::array<Vec<3>, 3> perpendicular(std::array<Vec<3>, 3> a) {
 
 }  // namespace
 
+void applySpacing(ImageGrid& grid, const ImageReadOptions& options, bool known,
+                  const std::string& path) {
+    if (known) return;
+    if (!options.spacing)
+        throw InputError(path + ": does not say how far its voxels are apart; set `voxelSpacing`");
+    for (int d = 0; d < 3; ++d) {
+        Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
+        if (!(squaredLength(step) > 0)) step[d] = 1;
+        step = normalized(step) * (*options.spacing)[d];
+    }
+}
+
 void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callbacks) {
     const Vec<3> spacing = grid.spacing();
     std::array<Vec<3>, 3> unit;

@@ -3,10 +3,16 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/image/image.h"
+#include "vdbpack/image/image_file.h"
 
 #include <string>
 
 namespace vdbpack {
+
+/// Sets distances of voxels as `options` say where the file has none. @param known  whether it does
+/// @throws InputError where neither has
+void applySpacing(ImageGrid& grid, const ImageReadOptions& options, bool known,
+                  const std::string& path);
 
 /// Makes axes perpendicular that are so up to rounding, as `readImage` says, and warns of others.
 /// @throws InputError for axes without length or in one plane.

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/itk_image.h"
+#include "vdbpack/image/meta_image.h"
 #include "vdbpack/image/nifti.h"
 #include "vdbpack/io/text.h"
 
@@ -119,6 +120,8 @@ Image readImage(const std::string& path, const ImageReadOptions& options) {
     }
     std::error_code ignored;
     if (!std::filesystem::exists(path, ignored)) throw IoError(path + ": there is no such file");
+    const std::string extension = extensionOf(path);
+    if (extension == ".mha" || extension == ".mhd") return readMetaImage(path, options);
     return isNifti(path) ? readNifti(path, options) : readByItk(path, options);
 }
 

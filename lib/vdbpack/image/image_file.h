@@ -22,10 +22,11 @@ struct ImageReadOptions {
 
 /// Reads an image into the world of DICOM, mm.
 ///
-/// NIfTI by niftilib, the others by ITK. Of NIfTI the sform is used, else the qform. Direction
-/// cosines that are perpendicular up to 1e-3 are made so (with a warning above 1e-5); axes that are
-/// sheared by more are kept as they are, with a warning. Slices of a series are placed by their
-/// positions, which must be evenly spaced. TIFF stacks are sorted by the numbers in their names.
+/// NIfTI by niftilib, MetaImage here, the others by ITK. Of NIfTI the sform is used, else the
+/// qform. Direction cosines that are perpendicular up to 1e-3 are made so (with a warning above
+/// 1e-5); axes that are sheared by more are kept as they are, with a warning. Slices of a series
+/// are placed by their positions, which must be evenly spaced. TIFF stacks are sorted by the
+/// numbers in their names.
 ///
 /// @throws InputError for content that is no image or cannot be placed, IoError if a file cannot be
 /// read, ParameterError for a useless `spacing` or where the build has no image libraries,

@@ -1,25 +1,33 @@
 #include "vdbpack/image/itk_image.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/dicom_check.h"
+#include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/image_axes.h"
+#include "vdbpack/image/text_header.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
+#include <gdcmTrace.h>
 #include <itkGDCMImageIO.h>
-#include <itkGDCMSeriesFileNames.h>
-#include <itkMetaDataObject.h>
-#include <itkMetaImageIO.h>
 #include <itkNrrdImageIO.h>
 #include <itkTIFFImageIO.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
+#include <cstdarg>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <utility>
 #include <vector>
+
+// Of the libtiff within ITK, whose headers are not installed.
+extern "C" {
+using TiffHandler = void (*)(const char* module, const char* format, std::va_list values);
+TiffHandler itk_TIFFSetWarningHandler(TiffHandler handler);
+TiffHandler itk_TIFFSetErrorHandler(TiffHandler handler);
+}
 
 namespace vdbpack {
 
@@ -41,6 +49,11 @@ std::string causeOf(const itk::ExceptionObject& failure) {
 template <class Work>
 auto byItk(const std::string& path, const Work& work) {
     itk::Object::GlobalWarningDisplayOff();
+    gdcm::Trace::DebugOff();
+    gdcm::Trace::WarningOff();
+    gdcm::Trace::ErrorOff();
+    itk_TIFFSetWarningHandler(nullptr);
+    itk_TIFFSetErrorHandler(nullptr);
     try {
         return work();
     } catch (const itk::MemoryAllocationError&) {
@@ -53,13 +66,18 @@ auto byItk(const std::string& path, const Work& work) {
 Io ioOf(const std::string& path) {
     const std::string extension = extensionOf(path);
     if (extension == ".nrrd" || extension == ".nhdr") return itk::NrrdImageIO::New().GetPointer();
-    if (extension == ".mha" || extension == ".mhd") return itk::MetaImageIO::New().GetPointer();
     if (extension == ".tif" || extension == ".tiff") return itk::TIFFImageIO::New().GetPointer();
     return itk::GDCMImageIO::New().GetPointer();
 }
 
+bool isTiff(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".tif" || extension == ".tiff";
+}
+
 /// An io that knows the header of a file.
 Io opened(const std::string& path) {
+    if (isTiff(path)) checkTiffPages(path);
     return byItk(path, [&] {
         Io io = ioOf(path);
         io->SetFileName(path);
@@ -124,104 +142,11 @@ ImageGrid gridOf(const itk::ImageIOBase& io, const std::string& path) {
     return grid;
 }
 
-/// A text header: lines of "key: value" or "key = value", keys in lower case.
-struct Header {
-    std::multimap<std::string, std::string> lines;
-    std::size_t end = 0;  // where data may begin
-};
-
-/// The lines until an empty one or the name of the data, in the first MB.
-Header headerOf(const std::string& path) {
-    std::ifstream file(path, std::ios::binary);
-    std::string text(std::size_t{1} << 20, ' ');
-    file.read(text.data(), static_cast<std::streamsize>(text.size()));
-    text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-    Header header;
-    while (header.end < text.size()) {
-        const std::size_t end = std::min(text.find('\n', header.end), text.size());
-        const std::string_view line =
-            trimmed(std::string_view(text).substr(header.end, end - header.end));
-        header.end = end + 1;
-        if (line.empty() && !header.lines.empty()) break;
-        const std::size_t mark = line.find_first_of(":=");
-        if (mark == std::string_view::npos) continue;
-        std::string key = lowered(trimmed(line.substr(0, mark)));
-        std::string_view value = line.substr(mark + 1);
-        if (!value.empty() && value.front() == '=') value.remove_prefix(1);  // ":=" in NRRD
-        const bool last = key == "elementdatafile";
-        header.lines.emplace(std::move(key), std::string(trimmed(value)));
-        if (last) break;
-    }
-    return header;
-}
-
-std::string valueOf(const Header& header, const char* key) {
-    const auto at = header.lines.find(key);
-    return at == header.lines.end() ? "" : at->second;
-}
-
 std::uint64_t sizeOf(const std::string& path) {
     std::error_code failed;
     const auto size = std::filesystem::file_size(path, failed);
     if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
     return size;
-}
-
-/// Bytes of the files that hold the voxels of a NRRD or MetaImage.
-std::uint64_t bytesBehind(const std::string& path, const Header& header) {
-    std::string data = valueOf(header, "data file");
-    if (data.empty()) data = valueOf(header, "datafile");
-    if (data.empty()) data = valueOf(header, "elementdatafile");
-    if (data.empty() || data == "LOCAL") return sizeOf(path);
-    const std::filesystem::path folder = std::filesystem::path(path).parent_path();
-    // Of a list or a pattern, all files in the folder.
-    std::error_code ignored;
-    if (std::filesystem::is_regular_file(folder / data, ignored))
-        return sizeOf((folder / data).string());
-    std::uint64_t sum = 0;
-    const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
-    for (const auto& entry : std::filesystem::directory_iterator(shown, ignored))
-        if (entry.is_regular_file(ignored)) sum += entry.file_size(ignored);
-    return sum;
-}
-
-/// MetaIO takes a file that ends early for one of zeros. @throws InputError
-void requireData(const std::string& path, const Header& header, std::size_t bytes) {
-    if (lowered(valueOf(header, "compresseddata")) == "true") return;
-    const bool local = lowered(valueOf(header, "elementdatafile")) == "local";
-    const std::uint64_t there = bytesBehind(path, header);
-    if (there < bytes + (local ? header.end : 0))
-        throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
-}
-
-/// Names of labels as 3D Slicer writes them into .seg.nrrd.
-std::vector<LabelName> namesOf(const Header& header) {
-    std::vector<LabelName> names;
-    for (int k = 0;; ++k) {
-        const std::string segment = "segment" + std::to_string(k) + "_";
-        const std::string name = valueOf(header, (segment + "name").c_str());
-        const std::string value = valueOf(header, (segment + "labelvalue").c_str());
-        const std::string layer = valueOf(header, (segment + "layer").c_str());
-        if (name.empty() && value.empty()) break;
-        LabelName label;
-        label.name = name;
-        label.value = std::strtol(value.c_str(), nullptr, 10);
-        label.layer = std::strtoul(layer.c_str(), nullptr, 10);
-        names.push_back(label);
-    }
-    return names;
-}
-
-/// Sets distances of voxels. @throws InputError where there are none
-void space(ImageGrid& grid, const ImageReadOptions& options, bool known, const std::string& path) {
-    if (known) return;
-    if (!options.spacing)
-        throw InputError(path + ": does not say how far its voxels are apart; set `voxelSpacing`");
-    for (int d = 0; d < 3; ++d) {
-        Vec<3>& step = grid.step[static_cast<std::size_t>(d)];
-        if (!(squaredLength(step) > 0)) step[d] = 1;
-        step = normalized(step) * (*options.spacing)[d];
-    }
 }
 
 void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
@@ -240,42 +165,40 @@ void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
 }  // namespace
 
 Image readByItk(const std::string& path, const ImageReadOptions& options) {
-    const Io io = opened(path);
-    ImageGrid grid = gridOf(*io, path);
     const std::string extension = extensionOf(path);
     const bool nrrd = extension == ".nrrd" || extension == ".nhdr";
-    const bool meta = extension == ".mha" || extension == ".mhd";
-    Header header;
-    if (nrrd || meta) header = headerOf(path);
+    const bool tiff = isTiff(path);
+    TextHeader header;
+    if (nrrd) {
+        header = readTextHeader(path);
+        checkNrrdHeader(header, path);
+    } else if (!tiff && !checkDicom(path).image) {
+        throw InputError(path + ": is no DICOM image");
+    }
+    const Io io = opened(path);
+    ImageGrid grid = gridOf(*io, path);
     const bool spaced =
-        nrrd   ? header.lines.count("space directions") || header.lines.count("spacings")
-        : meta ? header.lines.count("elementspacing") || header.lines.count("elementsize")
-               : extension != ".tif" && extension != ".tiff" && grid.size[2] > 1;
-    if (grid.size[2] <= 1 && !nrrd && !meta)
+        nrrd ? header.has("space directions") || header.has("spacings") : !tiff && grid.size[2] > 1;
+    if (grid.size[2] <= 1 && !nrrd)
         throw InputError(path + ": is a single slice; give the folder of all slices");
-    space(grid, options, spaced, path);
-    if (nrrd && !header.lines.count("space") && !header.lines.count("space dimension"))
+    applySpacing(grid, options, spaced, path);
+    if (nrrd && !header.has("space") && !header.has("space dimension"))
         options.callbacks.warn(path +
                                ": does not say in which space its axes lie: which side is "
                                "left is unknown");
     checkAxes(grid, path, options.callbacks);
     Image image = allocatedImage(path, grid, io->GetNumberOfComponents(), typeOf(*io, path),
-                                 nrrd || meta ? bytesBehind(path, header) : sizeOf(path));
+                                 nrrd ? bytesOfData(header, path) : sizeOf(path));
     if (!nrrd && image.layers > 1)
         throw InputError(
             fmt::format("{}: has {} values at each voxel, such as colors; convert it "
                         "to one",
                         path, image.layers));
     options.callbacks.stopIfCancelled();
-    if (meta) requireData(path, header, image.values() * bytesOf(image.type));
     readVoxels(*io, path, image.bytes.get());
-    image.names = namesOf(header);
+    image.names = labelNames(header);
     image.isSpaced = spaced;
-    image.format = nrrd                          ? "NRRD"
-                   : meta                        ? "MetaImage"
-                   : grid.size[2] > 1 && !spaced ? "TIFF"
-                                                 : "DICOM";
-    if (extension == ".tif" || extension == ".tiff") image.format = "TIFF";
+    image.format = nrrd ? "NRRD" : tiff ? "TIFF" : "DICOM";
     return image;
 }
 
@@ -334,28 +257,35 @@ void requireAlike(const Slice& slice, const Slice& first) {
                         first.grid.size[0], first.grid.size[1]));
 }
 
+/// The slices of the one series in a folder.
+std::vector<std::string> slicesIn(const std::string& folder, const ImageReadOptions& options) {
+    std::map<std::string, std::vector<std::string>> series;
+    std::error_code failed;
+    for (const auto& entry : std::filesystem::directory_iterator(folder, failed)) {
+        options.callbacks.stopIfCancelled();
+        std::error_code ignored;
+        if (!entry.is_regular_file(ignored)) continue;
+        const DicomKind kind = checkDicom(entry.path().string());
+        if (kind.image) series[kind.series].push_back(entry.path().string());
+    }
+    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", folder, failed.message()));
+    if (series.empty()) throw InputError(folder + ": has no DICOM image files and no .tif files");
+    std::string list;
+    for (auto& [id, files] : series) {
+        std::sort(files.begin(), files.end());
+        list += fmt::format("\n  {} files, such as {}", files.size(), files.front());
+    }
+    if (series.size() > 1)
+        throw InputError(
+            fmt::format("{}: has {} series of images; move each into a folder of its own:{}",
+                        folder, series.size(), list));
+    return series.begin()->second;
+}
+
 }  // namespace
 
 Image readDicomFolder(const std::string& folder, const ImageReadOptions& options) {
-    const auto files = byItk(folder, [&] {
-        auto names = itk::GDCMSeriesFileNames::New();
-        names->SetUseSeriesDetails(true);
-        names->SetDirectory(folder);
-        const auto series = names->GetSeriesUIDs();
-        if (series.empty())
-            throw InputError(folder + ": has no DICOM image files and no .tif files");
-        if (series.size() > 1) {
-            std::string list;
-            for (const auto& id : series)
-                list += fmt::format("\n  {} files, such as {}", names->GetFileNames(id).size(),
-                                    names->GetFileNames(id).front());
-            throw InputError(
-                fmt::format("{}: has {} series of images; move each into a folder of "
-                            "its own:{}",
-                            folder, series.size(), list));
-        }
-        return names->GetFileNames(series.front());
-    });
+    const std::vector<std::string> files = slicesIn(folder, options);
     if (files.size() == 1) return readByItk(files.front(), options);
     std::vector<Slice> slices;
     for (const std::string& file : files) {
@@ -417,7 +347,7 @@ Image readTiffStack(const std::vector<std::string>& files, const ImageReadOption
     }
     ImageGrid grid = slices.front().grid;
     grid.size[2] = slices.size();
-    space(grid, options, false, files.front());
+    applySpacing(grid, options, false, files.front());
     Image image = joined(slices, grid, files.front(), options);
     image.format = "TIFF";
     image.isSpaced = false;

@@ -1,6 +1,7 @@
 #include "vdbpack/image/nifti.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/image_axes.h"
 
 #include <fmt/format.h>
@@ -88,6 +89,7 @@ double apart(const ImageGrid& a, const ImageGrid& b) {
 }  // namespace
 
 Image readNifti(const std::string& path, const ImageReadOptions& options) {
+    checkNiftiHeader(path);
     nifti_set_debug_level(0);
     const Nifti nifti(nifti_image_read(path.c_str(), 0));
     if (!nifti) throw InputError(path + ": is no NIfTI image, or its header is damaged");

@@ -57,9 +57,10 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels);
 /// Source: Frisken (2022), "SurfaceNets for Multi-Label Segmentations with Preservation of Sharp
 /// Boundaries", Journal of Computer Graphics Techniques 11(1), 34-54, http://jcgt.org: its cells,
 /// its constraint and its rule for lines of three labels. Its averaging flattens a ball of ten
-/// voxels by some percent; here the bending is averaged instead of the positions, and in the end
-/// all faces between two labels move by the same distance, until the volumes are right.
-/// Cost: about 0.5 microseconds a vertex on two threads.
+/// voxels by some percent; here the bending is averaged instead of the positions, but for sharp
+/// edges, and in the end all faces between two labels move by the same distance, until the volumes
+/// are right. Surfaces of balls and tori lie 0.05 to 0.1 voxels (rms) off the true ones.
+/// Cost: about 1.3 microseconds and 90 bytes a vertex on two threads.
 void smooth(SurfaceNet& net, const std::array<std::size_t, 3>& size);
 
 /// Moves each vertex to the mean of the points at which the edges of its cell cross a threshold.

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 
@@ -14,36 +13,55 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 constexpr std::uint16_t kBeyond = LabelVoxels::kBeyond;
 
-/// Of a side of a cell and the cell beyond it: bit 0 of a side is set for the upper one.
+/// Across the sides of a cell to -x, +x, -y, +y, -z, +z.
 using Neighbors = std::array<std::uint32_t, 6>;
+/// Such as the way from the middle of a cell to its vertex, along the axes; then the fourth number
+/// is 0.
+using Float4 [[gnu::vector_size(16)]] = float;
 
-/// The vertices that each one shares a side of its cell with, where a surface crosses it.
-std::vector<Neighbors> neighborsOf(const SurfaceNet& net) {
-    Neighbors none;
-    none.fill(kNone);
-    std::vector<Neighbors> all(net.vertices.size(), none);
+/// Which vertices bend a surface together.
+struct Links {
+    std::vector<Neighbors> to;        ///< the vertex itself where there is none
+    std::vector<std::uint8_t> sides;  ///< bits 0 to 5 are set where there is one
+};
+
+/// Those that share a side of their cells where a surface crosses it; along a line of three labels,
+/// those of the line.
+Links linksOf(const SurfaceNet& net) {
+    Links links;
+    links.to.resize(net.vertices.size());
+    links.sides.resize(net.vertices.size());
+    for (std::size_t v = 0; v < links.to.size(); ++v)
+        links.to[v].fill(static_cast<std::uint32_t>(v));
+    const auto link = [&](std::uint32_t from, std::uint32_t to, std::size_t side) {
+        if (net.junctions[from] && !(net.junctions[from] >> side & 1)) return;
+        links.to[from][side] = to;
+        links.sides[from] = static_cast<std::uint8_t>(links.sides[from] | 1u << side);
+    };
     for (const SurfaceNet::Face& face : net.faces)
         for (std::size_t k = 0; k < 4; ++k) {
             const std::uint32_t a = face.vertices[k], b = face.vertices[(k + 1) % 4];
             for (std::size_t d = 0; d < 3; ++d) {
                 if (net.cells[a][d] == net.cells[b][d]) continue;
                 const bool up = net.cells[a][d] < net.cells[b][d];
-                all[a][2 * d + (up ? 1 : 0)] = b;
-                all[b][2 * d + (up ? 0 : 1)] = a;
+                link(a, b, 2 * d + (up ? 1 : 0));
+                link(b, a, 2 * d + (up ? 0 : 1));
             }
         }
-    return all;
+    return links;
 }
 
-/// How far a vertex may move from the middle of its cell along an axis: not to its sides, so that
-/// no voxel vanishes; not at all across the border of the image.
-double reachOf(const SurfaceNet& net, const std::array<std::size_t, 3>& size, std::size_t v,
-               std::size_t axis) {
+/// How far a vertex may move from the middle of its cell: not to its sides, so that no voxel
+/// vanishes.
+constexpr float kReach = 0.45f;
+
+/// The same along an axis: not at all across the border of the image.
+float reachOf(const SurfaceNet& net, const std::array<std::size_t, 3>& size, std::size_t v,
+              std::size_t axis) {
     const std::uint16_t cell = net.cells[v][axis];
-    return cell == 0 || cell == size[axis] ? 0 : 0.45;
+    return cell == 0 || cell == size[axis] ? 0 : kReach;
 }
 
 /// The nearest point that a vertex may have.
@@ -51,7 +69,7 @@ Vec<3> inCell(const SurfaceNet& net, const std::array<std::size_t, 3>& size, std
               Vec<3> x) {
     for (std::size_t d = 0; d < 3; ++d) {
         const double middle = static_cast<double>(net.cells[v][d]) - 0.5;
-        const double reach = reachOf(net, size, v, d);
+        const double reach = static_cast<double>(reachOf(net, size, v, d));
         x.c[d] = std::clamp(x.c[d], middle - reach, middle + reach);
     }
     return x;
@@ -65,41 +83,89 @@ void forEachVertex(const SurfaceNet& net, const Work& work) {
                       });
 }
 
-/// Makes the surfaces less bent: a descent of the squared distances of vertices to the means of
-/// their neighbors, by the accelerated steps of Beck and Teboulle (2009), "A fast iterative
-/// shrinkage-thresholding algorithm", doi:10.1137/080716542.
-void straighten(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
-    /// Flattens steps that lie up to some ten voxels apart; more rounds make the flat sides of
-    /// boxes bulge.
-    constexpr int kRounds = 30;
-    /// Below the square of the largest eigenvalue, 2, of what `offMean` computes.
-    constexpr double kStep = 0.25;
-    const std::vector<Neighbors> neighbors = neighborsOf(net);
-    std::vector<Vec<3>> ahead = net.vertices, apart(net.vertices.size());
-    const auto offMean = [&](const std::vector<Vec<3>>& x, std::size_t v) {
-        const unsigned junctions = net.junctions[v];
-        Vec<3> sum;
-        int others = 0;
-        for (unsigned side = 0; side < 6; ++side) {
-            const std::uint32_t to = neighbors[v][side];
-            if (to == kNone || (junctions && !(junctions >> side & 1))) continue;
-            sum += x[to];
-            ++others;
+/// Computes how far vertices lie from the means of those that they are linked to.
+class OffMean {
+public:
+    explicit OffMean(const Links& links) : links_(links) {
+        for (unsigned sides = 0; sides < rules_.size(); ++sides) {
+            Rule& rule = rules_[sides];
+            int count = 0;
+            for (unsigned side = 0; side < 6; ++side) {
+                if (!(sides >> side & 1)) continue;
+                rule.toCells[side / 2] += side % 2 ? 1.0f : -1.0f;
+                ++count;
+            }
+            // A line of three labels may end, or be that of a single voxel.
+            rule.share = count >= 2 ? 1 / static_cast<float>(count) : 0;
         }
-        // A line of three labels may end, or be that of a single voxel.
-        return others >= 2 ? x[v] - sum * (1.0 / others) : Vec<3>{};
+    }
+
+    /// @param offsets  of vertices from the middles of their cells.
+    Float4 ofOffsets(const std::vector<Float4>& offsets, std::size_t v) const {
+        const Rule& rule = rules_[links_.sides[v]];
+        return rule.share * (sixfold(offsets, v) - rule.toCells);
+    }
+
+    /// @param values  any numbers.
+    Float4 ofValues(const std::vector<Float4>& values, std::size_t v) const {
+        return rules_[links_.sides[v]].share * sixfold(values, v);
+    }
+
+private:
+    struct Rule {
+        float share = 0;   // of each neighbor
+        Float4 toCells{};  // sum of the ways to the cells of the neighbors
     };
+
+    Float4 sixfold(const std::vector<Float4>& x, std::size_t v) const {
+        const Neighbors& to = links_.to[v];
+        return 6.0f * x[v] - (x[to[0]] + x[to[1]] + x[to[2]] + x[to[3]] + x[to[4]] + x[to[5]]);
+    }
+
+    const Links& links_;
+    std::array<Rule, 64> rules_;
+};
+
+/// What a vertex resists.
+struct Stiffness {
+    float bend = 1;      ///< how much the square of its distance from its neighbors' mean counts
+    float pull = 0;      ///< how much that of its distance from the middle of its cell does
+    float step = 0.25f;  ///< of a descent; at most the inverse of the largest eigenvalue there
+};
+
+/// Minimizes the energy of `stiffness` by the accelerated steps of Beck and Teboulle (2009), "A
+/// fast iterative shrinkage-thresholding algorithm", doi:10.1137/080716542, from the middles of the
+/// cells.
+void relax(SurfaceNet& net, const std::array<std::size_t, 3>& size, const Links& links,
+           const std::vector<Stiffness>& stiffness, int rounds) {
+    const OffMean offMean(links);
+    const std::size_t count = net.vertices.size();
+    std::vector<Float4> offsets(count), ahead(count), apart(count);
     double t = 1;
-    for (int round = 0; round < kRounds; ++round) {
-        forEachVertex(net, [&](std::size_t v) { apart[v] = offMean(ahead, v); });
-        const double next = (1 + std::sqrt(1 + 4 * t * t)) / 2, beyond = (t - 1) / next;
+    for (int round = 0; round < rounds; ++round) {
+        forEachVertex(net, [&](std::size_t v) {
+            apart[v] = stiffness[v].bend * offMean.ofOffsets(ahead, v);
+        });
+        const double next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
+        const auto beyond = static_cast<float>((t - 1) / next);
         t = next;
         forEachVertex(net, [&](std::size_t v) {
-            const Vec<3> x = inCell(net, size, v, ahead[v] - kStep * offMean(apart, v));
-            ahead[v] = x + beyond * (x - net.vertices[v]);
-            net.vertices[v] = x;
+            const Stiffness& s = stiffness[v];
+            const Float4 slope = offMean.ofValues(apart, v) + s.pull * ahead[v];
+            const Float4 reach = {reachOf(net, size, v, 0), reachOf(net, size, v, 1),
+                                  reachOf(net, size, v, 2), 0};
+            Float4 x = ahead[v] - s.step * slope;
+            x = x > reach ? reach : x;
+            x = x < -reach ? -reach : x;
+            ahead[v] = x + beyond * (x - offsets[v]);
+            offsets[v] = x;
         });
     }
+    forEachVertex(net, [&](std::size_t v) {
+        for (int d = 0; d < 3; ++d)
+            net.vertices[v][d] = static_cast<double>(net.cells[v][static_cast<std::size_t>(d)]) -
+                                 0.5 + static_cast<double>(offsets[v][d]);
+    });
 }
 
 /// The area of a face as a vector from the voxel below to that above.
@@ -108,12 +174,107 @@ Vec<3> areaOf(const SurfaceNet& net, const SurfaceNet::Face& face) {
     return 0.5 * cross(at(2) - at(0), at(3) - at(1));
 }
 
+/// The normals of the vertices, of length 1; their fourth number is 1. On lines of three labels, 0.
+std::vector<Float4> normalsOf(const SurfaceNet& net) {
+    std::vector<Float4> normals(net.vertices.size());
+    for (const SurfaceNet::Face& face : net.faces) {
+        const Vec<3> area = (face.below < face.above ? 1.0 : -1.0) * areaOf(net, face);
+        const Float4 a = {static_cast<float>(area[0]), static_cast<float>(area[1]),
+                          static_cast<float>(area[2]), 0};
+        for (const std::uint32_t v : face.vertices) normals[v] += a;
+    }
+    forEachVertex(net, [&](std::size_t v) {
+        Float4& n = normals[v];
+        const float size = std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+        n = net.junctions[v] || size == 0 ? Float4{} : n * (1 / size);
+        if (!net.junctions[v]) n[3] = 1;
+    });
+    return normals;
+}
+
+/// Normals become means over some two vertices to each side.
+constexpr int kBlurRounds = 8;
+
+/// How much the normals around each vertex differ: 1 less the length of their mean.
+std::vector<float> spreadOfNormals(const SurfaceNet& net, const Links& links) {
+    std::vector<Float4> normals = normalsOf(net), means(normals.size());
+    for (int round = 0; round < kBlurRounds; ++round) {
+        forEachVertex(net, [&](std::size_t v) {
+            const Neighbors& to = links.to[v];
+            means[v] = (1.0f / 6) * (normals[to[0]] + normals[to[1]] + normals[to[2]] +
+                                     normals[to[3]] + normals[to[4]] + normals[to[5]]);
+        });
+        normals.swap(means);
+    }
+    std::vector<float> spread(normals.size());
+    forEachVertex(net, [&](std::size_t v) {
+        const Float4 n = normals[v];
+        if (n[3] > 0) spread[v] = 1 - std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) / n[3];
+    });
+    return spread;
+}
+
+/// What a vertex resists where normals differ that much.
+///
+/// At sharp edges the bending counts little, as at the creases of Blake and Zisserman (1987),
+/// "Visual Reconstruction", MIT Press. Else the edges, rounded within their cells, would tilt the
+/// sides, and these would bulge.
+///
+/// A surface of a larger radius is bent less: the bending flattens curved ones as far as the cells
+/// allow, by a force that grows with the cube of the curvature. The pull stops that. It is weak
+/// where the curvature is low, so that steps far apart vanish.
+Stiffness stiffnessAt(float spread) {
+    /// Half of the bending counts there: 0.02 for a radius of ten voxels, 0.2 for a right angle.
+    constexpr float kEdge = 0.045f;
+    constexpr float kLeastBend = 0.05f, kNoise = 0.005f, kPull = 0.75f, kMostPull = 0.02f;
+    Stiffness s;
+    const float sharp = spread / kEdge;
+    s.bend = std::max(kLeastBend, 1 / (1 + sharp * sharp * sharp));
+    // A round of blur has a variance of 1/3 along each axis of the surface.
+    const float curvature = std::sqrt(std::max(0.0f, spread - kNoise) * (6.0f / kBlurRounds));
+    s.pull = s.bend * std::min(kMostPull, kPull * curvature * curvature * curvature);
+    return s;
+}
+
+std::vector<Stiffness> stiffnessOf(const SurfaceNet& net, const Links& links) {
+    // Lines of three labels have corners as well. The pull bends them near those alone, and they
+    // bend the surfaces beside them less.
+    Stiffness line;
+    line.bend = 0.2f;
+    line.pull = 0.01f * line.bend;
+    const std::vector<float> spread = spreadOfNormals(net, links);
+    std::vector<Stiffness> all(spread.size());
+    forEachVertex(
+        net, [&](std::size_t v) { all[v] = net.junctions[v] ? line : stiffnessAt(spread[v]); });
+    // (a + b)^2 <= 2 a^2 + 2 b^2 for a vertex and the mean of its neighbors.
+    forEachVertex(net, [&](std::size_t v) {
+        float most = all[v].bend;
+        for (const std::uint32_t to : links.to[v]) most = std::max(most, all[to].bend);
+        all[v].step = 1 / (4 * most + all[v].pull);
+    });
+    return all;
+}
+
+/// Makes the surfaces less bent, but for their edges.
+void straighten(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
+    /// The first ones show where edges are; the last ones flatten steps that lie up to some twenty
+    /// voxels apart.
+    constexpr int kFirstRounds = 16, kRounds = 240;
+    const Links links = linksOf(net);
+    relax(net, size, links, std::vector<Stiffness>(net.vertices.size()), kFirstRounds);
+    relax(net, size, links, stiffnessOf(net, links), kRounds);
+}
+
 /// Moves the faces between two labels, all of them as far, so that each label has the volume of its
 /// voxels again.
 void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     constexpr int kRounds = 3, kSweeps = 200;
+    std::size_t labels = 1;
+    for (const SurfaceNet::Face& face : net.faces)
+        for (const std::uint16_t label : {face.below, face.above})
+            if (label != kBeyond) labels = std::max(labels, std::size_t{label} + 1);
     for (int round = 0; round < kRounds; ++round) {
-        std::vector<double> missing(std::size_t{kBeyond} + 1);
+        std::vector<double> missing(labels);
         std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  // of labels that touch
         for (const SurfaceNet::Face& face : net.faces) {
             const Vec<3> area = areaOf(net, face);
@@ -122,23 +283,23 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
             double volume = -dot(middle, area) / 3;
             // The voxels of a label, counted along rows: from face to face.
             if (face.axis == 0) volume += static_cast<double>(net.cells[face.vertices[0]][0]) - 0.5;
-            missing[face.below] += volume;
-            missing[face.above] -= volume;
+            if (face.below != kBeyond) missing[face.below] += volume;
+            if (face.above != kBeyond) missing[face.above] -= volume;
             if (face.below == kBeyond || face.above == kBeyond) continue;
             areas[std::minmax(face.below, face.above)] += length(area);
         }
         // The least movement that does so is a potential of the labels; that of the background is
         // 0.
         std::vector<double> potential(missing.size()), flow, weight(missing.size());
-        for (const auto& [labels, area] : areas) {
-            weight[labels.first] += area;
-            weight[labels.second] += area;
+        for (const auto& [pair, area] : areas) {
+            weight[pair.first] += area;
+            weight[pair.second] += area;
         }
         for (int sweep = 0; sweep < kSweeps; ++sweep) {
             flow = missing;
-            for (const auto& [labels, area] : areas) {
-                flow[labels.first] += area * potential[labels.second];
-                flow[labels.second] += area * potential[labels.first];
+            for (const auto& [pair, area] : areas) {
+                flow[pair.first] += area * potential[pair.second];
+                flow[pair.second] += area * potential[pair.first];
             }
             for (std::size_t l = 1; l < flow.size(); ++l)
                 if (weight[l] > 0) potential[l] = flow[l] / weight[l];

@@ -1,0 +1,16 @@
+// Private: what libraries do not check in the headers of images before they trust them.
+#pragma once
+
+#include <string>
+
+namespace vdbpack {
+
+/// Refuses TIFF files whose pages run in a circle, or lie outside of the file.
+/// @throws InputError, IoError
+void checkTiffPages(const std::string& path);
+
+/// Refuses NIfTI files, also gzipped ones, whose header is no such or has impossible sizes.
+/// @throws InputError, IoError
+void checkNiftiHeader(const std::string& path);
+
+}  // namespace vdbpack

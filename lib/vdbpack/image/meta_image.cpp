@@ -1,0 +1,200 @@
+#include "vdbpack/image/meta_image.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/image/image_axes.h"
+#include "vdbpack/image/text_header.h"
+#include "vdbpack/io/input_file.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+namespace {
+
+// Source: the format as MetaIO reads it, https://itk.org/Wiki/ITK/MetaIO/Documentation.
+
+VoxelType typeOf(const TextHeader& header, const std::string& path) {
+    constexpr std::pair<const char*, VoxelType> kTypes[] = {
+        {"MET_UCHAR", VoxelType::uint8},   {"MET_CHAR", VoxelType::int8},
+        {"MET_USHORT", VoxelType::uint16}, {"MET_SHORT", VoxelType::int16},
+        {"MET_UINT", VoxelType::uint32},   {"MET_INT", VoxelType::int32},
+        {"MET_FLOAT", VoxelType::float32}, {"MET_DOUBLE", VoxelType::float64}};
+    const std::string name = header.value("elementtype");
+    for (const auto& [known, type] : kTypes)
+        if (name == known) return type;
+    throw InputError(
+        fmt::format("{}: its voxels are of type {}; convert it to integers of at most "
+                    "32 bits or to floats",
+                    path, quotedExcerpt(name)));
+}
+
+/// The finite numbers of the first of some keys that the header has. @param count  how many
+std::vector<double> numbersOf(const TextHeader& header, std::initializer_list<const char*> keys,
+                              std::size_t count, const std::string& path) {
+    for (const char* key : keys) {
+        if (!header.has(key)) continue;
+        const std::string text = header.value(key);
+        std::vector<double> numbers;
+        Words words(text);
+        double number = 0;
+        for (std::string_view word = words.next(); !word.empty(); word = words.next())
+            if (numbers.size() <= count && parseReal(word, number) && std::isfinite(number))
+                numbers.push_back(number);
+            else
+                throw InputError(fmt::format("{}: {} = {}: not {} numbers; it is damaged", path,
+                                             key, quotedExcerpt(text), count));
+        if (numbers.size() != count)
+            throw InputError(fmt::format("{}: {} = {}: {} numbers, not {}; it is damaged", path,
+                                         key, quotedExcerpt(text), numbers.size(), count));
+        return numbers;
+    }
+    return {};
+}
+
+std::int64_t wholeOf(const TextHeader& header, const char* key, std::int64_t least,
+                     std::int64_t most, std::int64_t otherwise, const std::string& path) {
+    if (!header.has(key)) return otherwise;
+    std::int64_t value = 0;
+    const std::string text = header.value(key);
+    if (!parseInteger(text, value) || value < least || value > most)
+        throw InputError(fmt::format("{}: {} = {}: not a whole number from {} to {}; it is damaged",
+                                     path, key, quotedExcerpt(text), least, most));
+    return value;
+}
+
+bool isTrue(const TextHeader& header, const char* key) {
+    const std::string text = header.value(key);
+    return !text.empty() && (text.front() == 'T' || text.front() == 't' || text.front() == '1');
+}
+
+ImageGrid gridOf(const TextHeader& header, const std::string& path) {
+    const auto n = static_cast<std::size_t>(wholeOf(header, "ndims", 2, 4, 0, path));
+    if (n == 0) throw InputError(path + ": has no NDims; it is no image, or damaged");
+    const auto sizes = numbersOf(header, {"dimsize"}, n, path);
+    if (sizes.empty()) throw InputError(path + ": has no DimSize; it is damaged");
+    const auto spacing = numbersOf(header, {"elementspacing", "elementsize"}, n, path);
+    const auto origin = numbersOf(header, {"offset", "position", "origin"}, n, path);
+    const auto axes =
+        numbersOf(header, {"transformmatrix", "rotation", "orientation"}, n * n, path);
+    for (const double size : sizes)
+        if (!(size >= 1) || size > 65534 || size != std::floor(size))
+            throw InputError(
+                fmt::format("{}: DimSize = {}: from 1 to 65,534 voxels along each axis "
+                            "can be read",
+                            path, quotedExcerpt(header.value("dimsize"))));
+    if (n > 3 && sizes[3] > 1)
+        throw InputError(fmt::format(
+            "{}: has {} dimensions, {:g} values along the fourth; give an image of one volume",
+            path, n, sizes[3]));
+    ImageGrid grid;
+    for (std::size_t d = 0; d < 3; ++d) {
+        grid.size[d] = d < n ? static_cast<std::size_t>(sizes[d]) : 1;
+        if (d >= n) continue;
+        if (!origin.empty()) grid.origin.c[d] = origin[d];
+        if (!axes.empty())
+            for (std::size_t row = 0; row < 3; ++row)
+                grid.step[d].c[row] = row < n ? axes[d * n + row] : 0;
+        if (!spacing.empty()) grid.step[d] = grid.step[d] * spacing[d];
+    }
+    return grid;
+}
+
+/// The file with the voxels.
+std::string dataFile(const TextHeader& header, const std::string& path) {
+    const std::string name = header.value("elementdatafile");
+    if (equalsNoCase(name, "local")) return path;
+    if (name.empty()) throw InputError(path + ": has no ElementDataFile; it is damaged");
+    if (startsWith(name, "LIST") || name.find('%') != std::string::npos)
+        throw InputError(
+            fmt::format("{}: ElementDataFile = {}: lists and patterns of files are not "
+                        "read; write the image as one file",
+                        path, quotedExcerpt(name)));
+    requireFileName(name);
+    return (std::filesystem::path(path).parent_path() / name).string();
+}
+
+/// Inflates from an offset on. @return bytes written
+std::size_t inflated(const InputFile& file, std::uint64_t offset, std::byte* to,
+                     std::size_t bytes) {
+    constexpr std::size_t kPiece = std::size_t{1} << 18, kMost = std::size_t{1} << 30;
+    std::vector<unsigned char> piece(kPiece);
+    z_stream stream{};
+    if (inflateInit2(&stream, 15 + 32) != Z_OK) throw ResourceError("no memory to inflate a file");
+    std::size_t done = 0;
+    int state = Z_OK;
+    while (state == Z_OK && done < bytes && (stream.avail_in > 0 || offset < file.size())) {
+        if (stream.avail_in == 0) {
+            const auto next =
+                static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, file.size() - offset));
+            file.readAt(offset, piece.data(), next);
+            offset += next;
+            stream.next_in = piece.data();
+            stream.avail_in = static_cast<uInt>(next);
+        }
+        const auto room = static_cast<uInt>(std::min(kMost, bytes - done));
+        stream.next_out = reinterpret_cast<Bytef*>(to + done);
+        stream.avail_out = room;
+        state = inflate(&stream, Z_NO_FLUSH);
+        done += room - stream.avail_out;
+    }
+    inflateEnd(&stream);
+    return done;
+}
+
+void swapBytes(std::byte* bytes, std::size_t count, std::size_t width) {
+    for (std::size_t i = 0; width > 1 && i < count; i += width)
+        std::reverse(bytes + i, bytes + i + width);
+}
+
+}  // namespace
+
+Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
+    const TextHeader header = readTextHeader(path);
+    ImageGrid grid = gridOf(header, path);
+    const bool spaced = header.has("elementspacing") || header.has("elementsize");
+    applySpacing(grid, options, spaced, path);
+    checkAxes(grid, path, options.callbacks);
+    if (wholeOf(header, "elementnumberofchannels", 1, 65535, 1, path) != 1)
+        throw InputError(path +
+                         ": has several values at each voxel, such as colors; convert it "
+                         "to one");
+    if (header.has("binarydata") && !isTrue(header, "binarydata"))
+        throw InputError(path + ": its voxels are text; write it with BinaryData = True");
+    const InputFile file(dataFile(header, path));
+    Image image = allocatedImage(path, grid, 1, typeOf(header, path), file.size());
+    const std::size_t bytes = image.values() * bytesOf(image.type);
+    const std::int64_t skipped =
+        wholeOf(header, "headersize", -1, std::numeric_limits<std::int64_t>::max(), 0, path);
+    std::uint64_t offset = skipped > 0           ? static_cast<std::uint64_t>(skipped)
+                           : file.path() == path ? header.end
+                                                 : 0;
+    if (skipped < 0) offset = file.size() - std::min<std::uint64_t>(file.size(), bytes);
+    options.callbacks.stopIfCancelled();
+    const bool packed = isTrue(header, "compresseddata");
+    bool whole = offset <= file.size() && (packed || bytes <= file.size() - offset);
+    if (whole && packed)
+        whole = inflated(file, offset, image.bytes.get(), bytes) == bytes;
+    else if (whole)
+        file.readAt(offset, image.bytes.get(), bytes);
+    if (!whole)
+        throw InputError(file.path() + ": ends before its last voxel; it is damaged or incomplete");
+    if (isTrue(header, "binarydatabyteordermsb") || isTrue(header, "elementbyteordermsb"))
+        swapBytes(image.bytes.get(), bytes, bytesOf(image.type));
+    image.isSpaced = spaced;
+    image.format = "MetaImage";
+    return image;
+}
+
+}  // namespace vdbpack
