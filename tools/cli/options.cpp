@@ -528,3 +528,19 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         return std::nullopt;
     }
 }
+
+Job jobOf(const std::vector<std::string>& words) {
+    CLI::App app;
+    PrintOptions print;
+    const std::vector<Command> commands = addCommands(app, print);
+    try {
+        app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
+        const auto command = std::find_if(commands.begin(), commands.end(),
+                                          [](const Command& c) { return c.app->parsed(); });
+        if (command == commands.end()) throw ParameterError("no command is named");
+        complete(*command, words);
+        return std::move(*command->job);
+    } catch (const CLI::ParseError& e) {
+        throw ParameterError(usageError(app, e, words));
+    }
+}

@@ -50,3 +50,7 @@ struct CliOptions {
 /// @param exitCode  set when nothing is returned: 0 after --help or --version, 2 for misuse.
 /// @return nothing if there is nothing to do; the text is printed already.
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode);
+
+/// The recipe of a command ("pack") and its words, as after `vdb_pack`, for programs that call it.
+/// @throws vdbpack::ParameterError with what is wrong; as reading the files that options name
+Job jobOf(const std::vector<std::string>& words);

@@ -14,13 +14,21 @@ namespace vdbpack {
 
 namespace {
 
+TriangleMesh scaledMesh(TriangleMesh mesh, double factor) {
+    if (factor != 1)
+        for (Vec<3>& v : mesh.vertices) v *= factor;
+    return mesh;
+}
+
 TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
                      const Callbacks& callbacks, std::shared_ptr<const RepairReport>& report) {
     MeshReadOptions options;
     options.unit = recipe.unit;
     options.scale = recipe.scale;
     MeshFileFacts facts;
-    TriangleMesh mesh = readMesh(file, options, &facts);
+    TriangleMesh mesh = recipe.mesh && file == recipe.source
+                            ? scaledMesh(*recipe.mesh, recipe.scale * millimetersPer(recipe.unit))
+                            : readMesh(file, options, &facts);
     if (facts.crossedFaces > 0)
         callbacks.warn(fmt::format(
             "{}: the outlines of {} faces cross themselves, first at ({:.6g}, {:.6g}, {:.6g}). "
@@ -70,7 +78,7 @@ CavityChoice parseCavities(const std::string& text) {
 }
 
 std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
-    return {recipe.source, parseCavities(recipe.cavities).inner};
+    return {isInMemory(recipe) ? "" : recipe.source, parseCavities(recipe.cavities).inner};
 }
 
 RepairOptions repairOptions(const DomainRecipe& recipe) {

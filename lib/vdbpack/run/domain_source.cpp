@@ -120,6 +120,17 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
     if (!(recipe.scale > 0) || !std::isfinite(recipe.scale))
         throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
 
+    if (isInMemory(recipe)) {
+        if (recipe.levelSet) {
+            levelSet_ = recipe.levelSet;
+            mesh_ = levelSetMesh(*levelSet_, text);
+        } else {
+            mesh_ = recipe.image ? imageMesh(recipe, callbacks, imageGrid_, spaced_)
+                                 : readDomainMesh(recipe, callbacks, repair_);
+        }
+        takeMesh(callbacks);
+        return;
+    }
     if (const auto shape = parseShape(text)) {
         space_ = shape->space;
         plane_ = shape->plane;
@@ -207,6 +218,10 @@ DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double vo
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
 }
 
+bool isImage(const DomainRecipe& recipe) {
+    return recipe.image || (!isInMemory(recipe) && namesImage(recipe.source));
+}
+
 std::string describe(const DomainRecipe& recipe) {
     return recipe.source + (recipe.label.empty() ? "" : ", label " + recipe.label);
 }
@@ -214,10 +229,10 @@ std::string describe(const DomainRecipe& recipe) {
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks) {
     const std::string& text = recipe.source;
-    const bool levelSet = extensionOf(text) == ".vdb";
+    const bool levelSet = extensionOf(text) == ".vdb" || recipe.levelSet;
     if (!recipe.gridName.empty() && !levelSet)
         callbacks.warn("`gridName` " + recipe.gridName + " has no effect: " + text + " is no .vdb");
-    const bool image = source.isFile() && namesImage(text);
+    const bool image = source.isFile() && isImage(recipe);
     if (recipe.threshold && !levelSet && !image)
         callbacks.warn(fmt::format("`threshold` {:g} has no effect: {} is no .vdb and no image",
                                    *recipe.threshold, text));

@@ -18,6 +18,9 @@
 
 namespace vdbpack {
 
+struct Image;
+class VdbGrid;
+
 /// What DOMAIN and the options about it say.
 /// What the thickness of a shell is measured from: all walls of the domain, or the outer surface
 /// alone, without the walls of cavities and clips.
@@ -32,9 +35,14 @@ struct DomainRecipe {
     /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
     /// (mm, centered at the origin).
     std::string source;
-    Unit unit = Unit::millimeter;  ///< of the file
-    double scale = 1;              ///< further factor on the file's lengths
-    std::string gridName;          ///< level set in a .vdb; empty: the first
+    /// What a program has in memory, in place of the file that `source` names in messages; at most
+    /// one of them, lengths in `unit`.
+    std::shared_ptr<const TriangleMesh> mesh;
+    std::shared_ptr<const Image> image;
+    std::shared_ptr<const VdbGrid> levelSet;  ///< in mm whatever the unit
+    Unit unit = Unit::millimeter;             ///< of the file
+    double scale = 1;                         ///< further factor on the file's lengths
+    std::string gridName;                     ///< level set in a .vdb; empty: the first
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"
@@ -54,6 +62,13 @@ struct DomainRecipe {
     std::string cavities;
     ShellFrom shellFrom = ShellFrom::walls;
 };
+
+/// Whether a domain comes from an image, a file or in memory.
+bool isImage(const DomainRecipe& recipe);
+/// Whether it is no file.
+inline bool isInMemory(const DomainRecipe& recipe) {
+    return recipe.mesh || recipe.image || recipe.levelSet;
+}
 
 /// The meaning of `DomainRecipe::cavities`. @throws ParameterError if malformed.
 struct CavityChoice {

@@ -33,7 +33,7 @@ void warnOfSharedIds(const Pack<3>& pack, const std::string& file, const Callbac
 
 std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
                                                 const Callbacks& callbacks) {
-    const std::string extension = extensionOf(recipe.pack);
+    const std::string extension = recipe.given ? "" : extensionOf(recipe.pack);
     if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".vtk")
         return std::nullopt;
     try {
@@ -52,7 +52,7 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
     read.memoryLimit = recipe.memoryLimit;
-    Pack<3> pack = readPack(recipe.pack, read);
+    Pack<3> pack = recipe.given ? *recipe.given : readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
     warnOfSharedIds(pack, recipe.pack, callbacks);
     Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
@@ -95,7 +95,7 @@ bool isPlane(const Pack<3>& pack) {
 
 std::vector<std::string> inputFiles(const InputPack& recipe) {
     auto files = domainInputs(recipe.domain);
-    files.push_back(recipe.pack);
+    if (!recipe.given) files.push_back(recipe.pack);
     files.push_back(recipe.radius);  // table:FILE
     return files;
 }

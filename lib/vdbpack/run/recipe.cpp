@@ -142,7 +142,7 @@ void checkPacking(const PackRecipe& recipe) {
 void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
     for (auto& file : voidInputs(recipe.voids)) inputs.push_back(std::move(file));
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
-    inputs.push_back(recipe.existing);
+    if (!recipe.givenExisting) inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
 }
 
@@ -228,7 +228,7 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.memoryLimit = recipe.memoryLimit;
-    Pack<3> pack = readPack(recipe.existing, read);
+    Pack<3> pack = recipe.givenExisting ? *recipe.givenExisting : readPack(recipe.existing, read);
     requireRoomToNumber(pack, recipe.existing);
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         const Sphere<3>& s = pack.spheres[i];

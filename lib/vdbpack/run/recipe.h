@@ -8,6 +8,7 @@
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -29,7 +30,9 @@ struct PackRecipe : RunSettings {
     /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
     double densify = 0;
     VoidRecipe voids;
-    std::string existing;              ///< pack file with spheres to pack around; empty: none
+    std::string existing;  ///< pack file with spheres to pack around; empty: none
+    /// What a program has in memory, mm, in place of the file that `existing` names in messages.
+    std::shared_ptr<const Pack<3>> givenExisting;
     Unit packUnit = Unit::millimeter;  ///< of `existing`, if the file states none
     /// What several parts are filled with, each in a domain of its own: bone and implant. Where
     /// they overlap, the later one has the space. Of a part, files and threads are not used; empty:

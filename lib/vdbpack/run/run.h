@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <variant>
@@ -62,6 +63,8 @@ RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 /// A pack from a file of any program, and what to compare it with.
 struct InputPack : RunSettings {
     std::string pack;  ///< file, any format that readPack supports
+    /// What a program has in memory, mm, in place of the file that `pack` names in messages.
+    std::shared_ptr<const Pack<3>> given;
     Unit packUnit = Unit::millimeter;
     std::string packGrid;  ///< point grid in a .vdb; empty: the first
     DomainRecipe domain;   ///< `source` empty: what needs no domain

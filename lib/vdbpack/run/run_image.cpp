@@ -53,7 +53,7 @@ const char* nameOf(ImageSpace space) {
 
 ImageResult runImage(const ImageRecipe& recipe, const Callbacks& caller) {
     const DomainRecipe& domain = recipe.domain;
-    if (!namesImage(domain.source))
+    if (!isImage(domain))
         throw ParameterError(domain.source +
                              ": is no image by its name; images are .nii, .nii.gz, "
                              ".nrrd, .nhdr, .mha, .mhd, .dcm, .tif, and folders");

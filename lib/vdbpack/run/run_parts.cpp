@@ -28,14 +28,14 @@ namespace {
 /// Spheres of a pack for which nothing else is requested.
 constexpr double kUsualCount = 100'000;
 
-bool isImage(const DomainRecipe& domain) {
-    return namesImage(domain.source) && !domain.threshold;
+bool isLabelMap(const DomainRecipe& domain) {
+    return isImage(domain) && !domain.threshold;
 }
 
 /// What recipes that read the same image in the same way have in common.
 auto imageKey(const DomainRecipe& domain) {
-    return std::make_tuple(domain.source, domain.voxelSpacing, domain.unit, domain.scale,
-                           domain.space);
+    return std::make_tuple(domain.source, domain.image, domain.voxelSpacing, domain.unit,
+                           domain.scale, domain.space);
 }
 
 /// Refuses what is done for one domain alone. @throws ParameterError
@@ -137,7 +137,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     std::vector<PackRecipe> recipes = recipe.parts;
     if (recipes.empty()) {
         const std::string& label = recipe.domain.label;
-        if (!isImage(recipe.domain) || (label != "all" && label.find(',') == std::string::npos))
+        if (!isLabelMap(recipe.domain) || (label != "all" && label.find(',') == std::string::npos))
             return {};
         recipes = labelRecipes(recipe, imageOf(recipe.domain).parse(label));
         if (recipes.size() == 1 && recipe.domain.label == "all") return {};
@@ -153,7 +153,7 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
         checkPartsRecipe(recipes[k]);
         if (recipes[k].name.empty()) recipes[k].name = fmt::format("part {}", k);
         recipes[k].preview = {};  // there is one picture, of all
-        if (!isImage(recipes[k].domain)) continue;
+        if (!isLabelMap(recipes[k].domain)) continue;
         LabelledImage& image = imageOf(recipes[k].domain);
         const auto parts =
             image.parse(recipes[k].domain.label.empty() ? "all" : recipes[k].domain.label);
