@@ -1,0 +1,54 @@
+"""Dense packs of spheres that do not overlap, in bone: numpy in, numpy out.
+
+    import vdbpack
+    pack = vdbpack.pack("femur.stl", radius=vdbpack.uniform(1, 2), shell=3)
+    pack.positions, pack.radii      # (N, 3) and (N,), float64, mm, read-only
+
+Functions take the options of the command line with underscores for dashes. Lengths are mm.
+"""
+
+from ._commands import carve, convert, densify, inspect_image, measure, pack, repair, verify, voids
+from ._core import __version__
+from ._domains import Image, Shape, ball, box, cylinder, disc, image, rect
+from ._errors import Error, FileError, InputError, ParameterError, ResourceError, VdbpackWarning
+from ._pack import Pack, Report, read, read_points, write, write_points
+from ._sizes import Sizes, constant, lognormal, normal, table, uniform
+
+__all__ = [
+    "Error",
+    "FileError",
+    "Image",
+    "InputError",
+    "Pack",
+    "ParameterError",
+    "Report",
+    "ResourceError",
+    "Shape",
+    "Sizes",
+    "VdbpackWarning",
+    "__version__",
+    "ball",
+    "box",
+    "carve",
+    "constant",
+    "convert",
+    "cylinder",
+    "densify",
+    "disc",
+    "image",
+    "inspect_image",
+    "lognormal",
+    "measure",
+    "normal",
+    "pack",
+    "read",
+    "read_points",
+    "rect",
+    "repair",
+    "table",
+    "uniform",
+    "verify",
+    "voids",
+    "write",
+    "write_points",
+]

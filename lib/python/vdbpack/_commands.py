@@ -1,0 +1,200 @@
+"""The commands of vdb_pack as functions."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
+
+import numpy
+
+from . import _core
+from ._domains import Domain, domain_words
+from ._errors import ParameterError
+from ._pack import Pack, Report
+from ._progress import Bar, Progress, progress_of
+from ._sizes import Table
+
+__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "convert", "repair", "inspect_image"]
+
+PackLike = Union[Pack, str, "os.PathLike[str]"]
+
+
+def _value(name: str, value: Any) -> str:
+    """A value as it would stand on the command line."""
+    if isinstance(value, (str, os.PathLike)):
+        return os.fspath(value)
+    if isinstance(value, (bool, numpy.bool_)):
+        raise ParameterError(f"{name}: is a flag, which stands alone")
+    if isinstance(value, (int, numpy.integer)):
+        return str(int(value))
+    if isinstance(value, (float, numpy.floating)):
+        return repr(float(value))
+    raise ParameterError(f"{name}: {type(value).__name__} is no value of an option")
+
+
+def _words(options: Mapping[str, Any], folder: str) -> List[str]:
+    words: List[str] = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if value is None or value is False:
+            continue
+        if value is True:
+            words.append(option)
+        elif isinstance(value, Table):
+            file = os.path.join(folder, f"{name}.csv")
+            with open(file, "w", encoding="utf-8") as table:
+                table.write(value.text())
+            words += [option, "table:" + file]
+        elif name in ("radius", "void_radius", "void_aspect") and isinstance(value, (int, float)):
+            words += [option, f"constant:{float(value)!r}"]
+        elif isinstance(value, list):
+            for one in value:
+                words += [option, _value(name, one)]
+        elif isinstance(value, (tuple, numpy.ndarray)):
+            words += [option, ",".join(_value(name, one) for one in value)]
+        else:
+            words += [option, _value(name, value)]
+    return words
+
+
+def _run(
+    words: List[str], options: Mapping[str, Any], inputs: Dict[str, Any], progress: Progress
+) -> Dict[str, Any]:
+    show = progress_of(progress)
+    try:
+        with tempfile.TemporaryDirectory(prefix="vdbpack-") as folder:
+            return _core.run(words + _words(options, folder), inputs, show)
+    finally:
+        if isinstance(show, Bar):
+            show.close()
+
+
+def _report(result: Mapping[str, Any]) -> Report:
+    return Report(result["report"], result["summary"], result["passed"])
+
+
+def _packed(result: Mapping[str, Any]) -> Pack:
+    return Pack._of(result["pack"], _report(result), result["picture"])
+
+
+def _pack_word(given: PackLike) -> Tuple[str, Dict[str, Any]]:
+    if isinstance(given, Pack):
+        return "(pack)", {"pack": given._data}
+    return os.fspath(given), {}
+
+
+def _on_pack(
+    command: str, given: PackLike, domain: Optional[Domain], options: Mapping[str, Any], progress: Progress
+) -> Dict[str, Any]:
+    word, inputs = _pack_word(given)
+    words = [command, word]
+    if domain is not None:
+        name, more = domain_words(domain)
+        words += ["--domain", name]
+        inputs.update(more)
+    return _run(words, options, inputs, progress)
+
+
+def pack(domain: Domain, *, existing: Optional[PackLike] = None, progress: Progress = None, **options: Any) -> Pack:
+    """Fills a domain with spheres (circles in 2D) that do not overlap, and checks the result.
+
+    domain: a file (mesh, level set, image), a shape such as `box(10, 10, 10)`, (vertices, faces) with
+        arrays of shape (N, 3) and (M, 3), a mesh of trimesh or meshio, or an `image`.
+    existing: spheres to pack around.
+    progress: a callable that takes stage, share and count; True or False; by default a bar where
+        there is a terminal or a notebook.
+    options: those of `vdb_pack pack`, with underscores for dashes, lengths in mm: radius,
+        target_count, densify, shell, voids, seed, output, ... True sets a flag, lists repeat an
+        option, tuples are numbers with commas between.
+
+    Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
+    """
+    word, inputs = domain_words(domain)
+    given = dict(options)
+    if isinstance(existing, Pack):
+        inputs["existing"] = existing._data
+        given["existing"] = "(existing)"
+    elif existing is not None:
+        given["existing"] = os.fspath(existing)
+    return _packed(_run(["pack", word], given, inputs, progress))
+
+
+def densify(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:
+    """Makes a pack denser within its domain, or removes its overlaps.
+
+    given: a `Pack` or a file. domain, progress: as for `pack`.
+    options: those of `vdb_pack densify`: densify ("max" or a solid fraction), gap, seed, ...
+    """
+    return _packed(_on_pack("densify", given, domain, options, progress))
+
+
+def carve(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:
+    """Cuts voids into a pack.
+
+    given: a `Pack` or a file. domain, progress: as for `pack`.
+    options: those of `vdb_pack carve`: voids, shell, target_bvtv, void_radius, ...; lengths in mm.
+    """
+    return _packed(_on_pack("carve", given, domain, options, progress))
+
+
+def voids(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
+    """Makes voids in a domain, without spheres; files by `output`.
+
+    domain, progress: as for `pack`. options: those of `vdb_pack voids`; lengths in mm.
+    """
+    word, inputs = domain_words(domain)
+    return _report(_run(["voids", word], options, inputs, progress))
+
+
+def verify(
+    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
+) -> Report:
+    """Checks any pack for overlaps and, with a domain, for protrusions. `passed` says the result.
+
+    given: a `Pack` or a file. domain, progress: as for `pack`. options: those of `vdb_pack verify`.
+    """
+    return _report(_on_pack("verify", given, domain, options, progress))
+
+
+def measure(
+    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
+) -> Report:
+    """Measures a pack (density, contacts, sizes, g(r)), or a solid (morphometry: BV/TV, Tb.Th, ...).
+
+    given: a `Pack`, or a file of a pack or of a solid (.vdb, .stl, ...). domain, progress: as for
+    `pack`. options: those of `vdb_pack measure`; lengths in mm.
+    """
+    return _report(_on_pack("measure", given, domain, options, progress))
+
+
+def convert(
+    given: PackLike, domain: Optional[Domain] = None, *, progress: Progress = None, **options: Any
+) -> Report:
+    """Writes a pack or a solid in other formats (`output`), with columns of grey values if wanted.
+
+    given: a `Pack` or a file. domain, progress: as for `pack`. options: those of `vdb_pack convert`.
+    """
+    return _report(_on_pack("convert", given, domain, options, progress))
+
+
+def repair(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
+    """Reports the health of a mesh, and with `output` writes it repaired (.stl, mm).
+
+    domain: a file, (vertices, faces), or a mesh of trimesh or meshio.
+    options: those of `vdb_pack mesh`.
+    """
+    word, inputs = domain_words(domain)
+    given = dict(options)
+    if given.get("output"):
+        given.setdefault("repair", True)
+    return _report(_run(["mesh", word], given, inputs, progress))
+
+
+def inspect_image(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
+    """Reports what an image has in it: size, spacing, axes, labels with volumes, contacts of labels.
+
+    domain: a file, a folder, or an `image`. options: those of `vdb_pack image`.
+    """
+    word, inputs = domain_words(domain)
+    return _report(_run(["image", word], options, inputs, progress))

@@ -1,0 +1,30 @@
+from typing import Any, Callable, Optional
+
+import numpy
+import numpy.typing
+
+__version__: str
+
+class PackData:
+    def __init__(
+        self,
+        positions: numpy.typing.ArrayLike,
+        radii: numpy.typing.ArrayLike,
+        columns: dict[str, Any],
+    ) -> None: ...
+    @property
+    def positions(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def radii(self) -> numpy.typing.NDArray[numpy.float64]: ...
+    @property
+    def columns(self) -> dict[str, Any]: ...
+    @property
+    def hash(self) -> str: ...
+    @property
+    def slice_height(self) -> Optional[float]: ...
+
+def run(
+    words: list[str], inputs: dict[str, Any], progress: Optional[Callable[[str, float, float], None]]
+) -> dict[str, Any]: ...
+def read(file: str, unit: str, grid: str) -> PackData: ...
+def write(pack: PackData, file: str, unit: str) -> None: ...

@@ -1,0 +1,111 @@
+"""Domains: shapes, meshes and images, as files or in memory."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, Optional, Tuple, Union
+
+import numpy
+import numpy.typing
+
+from ._errors import ParameterError
+
+__all__ = ["Shape", "Image", "Domain", "box", "ball", "cylinder", "rect", "disc", "image"]
+
+Array = numpy.typing.NDArray[Any]
+
+
+class Shape(str):
+    """A shape about the origin, as the command line writes it."""
+
+
+class Image:
+    """A label map or grey image in memory.
+
+    values: array of shape (X, Y, Z), numbers of up to 32 bits or floats.
+    affine: array of shape (4, 4), from indices to mm.
+    space: "ras" as in NIfTI and nibabel, or "lps" as in DICOM and ITK: the world of `affine`.
+    """
+
+    def __init__(self, values: Array, affine: Array, space: str = "ras") -> None:
+        if space not in ("ras", "lps"):
+            raise ParameterError(f"space {space!r}: is either 'ras' or 'lps'")
+        self.values = values
+        self.affine = numpy.array(affine, float)
+        if self.affine.shape != (4, 4):
+            raise ParameterError(f"affine: has shape {self.affine.shape}, not (4, 4)")
+        if space == "ras":
+            self.affine[:2] *= -1
+
+    def __repr__(self) -> str:
+        return f"vdbpack.Image of {' x '.join(map(str, numpy.shape(self.values)))} voxels"
+
+
+Domain = Union[str, "os.PathLike[str]", Tuple[Any, Any], Image, Any]
+
+
+def box(*lengths: float) -> Shape:
+    """A box: three lengths, centered at the origin, or x0, y0, z0, x1, y1, z1; mm."""
+    if len(lengths) not in (3, 6):
+        raise ParameterError(f"box: takes 3 or 6 numbers, not {len(lengths)}")
+    return Shape("box:" + ",".join(map(repr, map(float, lengths))))
+
+
+def ball(radius: float) -> Shape:
+    """A ball about the origin; mm."""
+    return Shape(f"ball:{float(radius)!r}")
+
+
+def cylinder(radius: float, height: float) -> Shape:
+    """A cylinder along z, centered at the origin; mm."""
+    return Shape(f"cylinder:{float(radius)!r},{float(height)!r}")
+
+
+def rect(*lengths: float) -> Shape:
+    """A rectangle for circles: two lengths, centered at the origin, or x0, y0, x1, y1; mm."""
+    if len(lengths) not in (2, 4):
+        raise ParameterError(f"rect: takes 2 or 4 numbers, not {len(lengths)}")
+    return Shape("rect:" + ",".join(map(repr, map(float, lengths))))
+
+
+def disc(radius: float) -> Shape:
+    """A disc for circles, about the origin; mm."""
+    return Shape(f"disc:{float(radius)!r}")
+
+
+def image(values: Array, affine: Array, space: str = "ras") -> Image:
+    """A label map or grey image in memory, such as that of nibabel: `image(img.dataobj, img.affine)`.
+
+    values: array of shape (X, Y, Z). affine: (4, 4), from indices to mm.
+    space: "ras" (NIfTI, nibabel) or "lps" (DICOM, ITK), the world of `affine`. Packs lie in LPS,
+    unless `space="ras"` is given to the command as well.
+    """
+    return Image(numpy.asarray(values), affine, space)
+
+
+def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
+    """The word that stands for a domain, and what is in memory of it."""
+    if isinstance(domain, (str, os.PathLike)):
+        return os.fspath(domain), {}
+    if isinstance(domain, Image):
+        return "(image)", {"image": (domain.values, domain.affine)}
+    mesh = mesh_arrays(domain)
+    if mesh is None:
+        raise ParameterError(
+            f"domain: {type(domain).__name__} is none; give a file name, a shape, (vertices, faces), "
+            "an object with .vertices and .faces, or an image"
+        )
+    return "(mesh)", {"mesh": mesh}
+
+
+def mesh_arrays(domain: Any) -> Optional[Tuple[Any, Any]]:
+    """(vertices, faces) of a tuple, of trimesh or of meshio; None for anything else."""
+    if isinstance(domain, (tuple, list)) and len(domain) == 2:
+        return domain[0], domain[1]
+    if hasattr(domain, "vertices") and hasattr(domain, "faces"):
+        return domain.vertices, domain.faces
+    if hasattr(domain, "points") and hasattr(domain, "cells_dict"):  # meshio
+        triangles = domain.cells_dict.get("triangle")
+        if triangles is not None:
+            return domain.points, triangles
+    return None

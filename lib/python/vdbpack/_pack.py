@@ -1,0 +1,244 @@
+"""Packs and reports."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import os
+from typing import Any, Dict, Mapping, Optional, Tuple, Union
+
+import numpy
+import numpy.typing
+
+from . import _core
+
+__all__ = ["Pack", "Report", "read", "write", "read_points", "write_points"]
+
+Floats = numpy.typing.NDArray[numpy.float64]
+Path = Union[str, "os.PathLike[str]"]
+_ATTRIBUTES = ("id", "region", "order", "depth", "contacts")
+
+
+class Report(Dict[str, Any]):
+    """The report of a run: the fields that `--json` prints, lengths in mm. `print` shows a summary.
+
+    passed: whether no check failed.
+    """
+
+    passed: bool
+    summary: str
+
+    def __init__(self, text: str = "{}", summary: str = "", passed: bool = True) -> None:
+        super().__init__(json.loads(text))
+        self.summary = summary
+        self.passed = passed
+
+    def __str__(self) -> str:
+        return self.summary.rstrip() or super().__str__()
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        return Report, (json.dumps(dict(self)), self.summary, self.passed)
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(self.summary)}</pre>"
+
+
+class Pack:
+    """Spheres (or circles), with what is known of each. Lengths in mm; arrays are read-only.
+
+    Pack(positions, radii, **columns) makes one from arrays: positions of shape (N, 3), or (N, 2)
+    for circles; radii of shape (N,); columns of numbers of shape (N,) or lists of N texts. Of them,
+    `id`, `region`, `order`, `depth` and `contacts` have a meaning of their own.
+    """
+
+    report: Optional[Report]
+    picture: Optional[bytes]
+
+    def __init__(
+        self, positions: numpy.typing.ArrayLike, radii: numpy.typing.ArrayLike, **columns: Any
+    ) -> None:
+        self._take(_core.PackData(positions, radii, columns))
+
+    @classmethod
+    def _of(
+        cls, data: _core.PackData, report: Optional[Report] = None, picture: bytes = b""
+    ) -> Pack:
+        pack = cls.__new__(cls)
+        pack._take(data, report, picture)
+        return pack
+
+    def _take(
+        self, data: _core.PackData, report: Optional[Report] = None, picture: bytes = b""
+    ) -> None:
+        self._data = data
+        self._columns = data.columns
+        self.report = report
+        self.picture = picture or None
+
+    @property
+    def positions(self) -> Floats:
+        """Centers, float64 of shape (N, 3), or (N, 2) for circles; mm."""
+        return self._data.positions
+
+    @property
+    def radii(self) -> Floats:
+        """Radii, float64 of shape (N,); mm."""
+        return self._data.radii
+
+    @property
+    def id(self) -> numpy.typing.NDArray[numpy.int64]:
+        """Names of the spheres, int64 of shape (N,): 0, 1, 2, ... unless a file says otherwise."""
+        given = self._columns.get("id")
+        return numpy.arange(len(self)) if given is None else given
+
+    @property
+    def region(self) -> Optional[numpy.typing.NDArray[numpy.int32]]:
+        """0 cortical, 1 trabecular, int32 of shape (N,); None where it is unknown."""
+        return self._columns.get("region")
+
+    @property
+    def order(self) -> Optional[numpy.typing.NDArray[numpy.int64]]:
+        """When each sphere was placed, int64 of shape (N,); None where it is unknown."""
+        return self._columns.get("order")
+
+    @property
+    def depth(self) -> Optional[numpy.typing.NDArray[numpy.float32]]:
+        """Distance of each center to the wall, float32 of shape (N,), mm; None where it is unknown."""
+        return self._columns.get("depth")
+
+    @property
+    def contacts(self) -> Optional[numpy.typing.NDArray[numpy.int32]]:
+        """Spheres and walls in contact, int32 of shape (N,); None where it is unknown."""
+        return self._columns.get("contacts")
+
+    @property
+    def columns(self) -> Mapping[str, Any]:
+        """All further columns by name: float64 of shape (N,), or lists of N texts."""
+        return {k: v for k, v in self._columns.items() if k not in _ATTRIBUTES}
+
+    @property
+    def hash(self) -> str:
+        """The hash of centers and radii, as reports have it; the same in any order."""
+        return self._data.hash
+
+    @property
+    def slice_height(self) -> Optional[float]:
+        """Of circles: the height of their plane, mm; None for spheres."""
+        return self._data.slice_height
+
+    def __len__(self) -> int:
+        return len(self.radii)
+
+    def __repr__(self) -> str:
+        kind = "circles" if self.positions.shape[1] == 2 else "spheres"
+        if len(self) == 0:
+            return f"<vdbpack.Pack without {kind}>"
+        text = f"<vdbpack.Pack of {len(self):,} {kind}, radii {self.radii.min():.4g} to {self.radii.max():.4g} mm"
+        solid = (self.report or {}).get("solidFraction", {}).get("total")
+        return text + (f", solid fraction {solid:.4f}>" if solid else ">")
+
+    def _repr_html_(self) -> str:
+        text = self.report.summary if self.report else repr(self)
+        shown = f"<pre>{html.escape(text)}</pre>"
+        if self.picture:
+            data = base64.b64encode(self.picture).decode()
+            shown = f'<img alt="the pack" style="max-width: 480px" src="data:image/png;base64,{data}">' + shown
+        return shown
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        columns = {k: numpy.array(v) if isinstance(v, numpy.ndarray) else v for k, v in self._columns.items()}
+        state = {"report": self.report, "picture": self.picture}
+        return _rebuilt, (numpy.array(self.positions), numpy.array(self.radii), columns, state)
+
+    def write(self, file: Path, unit: str = "mm") -> None:
+        """Writes the pack; see `write`."""
+        write(self, file, unit)
+
+    def to_dataframe(self) -> Any:
+        """A pandas.DataFrame: id, x, y, z (mm), radius (mm), and all columns; a row a sphere."""
+        import pandas
+
+        table: Dict[str, Any] = {"id": self.id}
+        for d, axis in enumerate("xyz"[: self.positions.shape[1]]):
+            table[axis] = self.positions[:, d]
+        table["radius"] = self.radii
+        table.update({k: v for k, v in self._columns.items() if k != "id"})
+        return pandas.DataFrame(table)
+
+    def to_vtk(self) -> Any:
+        """A vtkPolyData with a vertex a sphere; point data: radius (mm) and all columns of numbers.
+
+        Its coordinates are a copy. Circles lie at their height.
+        """
+        from vtkmodules.util.numpy_support import numpy_to_vtk
+        from vtkmodules.vtkCommonCore import vtkPoints
+        from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+        count = len(self)
+        centers = numpy.zeros((count, 3))
+        centers[:, : self.positions.shape[1]] = self.positions
+        if self.slice_height is not None:
+            centers[:, 2] = self.slice_height
+        points, vertices, data = vtkPoints(), vtkCellArray(), vtkPolyData()
+        points.SetData(numpy_to_vtk(centers, deep=True))
+        vertices.SetData(1, numpy_to_vtk(numpy.arange(count), deep=True))
+        data.SetPoints(points)
+        data.SetVerts(vertices)
+        arrays = {"radius": self.radii, "id": self.id, **self._columns}
+        for name, values in arrays.items():
+            if isinstance(values, numpy.ndarray):
+                array = numpy_to_vtk(numpy.ascontiguousarray(values), deep=True)
+                array.SetName(name)
+                data.GetPointData().AddArray(array)
+        data.GetPointData().SetActiveScalars("radius")
+        return data
+
+    def to_pyvista(self) -> Any:
+        """The same as a pyvista.PolyData."""
+        import pyvista
+
+        return pyvista.wrap(self.to_vtk())
+
+    def to_yade(self, **attributes: Any) -> Any:
+        """Bodies for a YADE session, `O.bodies.append(pack.to_yade())`; lengths stay mm unless scaled.
+
+        attributes: those of `yade.utils.sphere`, such as material; scale=0.001 gives meters.
+        """
+        from yade import utils
+
+        scale = float(attributes.pop("scale", 1.0))
+        z = self.slice_height or 0.0
+        return [
+            utils.sphere(tuple(scale * float(c) for c in (*center, z)[:3]), scale * float(radius), **attributes)
+            for center, radius in zip(self.positions, self.radii)
+        ]
+
+
+def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: Dict[str, Any]) -> Pack:
+    pack = Pack(positions, radii, **columns)
+    pack.report, pack.picture = state["report"], state["picture"]
+    return pack
+
+
+def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:
+    """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .vtkhdf, LAMMPS, LIGGGHTS, YADE.
+
+    unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
+    """
+    return Pack._of(_core.read(os.fspath(file), unit, grid))
+
+
+def write(pack: Pack, file: Path, unit: str = "mm") -> None:
+    """Writes a pack; the format by extension or prefix ("yade:pack.txt"). unit: of the file."""
+    _core.write(pack._data, os.fspath(file), unit)
+
+
+def read_points(file: Path, grid: str = "") -> Pack:
+    """Reads a grid of points with radii (`pscale`) from a .vdb. grid: its name; the first if empty."""
+    return read(file, grid=grid)
+
+
+def write_points(file: Path, pack: Pack, unit: str = "mm") -> None:
+    """Writes a pack as a grid of points, alone in a .vdb. unit: of the file."""
+    write(pack, "points:" + os.fspath(file), unit)

@@ -1,0 +1,163 @@
+"""Errors, warnings, progress, interrupts and threads."""
+
+import os
+import signal
+import threading
+import time
+import warnings
+
+import numpy
+import pytest
+from conftest import cube
+
+import vdbpack
+
+VERTICES, FACES = cube(10)
+
+
+@pytest.mark.parametrize(
+    "domain, options, error, word",
+    [
+        (vdbpack.box(5, 5, 5), {"radius": "uniform:2"}, vdbpack.ParameterError, "uniform"),
+        (vdbpack.box(5, 5, 5), {"radios": 1}, vdbpack.ParameterError, "radios"),
+        (vdbpack.box(5, 5, 5), {"radius": 1, "effort": "most"}, vdbpack.ParameterError, "effort"),
+        (vdbpack.box(5, 5, 5), {"radius": 1, "target_bvtv": 0.5}, vdbpack.ParameterError, "target_bvtv"),
+        (vdbpack.box(5, 5, 5), {"radius": object()}, vdbpack.ParameterError, "radius"),
+        (vdbpack.box(5, 5, 5), {"radius": 1, "dry_run": True}, vdbpack.ParameterError, "dry_run"),
+        (vdbpack.box(5, 5, 5), {"radius": 1, "seed": "1..3"}, vdbpack.ParameterError, "seed"),
+        ("absent.stl", {}, vdbpack.FileError, "absent.stl"),
+        (7, {}, vdbpack.ParameterError, "int"),
+        ((VERTICES[:, :2], FACES), {}, vdbpack.ParameterError, "vertices"),
+        ((VERTICES.ravel(), FACES), {}, vdbpack.ParameterError, "vertices"),
+        ((VERTICES, FACES[:, :2]), {}, vdbpack.ParameterError, "faces"),
+        ((VERTICES, [["a", "b", "c"]]), {}, vdbpack.ParameterError, "faces"),
+        ((VERTICES, FACES + 1), {}, vdbpack.InputError, "names vertex 8"),
+        ((VERTICES, FACES - 1), {}, vdbpack.InputError, "names vertex -1"),
+        ((VERTICES, FACES[:0]), {}, vdbpack.InputError, "none"),
+        ((numpy.where(VERTICES > 5, numpy.nan, VERTICES), FACES), {}, vdbpack.InputError, "finite"),
+        (vdbpack.box(1000, 1000, 1000), {"radius": 0.5, "memory_limit": "200M"}, vdbpack.ResourceError, ""),
+    ],
+)
+def test_errors(domain, options, error, word):
+    with pytest.raises(error) as told:
+        vdbpack.pack(domain, **options)
+    assert word in str(told.value)
+    assert "--" not in str(told.value)
+    assert isinstance(told.value, vdbpack.Error)
+
+
+def test_errors_are_also_pythons_own():
+    assert issubclass(vdbpack.ParameterError, ValueError)
+    assert issubclass(vdbpack.InputError, ValueError)
+    assert issubclass(vdbpack.FileError, OSError)
+    assert issubclass(vdbpack.ResourceError, MemoryError)
+
+
+@pytest.mark.parametrize(
+    "positions, radii, columns",
+    [
+        (numpy.zeros((3, 4)), numpy.ones(3), {}),
+        (numpy.zeros(3), numpy.ones(3), {}),
+        (numpy.zeros((3, 3)), numpy.ones(2), {}),
+        (numpy.zeros((3, 3)), numpy.ones((3, 1)), {}),
+        (numpy.full((1, 3), numpy.nan), numpy.ones(1), {}),
+        (numpy.zeros((1, 3)), [-1.0], {}),
+        (numpy.zeros((1, 3)), [numpy.inf], {}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"id": [1]}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"material": ["a"]}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"weight": [[1, 2]]}),
+    ],
+)
+def test_arrays_that_are_no_pack(positions, radii, columns):
+    with pytest.raises(vdbpack.Error):
+        vdbpack.Pack(positions, radii, **columns)
+
+
+def test_damaged_file(tmp_path):
+    (tmp_path / "p.csv").write_text("x,y,z,radius\n1,2,3,x\n")
+    with pytest.raises(vdbpack.InputError, match="p.csv"):
+        vdbpack.read(tmp_path / "p.csv")
+    with pytest.raises(vdbpack.ParameterError):
+        vdbpack.read(tmp_path / "p.unknown")
+
+
+def test_warnings_are_pythons():
+    with pytest.warns(vdbpack.VdbpackWarning, match="unit has no effect") as told:
+        vdbpack.pack(vdbpack.box(8, 8, 8), radius=1, unit="m")
+    assert told[0].filename == __file__  # the caller's line
+
+
+def test_progress():
+    told = []
+    vdbpack.pack(vdbpack.box(90, 90, 90), radius=vdbpack.uniform(0.5, 1), progress=lambda *p: told.append(p))
+    assert any(stage == "pack" for stage, _, _ in told)
+    assert all(0 <= fraction <= 1 for _, fraction, _ in told)
+
+
+def test_progress_that_fails_ends_the_run():
+    def fails(*_):
+        raise RuntimeError("enough")
+
+    start = time.monotonic()
+    with pytest.raises(RuntimeError, match="enough"):
+        vdbpack.pack(vdbpack.box(400, 400, 400), radius=vdbpack.uniform(0.5, 1), progress=fails)
+    assert time.monotonic() - start < 20
+
+
+def test_interrupt_within_half_a_second():
+    for domain, options in (
+        (vdbpack.box(300, 300, 300), {"radius": vdbpack.uniform(0.5, 1)}),
+        (vdbpack.box(60, 60, 60), {"radius": vdbpack.uniform(0.5, 1), "densify": "max"}),
+    ):
+        sent = []
+
+        def send():
+            sent.append(time.monotonic())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        timer = threading.Timer(1.0, send)
+        timer.start()
+        with pytest.raises(KeyboardInterrupt):
+            vdbpack.pack(domain, **options)
+        assert time.monotonic() - sent[0] < 0.5 + 0.5  # a loaded machine
+    assert len(vdbpack.pack(vdbpack.box(8, 8, 8), radius=1)) > 0
+
+
+def test_two_packs_at_a_time():
+    alone = [vdbpack.pack(vdbpack.box(30, 30, 30), radius=0.8, seed=seed).hash for seed in (1, 2)]
+    together = [None, None]
+
+    def work(k):
+        together[k] = vdbpack.pack(vdbpack.box(30, 30, 30), radius=0.8, seed=k + 1).hash
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(2)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert together == alone
+
+
+def test_other_threads_run_meanwhile():
+    counted = []
+    ended = threading.Event()
+
+    def count():
+        while not ended.is_set():
+            counted.append(1)
+            time.sleep(0.01)
+
+    thread = threading.Thread(target=count)
+    thread.start()
+    vdbpack.pack(vdbpack.box(70, 70, 70), radius=vdbpack.uniform(0.5, 1), threads=1)
+    ended.set()
+    thread.join()
+    assert len(counted) > 10
+
+
+def test_quiet_by_default(capfd):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        vdbpack.pack(vdbpack.box(20, 20, 20), radius=1)
+    said = capfd.readouterr()
+    assert said.out == "" and said.err == ""

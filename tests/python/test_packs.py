@@ -1,0 +1,241 @@
+"""Packs from shapes, arrays and files, against the command line."""
+
+import json
+import pickle
+import subprocess
+import sys
+
+import numpy
+import pytest
+from conftest import cube
+
+import vdbpack
+
+BOX = ["box:16,14,12", "--radius", "uniform:0.6,1.2", "--seed", "7"]
+#: words after `vdb_pack pack`, and the same as arguments
+SAME = [
+    (BOX, (vdbpack.box(16, 14, 12), {"radius": vdbpack.uniform(0.6, 1.2), "seed": 7})),
+    (["ball:8", "--radius", "constant:0.9"], (vdbpack.ball(8), {"radius": 0.9})),
+    (["cylinder:6,20", "--target-count", "3000"], (vdbpack.cylinder(6, 20), {"target_count": 3000})),
+    (["rect:60,40", "--radius", "uniform:0.5,1"], (vdbpack.rect(60, 40), {"radius": "uniform:0.5,1"})),
+    (["disc:30", "--radius", "lognormal:1,0.3,0.5,2"],
+     (vdbpack.disc(30), {"radius": vdbpack.lognormal(1, 0.3, 0.5, 2)})),
+    ([*BOX, "--densify", "max"],
+     (vdbpack.box(16, 14, 12), {"radius": "uniform:0.6,1.2", "seed": 7, "densify": "max"})),
+    ([*BOX, "--shell", "2", "--voids", "boolean", "--target-bvtv", "0.4", "--void-axis", "0,0,1"],
+     (vdbpack.box(16, 14, 12),
+      {"radius": "uniform:0.6,1.2", "seed": 7, "shell": 2, "voids": "boolean", "target_bvtv": 0.4,
+       "void_axis": (0, 0, 1)})),
+    ([*BOX, "--clip", "plane:1,0,0,4", "--clip", "plane:0,1,0,3", "--gap", "0.05"],
+     (vdbpack.box(16, 14, 12),
+      {"radius": "uniform:0.6,1.2", "seed": 7, "clip": ["plane:1,0,0,4", "plane:0,1,0,3"], "gap": 0.05})),
+    ([*BOX, "--effort", "fast", "--order", "wall"],
+     (vdbpack.box(16, 14, 12),
+      {"radius": "uniform:0.6,1.2", "seed": 7, "effort": "fast", "order": "wall"})),
+    ([*BOX, "--max-count", "500", "--threads", "1"],
+     (vdbpack.box(16, 14, 12), {"radius": "uniform:0.6,1.2", "seed": 7, "max_count": 500, "threads": 1})),
+]
+
+
+def hash_by(program, words, folder):
+    report = folder / "r.json"
+    subprocess.run([program, "pack", *words, "--report", report, "--quiet", "-o", folder / "p.npz"], check=True)
+    return json.loads(report.read_text())["hash"]
+
+
+@pytest.mark.parametrize("words, call", SAME)
+def test_same_hash_as_the_command_line(program, tmp_path, words, call):
+    domain, options = call
+    pack = vdbpack.pack(domain, **options)
+    assert pack.hash == pack.report["hash"] == hash_by(program, words, tmp_path)
+
+
+def test_mesh_from_arrays(program, tmp_path):
+    vertices, faces = cube(12)
+    pack = vdbpack.pack((vertices, faces), radius=vdbpack.uniform(0.5, 1))
+    assert len(pack) > 300
+    assert vdbpack.verify(pack, (vertices, faces)).passed
+    low = pack.positions - pack.radii[:, None]
+    high = pack.positions + pack.radii[:, None]
+    assert low.min() >= -1e-9 and high.max() <= 12 + 1e-9
+    # The same mesh as a file gives the same pack.
+    with open(tmp_path / "cube.off", "w") as file:
+        file.write(f"OFF\n{len(vertices)} {len(faces)} 0\n")
+        file.writelines(f"{x} {y} {z}\n" for x, y, z in vertices)
+        file.writelines(f"3 {a} {b} {c}\n" for a, b, c in faces)
+    assert vdbpack.pack(tmp_path / "cube.off", radius="uniform:0.5,1").hash == pack.hash
+    # As do other layouts and types of the arrays, and a unit.
+    other = (numpy.asfortranarray(vertices / 1000), faces.astype(numpy.uint8))
+    assert vdbpack.pack(other, radius="uniform:0.5,1", unit="m").hash == pack.hash
+
+
+def test_meshes_of_other_packages():
+    class Trimesh:
+        vertices, faces = cube(10)
+
+    class Meshio:
+        points, cells_dict = cube(10)[0], {"triangle": cube(10)[1]}
+
+    first = vdbpack.pack(Trimesh, radius=0.8)
+    assert first.hash == vdbpack.pack(Meshio, radius=0.8).hash == vdbpack.pack(cube(10), radius=0.8).hash
+
+
+def test_views_share_memory_and_are_read_only():
+    pack = vdbpack.pack(vdbpack.box(10, 10, 10), radius=vdbpack.uniform(0.5, 1))
+    n = len(pack)
+    assert pack.positions.shape == (n, 3) and pack.positions.dtype == numpy.float64
+    assert pack.radii.shape == (n,) and pack.radii.dtype == numpy.float64
+    for name in ("region", "order", "depth", "contacts"):
+        assert getattr(pack, name).shape == (n,)
+    assert pack.id.tolist() == list(range(n))
+    assert numpy.shares_memory(pack.positions, pack.positions)
+    assert numpy.shares_memory(pack.depth, pack.depth)
+    with pytest.raises(ValueError):
+        pack.positions[0, 0] = 1
+    with pytest.raises(ValueError):
+        pack.radii[:] = 1
+
+
+def test_views_outlive_the_pack():
+    pack = vdbpack.pack(vdbpack.box(10, 10, 10), radius=0.8)
+    positions, total = pack.positions, pack.positions.sum()
+    data = pack._data
+    views = [pack.radii for _ in range(1000)]
+    held = sys.getrefcount(data)
+    assert held > 1000
+    del views, pack
+    assert sys.getrefcount(data) <= held - 1000
+    del data
+    assert positions.sum() == total
+
+
+def test_pack_of_arrays_and_back(tmp_path):
+    positions = numpy.array([[0.0, 0, 0], [2, 0, 0], [0, 2, 0]])
+    pack = vdbpack.Pack(positions, [1, 1.0, 0.5], id=[5, 6, 9], material=["a", "b", "c"], weight=[1, 2, 3])
+    assert pack.id.tolist() == [5, 6, 9]
+    assert pack.columns["material"] == ["a", "b", "c"]
+    assert pack.columns["weight"].tolist() == [1, 2, 3]
+    for name in ("p.vdb", "p.vtp", "p.csv", "p.npz"):
+        vdbpack.write(pack, tmp_path / name)
+        back = vdbpack.read(tmp_path / name)
+        assert back.hash == pack.hash
+        assert back.id.tolist() == [5, 6, 9]
+    pack.write(tmp_path / "m.vtp", unit="m")
+    assert numpy.allclose(vdbpack.read(tmp_path / "m.vtp").positions, positions)
+
+
+def test_points_of_a_vdb(tmp_path):
+    pack = vdbpack.pack(vdbpack.ball(6), radius=vdbpack.uniform(0.4, 0.8))
+    vdbpack.write_points(tmp_path / "p.vdb", pack)
+    back = vdbpack.read_points(tmp_path / "p.vdb")
+    assert back.hash == pack.hash
+    assert (back.positions == pack.positions).all() and (back.radii == pack.radii).all()
+
+
+def test_circles():
+    pack = vdbpack.pack(vdbpack.rect(30, 20), radius=vdbpack.uniform(0.5, 1))
+    assert pack.positions.shape == (len(pack), 2)
+    assert pack.slice_height == 0
+    assert "circles" in repr(pack)
+    assert vdbpack.verify(pack, vdbpack.rect(30, 20)).passed
+
+
+def test_pickle_and_repr():
+    pack = vdbpack.pack(vdbpack.box(8, 8, 8), radius=0.7)
+    back = pickle.loads(pickle.dumps(pack))
+    assert back.hash == pack.hash and back.report == pack.report
+    assert (back.depth == pack.depth).all()
+    assert f"{len(pack):,} spheres" in repr(pack) and "solid fraction" in repr(pack)
+    assert "<pre>" in pack._repr_html_()
+    assert "spheres" in str(pack.report)
+
+
+def test_existing_spheres_are_kept():
+    first = vdbpack.pack(vdbpack.box(10, 10, 10), radius=1, max_count=20)
+    both = vdbpack.pack(vdbpack.box(10, 10, 10), radius=0.5, existing=first)
+    assert len(both) > len(first)
+    assert (both.positions[: len(first)] == first.positions).all()
+    assert both.columns["existing"].sum() == len(first)
+
+
+def test_densify_carve_measure_convert(tmp_path):
+    domain = vdbpack.box(14, 14, 14)
+    pack = vdbpack.pack(domain, radius=vdbpack.uniform(0.5, 1))
+    dense = vdbpack.densify(pack, domain, densify="max")
+    assert dense.report["solidFraction"]["total"] > pack.report["solidFraction"]["total"] + 0.01
+    carved = vdbpack.carve(dense, domain, voids="boolean", void_radius=1.5, target_bvtv=0.5, shell=1)
+    assert 0 < len(carved) < len(dense)
+    assert carved.report["voids"]["bvtv"] == pytest.approx(0.5, abs=0.01)
+    measured = vdbpack.measure(dense, domain)
+    assert measured["solidFraction"]["total"] == pytest.approx(dense.report["solidFraction"]["total"], abs=1e-3)
+    told = vdbpack.convert(dense, output=str(tmp_path / "p.vtp"))
+    assert told["count"] == len(dense) and (tmp_path / "p.vtp").is_file()
+
+
+def test_voids_and_morphometry(tmp_path):
+    report = vdbpack.voids(vdbpack.box(12, 12, 12), voids="boolean", void_radius="uniform:0.8,1.2",
+                           target_bvtv=0.3, output=[str(tmp_path / "s.vdb"), str(tmp_path / "s.stl")])
+    assert report["voids"]["bvtv"] == pytest.approx(0.3, abs=0.01)
+    solid = vdbpack.measure(str(tmp_path / "s.vdb"), grid="solid")
+    assert solid["morphometry"]["BV/TV"] == pytest.approx(0.3, abs=0.02) if "BV/TV" in solid.get("morphometry", {}) else True
+
+
+def test_repair_of_arrays():
+    vertices, faces = cube(10)
+    health = vdbpack.repair((vertices, faces))
+    assert health["boundaryEdges"] == 0
+    assert vdbpack.repair((vertices, faces[1:]))["boundaryEdges"] == 3
+
+
+def test_labels_of_an_image():
+    size = numpy.array([24, 20, 18])
+    x, y, z = numpy.meshgrid(*(numpy.arange(n) - n / 2 for n in size), indexing="ij")
+    labels = ((x**2 + y**2 + z**2) < 64) * (1 + (x > 0))
+    affine = numpy.diag([1.0, 1.0, 1.0, 1.0])
+    affine[:3, 3] = [100, -50, 20]
+    image = vdbpack.image(labels, affine)
+    try:
+        told = vdbpack.inspect_image(image)
+    except vdbpack.ParameterError:
+        pytest.skip("this build has no images")
+    assert [label["value"] for label in told["labels"]] == [1, 2]
+    pack = vdbpack.pack(image, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras")
+    assert set(pack.columns["part"]) == {0.0, 1.0}
+    assert vdbpack.verify(pack, image, label="all", space="ras").passed
+    # In the world of the affine.
+    middle = affine @ [*(size / 2), 1]
+    assert numpy.abs(pack.positions.mean(axis=0) - middle[:3]).max() < 1
+
+
+def test_table_of_weights():
+    pack = vdbpack.pack(vdbpack.box(30, 30, 30), radius=vdbpack.table([0.5, 1.0], [3, 1]))
+    assert set(numpy.round(pack.radii, 6)) == {0.5, 1.0}
+    assert (pack.radii < 0.75).mean() == pytest.approx(0.75, abs=0.02)
+
+
+def test_dataframe():
+    pandas = pytest.importorskip("pandas")
+    pack = vdbpack.pack(vdbpack.ball(5), radius=0.8)
+    table = pack.to_dataframe()
+    assert isinstance(table, pandas.DataFrame) and len(table) == len(pack)
+    assert list(table.columns[:5]) == ["id", "x", "y", "z", "radius"]
+
+
+def test_vtk():
+    pytest.importorskip("vtkmodules")
+    pack = vdbpack.pack(vdbpack.ball(5), radius=0.8)
+    data = pack.to_vtk()
+    assert data.GetNumberOfPoints() == data.GetNumberOfVerts() == len(pack)
+    assert data.GetPointData().GetArray("radius").GetValue(0) == pack.radii[0]
+
+
+def test_every_public_name_has_a_docstring():
+    for name in vdbpack.__all__:
+        if name.startswith("__"):
+            continue
+        thing = getattr(vdbpack, name)
+        assert (thing.__doc__ or "").strip(), name
+        for member in vars(thing) if isinstance(thing, type) else ():
+            value = vars(thing)[member]
+            if not member.startswith("_") and (callable(value) or isinstance(value, property)):
+                assert (value.__doc__ or "").strip(), f"{name}.{member}"
