@@ -6,6 +6,8 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/dense_level_set.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
@@ -39,6 +41,7 @@ using namespace vdbpack;
 namespace {
 
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
+using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using IndexArray = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
 // --- Packs as arrays
@@ -282,6 +285,7 @@ private:
 struct Inputs {
     std::shared_ptr<const TriangleMesh> mesh;
     std::shared_ptr<const Image> image;
+    std::shared_ptr<const VdbGrid> levelSet, solid;
     Shared pack, existing;
 };
 
@@ -366,6 +370,19 @@ std::shared_ptr<const Image> imageOf(const py::array& values, const DoubleArray&
     return image;
 }
 
+std::shared_ptr<const VdbGrid> levelSetIn(const FloatArray& values, double spacing,
+                                          const std::array<double, 3>& origin) {
+    if (!values || values.ndim() != 3)
+        throw ParameterError("level set: an array of numbers of three dimensions is needed");
+    DenseLevelSet dense;
+    for (std::size_t d = 0; d < 3; ++d)
+        dense.size[d] = static_cast<std::size_t>(values.shape(static_cast<py::ssize_t>(d)));
+    dense.spacing = spacing;
+    dense.origin = {origin};
+    dense.values.assign(values.data(), values.data() + values.size());
+    return levelSetOf(dense, "surface");
+}
+
 Inputs inputsOf(const py::dict& given) {
     Inputs inputs;
     const auto find = [&](const char* name) -> py::object {
@@ -379,6 +396,14 @@ Inputs inputsOf(const py::dict& given) {
         if (!values || !affine) throw ParameterError("image: arrays of numbers are needed");
         inputs.image = imageOf(values, affine);
     }
+    if (const py::object set = find("level_set"); !set.is_none())
+        inputs.levelSet =
+            levelSetIn(FloatArray::ensure(set[py::int_(0)]), set[py::int_(1)].cast<double>(),
+                       set[py::int_(2)].cast<std::array<double, 3>>());
+    if (const py::object set = find("solid"); !set.is_none())
+        inputs.solid =
+            levelSetIn(FloatArray::ensure(set[py::int_(0)]), set[py::int_(1)].cast<double>(),
+                       set[py::int_(2)].cast<std::array<double, 3>>());
     if (const py::object pack = find("pack"); !pack.is_none()) inputs.pack = pack.cast<Shared>();
     if (const py::object pack = find("existing"); !pack.is_none())
         inputs.existing = pack.cast<Shared>();
@@ -389,20 +414,25 @@ template <class Recipe>
 void give(const Inputs& inputs, Recipe& recipe) {
     recipe.domain.mesh = inputs.mesh;
     recipe.domain.image = inputs.image;
+    recipe.domain.levelSet = inputs.levelSet;
     if constexpr (std::is_base_of_v<InputPack, Recipe>)
         if (inputs.pack) recipe.given = std::make_shared<const Pack<3>>(inSpace(*inputs.pack));
+    if constexpr (std::is_base_of_v<MeasureRecipe, Recipe>) recipe.solid = inputs.solid;
     if constexpr (std::is_base_of_v<PackRecipe, Recipe>)
         if (inputs.existing)
             recipe.givenExisting = std::make_shared<const Pack<3>>(inSpace(*inputs.existing));
     // A recipe with arrays cannot be repeated from a file.
-    if (inputs.mesh || inputs.image || inputs.pack || inputs.existing) recipe.optionsText.clear();
+    if (inputs.mesh || inputs.image || inputs.levelSet || inputs.pack || inputs.existing)
+        recipe.optionsText.clear();
 }
 
 /// What a run returns, before Python's lock is taken again.
 struct Outcome {
     std::optional<std::variant<Pack<3>, Pack<2>>> pack;
+    std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
     std::string report, summary, failures, picture;
-    bool passed = true, interrupted = false;
+    bool passed = true;
 };
 
 Outcome outcomeOf(RunResult&& run, bool hasPack) {
@@ -411,7 +441,8 @@ Outcome outcomeOf(RunResult&& run, bool hasPack) {
     outcome.summary = summary(run);
     outcome.failures = failures(run);
     outcome.passed = run.passed;
-    outcome.interrupted = run.report.interrupted;
+    outcome.voids = std::move(run.voids);
+    outcome.levelSets = std::move(run.levelSets);
     outcome.picture = std::move(run.picture.png);
     if (hasPack) outcome.pack = std::move(run.pack);
     return outcome;
@@ -461,6 +492,41 @@ Outcome perform(const ImageRecipe& job, const Callbacks& callbacks) {
     return tableOf(runImage(job, callbacks));
 }
 
+/// A level set that Python may ask for as an array.
+struct LevelSetData {
+    std::shared_ptr<const VdbGrid> grid;
+};
+
+/// Centers (M, Dim), half-axes a and b (M, 2), and unit vectors along a (M, Dim).
+template <int Dim>
+py::tuple arraysOf(const std::vector<Ellipsoid<Dim>>& voids) {
+    const auto n = static_cast<py::ssize_t>(voids.size());
+    DoubleArray centers({n, py::ssize_t{Dim}}), axes({n, py::ssize_t{Dim}});
+    DoubleArray halves({n, py::ssize_t{2}});
+    for (py::ssize_t i = 0; i < n; ++i) {
+        const Ellipsoid<Dim>& e = voids[static_cast<std::size_t>(i)];
+        for (int d = 0; d < Dim; ++d) {
+            centers.mutable_at(i, d) = e.center[d];
+            axes.mutable_at(i, d) = e.axis[d];
+        }
+        halves.mutable_at(i, 0) = e.a;
+        halves.mutable_at(i, 1) = e.b;
+    }
+    return py::make_tuple(centers, halves, axes);
+}
+
+/// A level set as (values of shape (X, Y, Z), spacing, origin).
+py::tuple arrayOf(const VdbGrid& grid) {
+    const DenseLevelSet dense = denseLevelSet(grid);
+    const auto& n = dense.size;
+    py::array values(
+        py::dtype::of<float>(),
+        std::vector<py::ssize_t>{static_cast<py::ssize_t>(n[0]), static_cast<py::ssize_t>(n[1]),
+                                 static_cast<py::ssize_t>(n[2])},
+        dense.values.data());  // a copy
+    return py::make_tuple(values, dense.spacing, dense.origin.c);
+}
+
 /// One command: its words, and what they do not say. @return a dict for the package
 py::dict runCommand(const std::vector<std::string>& words, const py::dict& given,
                     const py::object& progress) {
@@ -476,6 +542,11 @@ py::dict runCommand(const std::vector<std::string>& words, const py::dict& given
     result["failures"] = outcome.failures;
     result["passed"] = outcome.passed;
     result["picture"] = py::bytes(outcome.picture);
+    result["voids"] = std::visit([](const auto& voids) { return arraysOf(voids); }, outcome.voids);
+    py::dict sets;
+    for (const auto& grid : outcome.levelSets)
+        sets[py::str(levelSetName(*grid))] = py::cast(LevelSetData{grid});
+    result["level_sets"] = sets;
     result["pack"] = py::none();
     if (outcome.pack) {
         auto data = std::make_shared<PackData>();
@@ -532,6 +603,9 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "The C++ part of vdbpack; use the package around it.";
     m.attr("__version__") = VDBPACK_VERSION;
     py::register_exception_translator(translate);
+    py::class_<LevelSetData>(m, "LevelSetData").def("array", [](const LevelSetData& data) {
+        return arrayOf(*data.grid);
+    });
     py::class_<PackData, Shared>(m, "PackData")
         .def(py::init(&packOf), py::arg("positions"), py::arg("radii"), py::arg("columns"))
         .def_property_readonly("positions", &positions)

@@ -7,11 +7,11 @@
 Functions take the options of the command line with underscores for dashes. Lengths are mm.
 """
 
-from ._commands import carve, convert, densify, inspect_image, measure, pack, repair, verify, voids
+from ._commands import carve, convert, densify, inspect_image, measure, morphometry, pack, repair, verify, voids
 from ._core import __version__
-from ._domains import Image, Shape, ball, box, cylinder, disc, image, rect
+from ._domains import Image, LevelSet, Shape, ball, box, cylinder, disc, image, level_set, rect
 from ._errors import Error, FileError, InputError, ParameterError, ResourceError, VdbpackWarning
-from ._pack import Pack, Report, read, read_points, write, write_points
+from ._pack import Pack, Report, Voids, read, read_points, write, write_points
 from ._sizes import Sizes, constant, lognormal, normal, table, uniform
 
 __all__ = [
@@ -19,6 +19,7 @@ __all__ = [
     "FileError",
     "Image",
     "InputError",
+    "LevelSet",
     "Pack",
     "ParameterError",
     "Report",
@@ -26,6 +27,7 @@ __all__ = [
     "Shape",
     "Sizes",
     "VdbpackWarning",
+    "Voids",
     "__version__",
     "ball",
     "box",
@@ -37,8 +39,10 @@ __all__ = [
     "disc",
     "image",
     "inspect_image",
+    "level_set",
     "lognormal",
     "measure",
+    "morphometry",
     "normal",
     "pack",
     "read",

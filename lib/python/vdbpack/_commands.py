@@ -9,13 +9,13 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 import numpy
 
 from . import _core
-from ._domains import Domain, domain_words
+from ._domains import Domain, LevelSet, domain_words
 from ._errors import ParameterError
-from ._pack import Pack, Report
+from ._pack import Pack, Report, Voids
 from ._progress import Bar, Progress, progress_of
 from ._sizes import Table
 
-__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "convert", "repair", "inspect_image"]
+__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_image"]
 
 PackLike = Union[Pack, str, "os.PathLike[str]"]
 
@@ -88,6 +88,17 @@ def _on_pack(
     command: str, given: PackLike, domain: Optional[Domain], options: Mapping[str, Any], progress: Progress
 ) -> Dict[str, Any]:
     word, inputs = _pack_word(given)
+    return _within(command, word, inputs, domain, options, progress)
+
+
+def _within(
+    command: str,
+    word: str,
+    inputs: Dict[str, Any],
+    domain: Optional[Domain],
+    options: Mapping[str, Any],
+    progress: Progress,
+) -> Dict[str, Any]:
     words = [command, word]
     if domain is not None:
         name, more = domain_words(domain)
@@ -138,13 +149,14 @@ def carve(given: PackLike, domain: Domain, *, progress: Progress = None, **optio
     return _packed(_on_pack("carve", given, domain, options, progress))
 
 
-def voids(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
-    """Makes voids in a domain, without spheres; files by `output`.
+def voids(domain: Domain, *, progress: Progress = None, **options: Any) -> Voids:
+    """Makes voids in a domain, without spheres.
 
     domain, progress: as for `pack`. options: those of `vdb_pack voids`; lengths in mm.
     """
     word, inputs = domain_words(domain)
-    return _report(_run(["voids", word], options, inputs, progress))
+    result = _run(["voids", word], options, inputs, progress)
+    return Voids(_report(result), result["voids"], result["level_sets"])
 
 
 def verify(
@@ -166,6 +178,25 @@ def measure(
     `pack`. options: those of `vdb_pack measure`; lengths in mm.
     """
     return _report(_on_pack("measure", given, domain, options, progress))
+
+
+def morphometry(
+    solid: Union[LevelSet, str, "os.PathLike[str]"],
+    domain: Optional[Domain] = None,
+    *,
+    progress: Progress = None,
+    **options: Any,
+) -> Report:
+    """Measures a solid: BV/TV, Tb.Th, Tb.Sp, anisotropy, connectivity; lengths in mm.
+
+    solid: a `level_set`, such as `voids(...).solid`, or a file (.vdb, .stl, ...).
+    domain: the total volume; by default the box around the solid. progress: as for `pack`.
+    options: those of `vdb_pack measure`.
+    """
+    if not isinstance(solid, LevelSet):
+        return measure(solid, domain, progress=progress, **options)
+    inputs: Dict[str, Any] = {"solid": (solid.values, solid.spacing, solid.origin)}
+    return _report(_within("measure", "(level set)", inputs, domain, options, progress))
 
 
 def convert(

@@ -10,7 +10,7 @@ import numpy.typing
 
 from ._errors import ParameterError
 
-__all__ = ["Shape", "Image", "Domain", "box", "ball", "cylinder", "rect", "disc", "image"]
+__all__ = ["Shape", "Image", "LevelSet", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
 
@@ -39,6 +39,20 @@ class Image:
 
     def __repr__(self) -> str:
         return f"vdbpack.Image of {' x '.join(map(str, numpy.shape(self.values)))} voxels"
+
+
+class LevelSet:
+    """Signed distances as an array: see `level_set`."""
+
+    def __init__(self, values: Any, spacing: float, origin: Any) -> None:
+        self.values = numpy.asarray(values)
+        self.spacing = float(spacing)
+        self.origin = tuple(float(c) for c in origin)
+        if len(self.origin) != 3:
+            raise ParameterError(f"origin: has {len(self.origin)} coordinates, not 3")
+
+    def __repr__(self) -> str:
+        return f"vdbpack.LevelSet of {' x '.join(map(str, self.values.shape))} points, {self.spacing:g} mm apart"
 
 
 Domain = Union[str, "os.PathLike[str]", Tuple[Any, Any], Image, Any]
@@ -83,17 +97,30 @@ def image(values: Array, affine: Array, space: str = "ras") -> Image:
     return Image(numpy.asarray(values), affine, space)
 
 
+def level_set(
+    values: numpy.typing.ArrayLike, spacing: float, origin: Tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> LevelSet:
+    """A solid by its signed distances at the points of a lattice, negative inside; mm.
+
+    values: array of shape (X, Y, Z), positive at its border. spacing: between points, mm.
+    origin: of the first point, mm.
+    """
+    return LevelSet(values, spacing, origin)
+
+
 def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     """The word that stands for a domain, and what is in memory of it."""
     if isinstance(domain, (str, os.PathLike)):
         return os.fspath(domain), {}
     if isinstance(domain, Image):
         return "(image)", {"image": (domain.values, domain.affine)}
+    if isinstance(domain, LevelSet):
+        return "(level set)", {"level_set": (domain.values, domain.spacing, domain.origin)}
     mesh = mesh_arrays(domain)
     if mesh is None:
         raise ParameterError(
             f"domain: {type(domain).__name__} is none; give a file name, a shape, (vertices, faces), "
-            "an object with .vertices and .faces, or an image"
+            "an object with .vertices and .faces, an image or a level set"
         )
     return "(mesh)", {"mesh": mesh}
 

@@ -12,8 +12,9 @@ import numpy
 import numpy.typing
 
 from . import _core
+from ._domains import LevelSet
 
-__all__ = ["Pack", "Report", "read", "write", "read_points", "write_points"]
+__all__ = ["Pack", "Report", "Voids", "read", "write", "read_points", "write_points"]
 
 Floats = numpy.typing.NDArray[numpy.float64]
 Path = Union[str, "os.PathLike[str]"]
@@ -90,7 +91,8 @@ class Pack:
     def id(self) -> numpy.typing.NDArray[numpy.int64]:
         """Names of the spheres, int64 of shape (N,): 0, 1, 2, ... unless a file says otherwise."""
         given = self._columns.get("id")
-        return numpy.arange(len(self)) if given is None else given
+        ids: numpy.typing.NDArray[numpy.int64] = numpy.arange(len(self)) if given is None else given
+        return ids
 
     @property
     def region(self) -> Optional[numpy.typing.NDArray[numpy.int32]]:
@@ -135,7 +137,7 @@ class Pack:
         if len(self) == 0:
             return f"<vdbpack.Pack without {kind}>"
         text = f"<vdbpack.Pack of {len(self):,} {kind}, radii {self.radii.min():.4g} to {self.radii.max():.4g} mm"
-        solid = (self.report or {}).get("solidFraction", {}).get("total")
+        solid = self.report.get("solidFraction", {}).get("total") if self.report else None
         return text + (f", solid fraction {solid:.4f}>" if solid else ">")
 
     def _repr_html_(self) -> str:
@@ -213,6 +215,42 @@ class Pack:
             utils.sphere(tuple(scale * float(c) for c in (*center, z)[:3]), scale * float(radius), **attributes)
             for center, radius in zip(self.positions, self.radii)
         ]
+
+
+class Voids:
+    """Voids in a domain and what they leave; lengths in mm.
+
+    report: a `Report`. centers: float64 of shape (M, 3), 2D (M, 2). half_axes: float64 of shape
+    (M, 2), a along the axis and b across it. axes: unit vectors along a, of the shape of centers.
+    """
+
+    def __init__(self, report: Report, arrays: Tuple[Floats, Floats, Floats], sets: Mapping[str, Any]) -> None:
+        self.report = report
+        self.centers, self.half_axes, self.axes = arrays
+        self._sets = sets
+
+    @property
+    def solid(self) -> Optional[LevelSet]:
+        """What the voids leave, as signed distances in an array; None in 2D."""
+        return self._level_set("solid")
+
+    @property
+    def surface(self) -> Optional[LevelSet]:
+        """The domain, as signed distances in an array; None in 2D."""
+        return self._level_set("surface")
+
+    def _level_set(self, name: str) -> Optional[LevelSet]:
+        return LevelSet(*self._sets[name].array()) if name in self._sets else None
+
+    def __len__(self) -> int:
+        return len(self.centers)
+
+    def __repr__(self) -> str:
+        bvtv = self.report["voids"]["bvtv"]
+        return f"<vdbpack.Voids: {len(self):,}" + (f", BV/TV {bvtv:.4f}>" if bvtv is not None else ">")
+
+    def _repr_html_(self) -> str:
+        return self.report._repr_html_()
 
 
 def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: Dict[str, Any]) -> Pack:

@@ -1,6 +1,7 @@
 // Whole runs: a recipe in, a result out.
 #pragma once
 
+#include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
@@ -16,8 +17,11 @@
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 namespace vdbpack {
+
+class VdbGrid;
 
 /// What a search for vacancies at sample points found.
 struct VacancySearch {
@@ -39,6 +43,9 @@ struct RunResult {
     PreviewPicture picture;                  ///< as requested, or of the report page
     std::optional<VacancySearch> vacancies;  ///< if requested
     std::variant<Pack<3>, Pack<2>> pack;
+    std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
+    /// Of runs in space with voids: `surface`, `voids` and `solid`.
+    std::vector<std::shared_ptr<const VdbGrid>> levelSets;
     bool passed = false;  ///< no check failed (`failedChecks`)
 };
 
@@ -116,6 +123,8 @@ struct VoidsRecipe : RunSettings {
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 
 struct MeasureRecipe : InputPack {
+    /// What a program has in memory, mm, in place of the solid that `pack` names in messages.
+    std::shared_ptr<const VdbGrid> solid;
     double shell =
         0;  ///< thickness of the layer along the wall that is measured apart, mm; 0: none
     /// Of a pack: morphometry of the union of its spheres, too, in voxels of `domain.voxelSize` (0:

@@ -26,6 +26,7 @@ constexpr double kCutShare = 0.05;
 
 /// What is measured as a pack, or nothing if it is a solid. A grid's name says which of both.
 std::optional<Pack<3>> packToMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
+    if (recipe.solid) return std::nullopt;
     if (!recipe.packGrid.empty()) return readInputPack(recipe, callbacks);
     const bool namesLevelSet = extensionOf(recipe.pack) == ".vdb" &&
                                !recipe.domain.gridName.empty() &&
@@ -100,8 +101,10 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
-    const bool mesh = extensionOf(recipe.pack) != ".vdb";
-    if (mesh)
+    const bool mesh = !recipe.solid && extensionOf(recipe.pack) != ".vdb";
+    if (recipe.solid)
+        grid = recipe.solid;
+    else if (mesh)
         grid = gridOfMesh(recipe, imageVoxel, callbacks);
     else
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));

@@ -361,6 +361,8 @@ RunResult finishStage(Run<Dim>& run) {
     if (!reportFile.empty()) report.files.push_back(reportFile);
     result.report = std::move(report);
     result.picture = std::move(run.picture);
+    result.levelSets = run.voids.levelSets();
+    result.voids = std::move(run.voids.list);
     if (run.hasPack) result.pack = std::move(run.ranks() ? run.named : run.pack);
     return result;
 }
