@@ -5,6 +5,11 @@ import numpy.typing
 
 __version__: str
 
+class LevelSetData:
+    def array(
+        self,
+    ) -> tuple[numpy.typing.NDArray[numpy.float32], float, tuple[float, float, float]]: ...
+
 class PackData:
     def __init__(
         self,
