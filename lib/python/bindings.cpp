@@ -112,6 +112,20 @@ py::dict columns(const Shared& data) {
     return all;
 }
 
+/// An array of whole numbers, by value. @throws ParameterError for anything else
+IndexArray wholeNumbers(const py::object& values, const std::string& name) {
+    const py::array given = py::array::ensure(values);
+    const DoubleArray numbers = given ? DoubleArray::ensure(given) : DoubleArray();
+    if (!given || !numbers) {
+        PyErr_Clear();
+        throw ParameterError(name + ": an array of whole numbers is needed");
+    }
+    for (py::ssize_t i = 0; i < numbers.size(); ++i)
+        if (const double v = numbers.data()[i]; v != std::floor(v) || std::fabs(v) > 0x1p63)
+            throw ParameterError(fmt::format("{}: {} is no whole number", name, v));
+    return IndexArray::ensure(given);
+}
+
 /// @param name  of the array, for messages
 template <class Array>
 void requireLength(const Array& array, std::size_t n, const std::string& name) {
@@ -124,13 +138,16 @@ void requireLength(const Array& array, std::size_t n, const std::string& name) {
 void takeColumn(const std::string& name, const py::object& values, std::size_t n,
                 PackAttributes& pack) {
     const auto wholes = [&](auto& to) {
-        const IndexArray array = IndexArray::ensure(values);
-        if (!array) throw ParameterError(name + ": whole numbers are needed");
+        using Value = typename std::decay_t<decltype(to)>::value_type;
+        const IndexArray array = wholeNumbers(values, name);
         requireLength(array, n, name);
         to.clear();
-        for (std::size_t i = 0; i < n; ++i)
-            to.push_back(static_cast<typename std::decay_t<decltype(to)>::value_type>(
-                array.at(static_cast<py::ssize_t>(i))));
+        for (std::size_t i = 0; i < n; ++i) {
+            const std::int64_t value = array.at(static_cast<py::ssize_t>(i));
+            if (value != static_cast<Value>(value))
+                throw ParameterError(fmt::format("{}: {} is too large", name, value));
+            to.push_back(static_cast<Value>(value));
+        }
     };
     if (name == "id") return wholes(pack.id);
     if (name == "region") return wholes(pack.region);
@@ -158,7 +175,8 @@ void takeColumn(const std::string& name, const py::object& values, std::size_t n
         pack.columns.push_back(std::move(column));
 }
 
-Shared packOf(const DoubleArray& centers, const DoubleArray& radius, const py::dict& further) {
+Shared packOf(const DoubleArray& centers, const DoubleArray& radius, const py::dict& further,
+              double sliceHeight) {
     if (centers.ndim() != 2 || (centers.shape(1) != 3 && centers.shape(1) != 2))
         throw ParameterError(
             "positions: an array of shape (N, 3), or (N, 2) for circles, is needed");
@@ -178,7 +196,11 @@ Shared packOf(const DoubleArray& centers, const DoubleArray& radius, const py::d
             takeColumn(py::str(name), py::reinterpret_borrow<py::object>(values), n, pack);
         requireUsable(pack.spheres);
     };
-    if (centers.shape(1) == 2) data->pack = Pack<2>{};
+    if (centers.shape(1) == 2) {
+        Pack<2> flat;
+        flat.sliceHeight = sliceHeight;
+        data->pack = std::move(flat);
+    }
     std::visit(fill, data->pack);
     return data;
 }
@@ -226,7 +248,6 @@ public:
         }
         if (raised) throw py::error_already_set(std::move(*raised));
         if (failure) std::rethrow_exception(failure);
-        tellWarnings();
         return std::move(*result);
     }
 
@@ -249,27 +270,27 @@ private:
     /// @return whether the work has ended
     bool attend(std::unique_ptr<py::error_already_set>& raised) {
         constexpr auto kOften = std::chrono::milliseconds(50);
+        bool ended = false;
         std::optional<Progress> latest;
+        std::vector<std::string> warnings;
         {
             std::unique_lock<std::mutex> lock(mutex_);
-            if (news_.wait_for(lock, kOften, [this] { return done_; })) return true;
+            ended = news_.wait_for(lock, kOften, [this] { return done_; });
             latest = std::exchange(latest_, std::nullopt);
+            warnings = std::exchange(warnings_, {});
         }
-        if (cancelled_) return false;
+        if (raised || (ended && warnings.empty())) return ended;
         const py::gil_scoped_acquire held;
         try {
-            if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            if (latest) progress_(latest->stage, latest->fraction, latest->count);
+            if (!ended && PyErr_CheckSignals() != 0) throw py::error_already_set();
+            for (const std::string& text : warnings)
+                py::module_::import("vdbpack._errors").attr("warn")(text);
+            if (latest && !ended) progress_(latest->stage, latest->fraction, latest->count);
         } catch (py::error_already_set& e) {
             raised = std::make_unique<py::error_already_set>(std::move(e));
             cancelled_ = true;
         }
-        return false;
-    }
-
-    void tellWarnings() const {
-        const py::object warn = py::module_::import("vdbpack._errors").attr("warn");
-        for (const std::string& text : warnings_) warn(text);
+        return ended;
     }
 
     py::object progress_;
@@ -287,14 +308,15 @@ struct Inputs {
     std::shared_ptr<const Image> image;
     std::shared_ptr<const VdbGrid> levelSet, solid;
     Shared pack, existing;
+    bool isTemporary = false;  // files that are gone after the run
 };
 
 std::shared_ptr<const TriangleMesh> meshOf(const py::object& vertices, const py::object& faces) {
     const DoubleArray points = DoubleArray::ensure(vertices);
-    const IndexArray corners = IndexArray::ensure(faces);
+    const IndexArray corners = wholeNumbers(faces, "faces");
     if (!points || points.ndim() != 2 || points.shape(1) != 3)
         throw ParameterError("vertices: an array of numbers of shape (N, 3) is needed");
-    if (!corners || corners.ndim() != 2 || corners.shape(1) != 3)
+    if (corners.ndim() != 2 || corners.shape(1) != 3)
         throw ParameterError("faces: an array of whole numbers of shape (M, 3) is needed");
     auto mesh = std::make_shared<TriangleMesh>();
     const auto n = points.shape(0);
@@ -321,6 +343,16 @@ std::shared_ptr<const TriangleMesh> meshOf(const py::object& vertices, const py:
     return mesh;
 }
 
+/// The type of 64-bit numbers that 32 bits hold. @throws InputError for larger ones
+std::int32_t fitting(const py::array& values) {
+    for (const char* end : {"min", "max"}) {
+        const auto extreme = values.attr(end)().cast<double>();
+        if (extreme < -0x1p31 || extreme >= 0x1p31)
+            throw InputError(fmt::format("image: {} does not fit into 32 bits", extreme));
+    }
+    return 0;
+}
+
 /// @param affine  from indices to mm, in the world of DICOM (LPS), 4 x 4
 std::shared_ptr<const Image> imageOf(const py::array& values, const DoubleArray& affine) {
     if (values.ndim() != 3) throw ParameterError("image: an array of three dimensions is needed");
@@ -336,7 +368,8 @@ std::shared_ptr<const Image> imageOf(const py::array& values, const DoubleArray&
         image->grid.origin.c[d] = affine.at(axis, 3);
     }
     if (!(std::fabs(image->grid.signedVoxelVolume()) > 0) ||
-        !std::isfinite(image->grid.signedVoxelVolume()))
+        !std::isfinite(image->grid.signedVoxelVolume()) ||
+        !std::isfinite(squaredLength(image->grid.origin)))
         throw InputError("affine: its axes lie in one plane, or are not finite");
     // The first index is the fastest in memory.
     const auto take = [&](auto type, VoxelType voxels) {
@@ -359,7 +392,7 @@ std::shared_ptr<const Image> imageOf(const py::array& values, const DoubleArray&
     else if (kind == 'u' && size == 4)
         take(std::uint32_t{}, VoxelType::uint32);
     else if (kind == 'i' || kind == 'u')
-        take(std::int32_t{}, VoxelType::int32);
+        take(fitting(values), VoxelType::int32);
     else if (kind == 'f' && size == 4)
         take(float{}, VoxelType::float32);
     else if (kind == 'f')
@@ -385,6 +418,7 @@ std::shared_ptr<const VdbGrid> levelSetIn(const FloatArray& values, double spaci
 
 Inputs inputsOf(const py::dict& given) {
     Inputs inputs;
+    inputs.isTemporary = given.contains("temporary");
     const auto find = [&](const char* name) -> py::object {
         return given.contains(name) ? py::object(given[name]) : py::none();
     };
@@ -485,7 +519,10 @@ Outcome perform(const ConvertRecipe& job, const Callbacks& callbacks) {
     return tableOf(runConvert(job, callbacks));
 }
 Outcome perform(const MeshRecipe& job, const Callbacks& callbacks) {
-    Outcome outcome = tableOf(runMesh(job, callbacks));
+    const MeshResult result = runMesh(job, callbacks);
+    Outcome outcome = tableOf(result);
+    outcome.passed = result.passed;
+    outcome.failures = failures(result);
     return outcome;
 }
 Outcome perform(const ImageRecipe& job, const Callbacks& callbacks) {
@@ -539,7 +576,7 @@ py::dict runCommand(const std::vector<std::string>& words, const py::dict& given
     py::dict result;
     result["report"] = outcome.report;
     result["summary"] = withOptionNames(outcome.summary);
-    result["failures"] = outcome.failures;
+    result["failures"] = withOptionNames(outcome.failures);
     result["passed"] = outcome.passed;
     result["picture"] = py::bytes(outcome.picture);
     result["voids"] = std::visit([](const auto& voids) { return arraysOf(voids); }, outcome.voids);
@@ -602,12 +639,13 @@ void translate(std::exception_ptr failure) {
 PYBIND11_MODULE(_core, m) {
     m.doc() = "The C++ part of vdbpack; use the package around it.";
     m.attr("__version__") = VDBPACK_VERSION;
-    py::register_exception_translator(translate);
+    py::register_local_exception_translator(translate);
     py::class_<LevelSetData>(m, "LevelSetData").def("array", [](const LevelSetData& data) {
         return arrayOf(*data.grid);
     });
     py::class_<PackData, Shared>(m, "PackData")
-        .def(py::init(&packOf), py::arg("positions"), py::arg("radii"), py::arg("columns"))
+        .def(py::init(&packOf), py::arg("positions"), py::arg("radii"), py::arg("columns"),
+             py::arg("slice_height") = 0.0)
         .def_property_readonly("positions", &positions)
         .def_property_readonly("radii", &radii)
         .def_property_readonly("columns", &columns)

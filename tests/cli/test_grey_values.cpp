@@ -14,6 +14,7 @@
 #include <catch2/catch.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <numeric>
@@ -199,6 +200,64 @@ TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
     }
 }
 
+TEST_CASE("an interrupt or a damaged image costs columns, not the pack", "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string grey = folder.file("grey.nrrd");
+    writeSlope(grey);
+    PackRecipe recipe;
+    recipe.domain.source = "box:60,60,60";
+    recipe.radius = "uniform:0.5,1";
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.outputs = {folder.file("p.csv")};
+    std::atomic<bool> stop{false};
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) {
+        stop = stop || (p.stage == "pack" && p.count > 0);
+    };
+    callbacks.cancelled = [&] { return stop.load(); };
+    const RunResult run = runPack(recipe, callbacks);
+    REQUIRE(run.report.interrupted);
+    CHECK(numbersOf(readPack(folder.file("p.interrupted.csv")), "hu").size() == run.report.count);
+
+    recipe.domain.source = "box:8,8,8";
+    writeBytes(grey, contentOf(grey).substr(0, 600));
+    CHECK_THROWS_AS(runPack(recipe), InputError);
+    CHECK(readPack(folder.file("p.csv")).spheres.size() > 100);
+}
+
+TEST_CASE("densities of a pack end where others are requested or spheres are added",
+          "[cli][grey]") {
+    const TemporaryFolder folder;
+    const std::string grey = folder.file("grey.nrrd"), file = folder.file("p.csv");
+    writeSlope(grey);
+    PackRecipe recipe;
+    recipe.domain.source = "ball:8";
+    recipe.radius = "uniform:0.8,1.6";
+    recipe.voids.shell = 3;
+    recipe.grey.samples = {"hu=" + grey};
+    recipe.grey.calibration = "12,-150";
+    recipe.outputs = {file};
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    REQUIRE(
+        vdbPack("convert " + file + " --density 0=1900,1=1100 -o " + folder.file("p.data")).code ==
+        0);
+    const Pack<3> atoms = readPack(folder.file("p.data"));
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i)
+        CHECK(numbersOf(atoms, "density")[i] == Approx(pack.region[i] == 0 ? 1.9e-9 : 1.1e-9));
+
+    DensifyRecipe densify;
+    densify.pack = file;
+    densify.domain.source = "ball:8";
+    densify.fraction = 0.6;
+    const RunResult dense = runDensify(densify);
+    const auto& more = std::get<Pack<3>>(dense.pack);
+    REQUIRE(more.spheres.size() > pack.spheres.size());
+    CHECK(columnOfNumbers(more, "hu"));
+    for (const char* name : {kDensityColumn, kClassColumn})
+        CHECK_FALSE(columnOfNumbers(more, name));
+}
+
 TEST_CASE("calibrations that say too little or too much are refused", "[cli][grey]") {
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");
@@ -215,6 +274,12 @@ TEST_CASE("calibrations that say too little or too much are refused", "[cli][gre
     refused("several");
     recipe.grey.calibration = "c=1,0";
     refused("'c'");
+    recipe.preview.file = folder.file("p.png");
+    recipe.preview.color = PreviewColor::column;
+    recipe.preview.column = "raduis";
+    recipe.grey.calibration.clear();
+    refused("raduis");
+    recipe.preview = {};
     for (const char* bad : {"1", "a=", "=1,2", "a=0,3", "x,y"}) {
         recipe.grey.calibration = bad;
         refused("SLOPE,INTERCEPT");
@@ -283,6 +348,8 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
     recipe.voids.bvtvRange = "3000,5000";
     CHECK_THROWS_AS(runVoids(recipe), InputError);
     recipe.voids.bvtvRange = "0,2000";
+    recipe.domain.source = "box:500,0,0,520,20,20";
+    CHECK_THAT(messageOf<InputError>([&] { runVoids(recipe); }), Contains("elsewhere"));
     recipe.voids.method = "overlay";
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("boolean"));
 }

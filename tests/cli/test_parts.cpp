@@ -275,7 +275,7 @@ TEST_CASE("materials number regions and parts", "[formats][parts]") {
     pack.columns = {{kPartColumn, {0, 0, 1}, {}}};
     CHECK(Materials(pack).of(1) == 1);
     CHECK(Materials(pack).of(2) == 3);
-    CHECK(Materials(pack).of(1, 0) == 2);
+    CHECK(Materials(pack).withoutClass(1, 0) == 2);
     pack.region = {0, 0, 0};
     CHECK(Materials(pack).of(2) == 1);
     CHECK(Materials(pack).formula() == "part");

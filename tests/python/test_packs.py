@@ -136,6 +136,8 @@ def test_circles():
     pack = vdbpack.pack(vdbpack.rect(30, 20), radius=vdbpack.uniform(0.5, 1))
     assert pack.positions.shape == (len(pack), 2)
     assert pack.slice_height == 0
+    sliced = vdbpack.pack(vdbpack.ball(8), slice="z=3", radius=0.5)
+    assert pickle.loads(pickle.dumps(sliced)).slice_height == sliced.slice_height == 3
     assert "circles" in repr(pack)
     assert vdbpack.verify(pack, vdbpack.rect(30, 20)).passed
 
@@ -241,6 +243,23 @@ def test_table_of_weights():
     pack = vdbpack.pack(vdbpack.box(30, 30, 30), radius=vdbpack.table([0.5, 1.0], [3, 1]))
     assert set(numpy.round(pack.radii, 6)) == {0.5, 1.0}
     assert (pack.radii < 0.75).mean() == pytest.approx(0.75, abs=0.02)
+
+
+def test_numbers_of_numpy_are_options():
+    assert len(vdbpack.pack(vdbpack.ball(4), radius=numpy.float32(0.5), seed=numpy.int64(3))) > 0
+    assert len(vdbpack.pack(vdbpack.ball(4), radius=numpy.int64(1))) > 0
+
+
+def test_failed_checks_say_why():
+    checked = vdbpack.verify(vdbpack.Pack([[0, 0, 0], [1.5, 0, 0]], [1, 1]), vdbpack.ball(9))
+    assert not checked.passed and "overlap" in checked.failures
+
+
+def test_parts_of_a_file(tmp_path):
+    (tmp_path / "a.off").write_text("OFF\n8 12 0\n" + "".join(
+        f"{x} {y} {z}\n" for x, y, z in cube(8)[0]) + "".join(f"3 {a} {b} {c}\n" for a, b, c in cube(8)[1]))
+    (tmp_path / "p.toml").write_text("[[part]]\nname = 'a'\ndomain = 'a.off'\n")
+    assert len(vdbpack.pack(parts=str(tmp_path / "p.toml"), radius=0.8)) > 20
 
 
 def test_dataframe():

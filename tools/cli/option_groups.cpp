@@ -326,19 +326,21 @@ void addGreyOptions(CLI::App& command, GreyRecipe& grey) {
         ->option_text("NAME=IMAGE")
         ->group("Grey values")
         ->take_all();
-    command
-        .add_option("--calibrate", grey.calibration,
-                    "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
-                    "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of --sample, or "
-                    "of the column NAME")
-        ->option_text("[NAME=]SLOPE,INTERCEPT")
-        ->check(notEmpty())
-        ->group("Grey values");
+    auto* calibrate =
+        command
+            .add_option(
+                "--calibrate", grey.calibration,
+                "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
+                "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of --sample, or "
+                "of the column NAME")
+            ->option_text("[NAME=]SLOPE,INTERCEPT")
+            ->check(notEmpty())
+            ->group("Grey values");
     command
         .add_option("--modulus", grey.modulus,
                     "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, "
-                    "as column modulus_MPa")
-        ->option_text("A,B")
+                    "as column modulus_MPa; E alone: the same for all. Parts may have their own")
+        ->option_text("A,B|E")
         ->check(notEmpty())
         ->group("Grey values");
     command
@@ -347,6 +349,7 @@ void addGreyOptions(CLI::App& command, GreyRecipe& grey) {
                     "types of LAMMPS, listed by materials:FILE.csv")
         ->option_text("N [10]")
         ->transform(wholeNumber(1, kMostDensityClasses))
+        ->needs(calibrate)
         ->group("Grey values");
 }
 

@@ -79,6 +79,7 @@ constexpr OptionName kOptionNames[] = {
     {"partsFile", "--parts"},
     {"samples", "--sample"},
     {"calibration", "--calibrate"},
+    {"grey.classes", "--density-classes"},
     {"modulus", "--modulus"},
     {"space", "--space"},
     {"voxelSpacing", "--voxel-spacing"},

@@ -433,6 +433,11 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         }
         if (!part.partsFile.empty())
             throw CLI::ValidationError("--parts", "parts have no parts of their own");
+        if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
+            part.preview.file != base.preview.file)
+            throw CLI::ValidationError("--parts", file + ": part '" + words.name +
+                                                      "': outputs, reports and pictures are of all "
+                                                      "parts; give them outside of the file");
         parts.push_back(std::move(part));
     }
     return parts;

@@ -49,9 +49,14 @@ PartWords partOf(const toml::table& table, const std::string& file) {
             add(value);
         }
     }
-    if (domain.empty())
-        throw InputError(fmt::format("{}: line {}: a part has no `domain`; name its file or shape",
-                                     file, table.source().begin.line));
+    if (domain.empty()) {
+        std::string keys;
+        for (const auto& [key, value] : table)
+            keys += (keys.empty() ? "" : ", ") + std::string(key.str());
+        throw InputError(fmt::format(
+            "{}: line {}: a part has no `domain`, the name of its file or shape; it has {}", file,
+            table.source().begin.line, keys.empty() ? "nothing" : keys));
+    }
     part.arguments.insert(part.arguments.begin(), domain);
     return part;
 }

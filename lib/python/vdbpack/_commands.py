@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numbers
 import os
 import tempfile
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
@@ -46,7 +47,7 @@ def _words(options: Mapping[str, Any], folder: str) -> List[str]:
             with open(file, "w", encoding="utf-8") as table:
                 table.write(value.text())
             words += [option, "table:" + file]
-        elif name in ("radius", "void_radius", "void_aspect") and isinstance(value, (int, float)):
+        elif name in ("radius", "void_radius", "void_aspect") and isinstance(value, numbers.Real):
             words += [option, f"constant:{float(value)!r}"]
         elif isinstance(value, list):
             for one in value:
@@ -64,14 +65,15 @@ def _run(
     show = progress_of(progress)
     try:
         with tempfile.TemporaryDirectory(prefix="vdbpack-") as folder:
-            return _core.run(words + _words(options, folder), inputs, show)
+            given = {**inputs, "temporary": True} if any(isinstance(v, Table) for v in options.values()) else inputs
+            return _core.run(words + _words(options, folder), given, show)
     finally:
         if isinstance(show, Bar):
             show.close()
 
 
 def _report(result: Mapping[str, Any]) -> Report:
-    return Report(result["report"], result["summary"], result["passed"])
+    return Report(result["report"], result["summary"], result["passed"], result["failures"])
 
 
 def _packed(result: Mapping[str, Any]) -> Pack:
@@ -107,11 +109,17 @@ def _within(
     return _run(words, options, inputs, progress)
 
 
-def pack(domain: Domain, *, existing: Optional[PackLike] = None, progress: Progress = None, **options: Any) -> Pack:
+def pack(
+    domain: Optional[Domain] = None,
+    *,
+    existing: Optional[PackLike] = None,
+    progress: Progress = None,
+    **options: Any,
+) -> Pack:
     """Fills a domain with spheres (circles in 2D) that do not overlap, and checks the result.
 
     domain: a file (mesh, level set, image), a shape such as `box(10, 10, 10)`, (vertices, faces) with
-        arrays of shape (N, 3) and (M, 3), a mesh of trimesh or meshio, or an `image`.
+        arrays of shape (N, 3) and (M, 3), a mesh of trimesh or meshio, an `image`, or a `level_set`. Not with parts="FILE.toml".
     existing: spheres to pack around.
     progress: a callable that takes stage, share and count; True or False; by default a bar where
         there is a terminal or a notebook.
@@ -121,14 +129,14 @@ def pack(domain: Domain, *, existing: Optional[PackLike] = None, progress: Progr
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """
-    word, inputs = domain_words(domain)
+    word, inputs = ("", {}) if domain is None else domain_words(domain)
     given = dict(options)
     if isinstance(existing, Pack):
         inputs["existing"] = existing._data
         given["existing"] = "(existing)"
     elif existing is not None:
         given["existing"] = os.fspath(existing)
-    return _packed(_run(["pack", word], given, inputs, progress))
+    return _packed(_run(["pack", word] if word else ["pack"], given, inputs, progress))
 
 
 def densify(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:

@@ -16,6 +16,7 @@ class PackData:
         positions: numpy.typing.ArrayLike,
         radii: numpy.typing.ArrayLike,
         columns: dict[str, Any],
+        slice_height: float = 0.0,
     ) -> None: ...
     @property
     def positions(self) -> numpy.typing.NDArray[numpy.float64]: ...

@@ -24,22 +24,24 @@ _ATTRIBUTES = ("id", "region", "order", "depth", "contacts")
 class Report(Dict[str, Any]):
     """The report of a run: the fields that `--json` prints, lengths in mm. `print` shows a summary.
 
-    passed: whether no check failed.
+    passed: whether no check failed. failures: what failed, as text.
     """
 
     passed: bool
     summary: str
+    failures: str
 
-    def __init__(self, text: str = "{}", summary: str = "", passed: bool = True) -> None:
+    def __init__(self, text: str = "{}", summary: str = "", passed: bool = True, failures: str = "") -> None:
         super().__init__(json.loads(text))
         self.summary = summary
         self.passed = passed
+        self.failures = failures
 
     def __str__(self) -> str:
         return self.summary.rstrip() or super().__str__()
 
     def __reduce__(self) -> Tuple[Any, ...]:
-        return Report, (json.dumps(dict(self)), self.summary, self.passed)
+        return Report, (json.dumps(dict(self)), self.summary, self.passed, self.failures)
 
     def _repr_html_(self) -> str:
         return f"<pre>{html.escape(self.summary)}</pre>"
@@ -150,7 +152,7 @@ class Pack:
 
     def __reduce__(self) -> Tuple[Any, ...]:
         columns = {k: numpy.array(v) if isinstance(v, numpy.ndarray) else v for k, v in self._columns.items()}
-        state = {"report": self.report, "picture": self.picture}
+        state = {"report": self.report, "picture": self.picture, "slice_height": self.slice_height}
         return _rebuilt, (numpy.array(self.positions), numpy.array(self.radii), columns, state)
 
     def write(self, file: Path, unit: str = "mm") -> None:
@@ -254,9 +256,8 @@ class Voids:
 
 
 def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: Dict[str, Any]) -> Pack:
-    pack = Pack(positions, radii, **columns)
-    pack.report, pack.picture = state["report"], state["picture"]
-    return pack
+    data = _core.PackData(positions, radii, columns, state["slice_height"] or 0.0)
+    return Pack._of(data, state["report"], state["picture"] or b"")
 
 
 def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:

@@ -77,7 +77,7 @@ double parseSlice(const std::string& text) {
 
 Vec<3> parseVoxelSpacing(const std::string& text) {
     const std::string what = fmt::format("`voxelSpacing` '{}'", text);
-    const char* form = "X,Y,Z or a single distance, in mm";
+    const char* form = "X,Y,Z or a single distance, above 0";
     auto v = numbersIn(what, text, form);
     if (v.size() == 1) v.resize(3, v.front());
     if (v.size() != 3 || !(v[0] > 0 && v[1] > 0 && v[2] > 0)) malformed(what, form);

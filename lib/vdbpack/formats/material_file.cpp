@@ -36,7 +36,9 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
         if (modulus) sums.modulus += volume * modulus->numbers[i];
     }
     // Rows can be counted: a number that does not occur has one as well.
-    for (std::int32_t m = all.empty() ? 0 : all.rbegin()->first; m-- > 0;) all[m];
+    constexpr std::int32_t kMostRows = 1'000'000;
+    if (!all.empty() && all.rbegin()->first < kMostRows)
+        for (std::int32_t m = all.rbegin()->first; m-- > 0;) all[m];
     std::string text = "material,part,region,density_class,spheres,density_kg_m3";
     text += modulus ? ",modulus_MPa\n" : "\n";
     for (const auto& [material, sums] : all) {
@@ -48,7 +50,7 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
         text += ',';
         const bool any = sums.spheres > 0;
         if (!densities.unconverted())
-            appendNumber(text, any ? sums.density / sums.volume : densities.ofMaterial(material));
+            appendNumber(text, any ? sums.density / sums.volume : densities.of(kind));
         if (modulus) appendNumber(text += ',', any ? sums.modulus / sums.volume : 0.0);
         text += '\n';
     }

@@ -60,9 +60,7 @@ Materials::Materials(const PackAttributes& pack)
         return;
     }
     classCount_ = static_cast<std::size_t>(classes);
-    const auto found = [&](std::size_t i) {
-        return keyOf(of(partOf(i), regions_ > 0 ? pack_.region[i] : 0), (*classes_)[i]);
-    };
+    const auto found = [&](std::size_t i) { return keyOf(withoutClass(i), (*classes_)[i]); };
     rank_.assign(static_cast<std::size_t>(plain) * classCount_, 0);
     for (std::size_t i = 0; i < classes_->size(); ++i) rank_[found(i)] = 1;
     std::int32_t next = 0;
@@ -110,10 +108,14 @@ SphereDensities::SphereDensities(const PackAttributes& pack, double all,
 
 double SphereDensities::of(std::size_t i) const {
     if (column_) return column_->numbers[i];
-    return ofMaterials_.empty() ? all_ : ofMaterial(materials_.of(i));
+    return requested(materials_.withoutClass(i));
 }
 
-double SphereDensities::ofMaterial(std::int32_t material) const {
+double SphereDensities::of(const Materials::Kind& kind) const {
+    return requested(materials_.withoutClass(kind.part, kind.region));
+}
+
+double SphereDensities::requested(std::int32_t material) const {
     const auto found = ofMaterials_.find(material);
     return found != ofMaterials_.end() ? found->second : all_;
 }

@@ -46,11 +46,14 @@ public:
         return parts_ ? static_cast<std::int32_t>((*parts_)[i]) : 0;
     }
     std::int32_t of(std::size_t i) const {
-        const std::int32_t plain = of(partOf(i), regions_ > 0 ? pack_.region[i] : 0);
+        const std::int32_t plain = withoutClass(i);
         return classes_ ? rank_[keyOf(plain, (*classes_)[i])] : plain;
     }
-    /// The same where there are no classes.
-    std::int32_t of(std::int32_t part, std::int32_t region) const {
+    /// The material where classes of density do not count: by part and region.
+    std::int32_t withoutClass(std::size_t i) const {
+        return withoutClass(partOf(i), regions_ > 0 ? pack_.region[i] : 0);
+    }
+    std::int32_t withoutClass(std::int32_t part, std::int32_t region) const {
         return regions_ > 0 ? part * regions_ + region : part;
     }
     /// @param material  one that `of` returns.
@@ -77,18 +80,20 @@ private:
 class SphereDensities {
 public:
     /// @param all          0: none is requested.
-    /// @param ofMaterials  by `Materials`; may be empty.
+    /// @param ofMaterials  by `Materials::withoutClass`; may be empty.
     SphereDensities(const PackAttributes& pack, double all,
                     std::map<std::int32_t, double> ofMaterials);
 
     double of(std::size_t i) const;
-    /// What is requested for a material, or else for all.
-    double ofMaterial(std::int32_t material) const;
+    /// What is requested for a part and region, or else for all.
+    double of(const Materials::Kind& kind) const;
     /// The column `density` of a file, in a unit that nobody knows; null where densities were
     /// requested or there is none.
     const Column* unconverted() const { return unconverted_; }
 
 private:
+    double requested(std::int32_t material) const;
+
     Materials materials_;
     double all_;
     std::map<std::int32_t, double> ofMaterials_;

@@ -37,7 +37,7 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density_kg_m3`, or of `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    /// The same by material (`Materials`); for those that are not in it the above.
+    /// The same by material (`Materials::withoutClass`); for those that are not in it the above.
     std::map<std::int32_t, double> materialDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;

@@ -14,7 +14,7 @@ constexpr const char* kWritten =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, "
     "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or "
     "fog:FILE.vdb for surfaces, "
-    "blender:FILE.py, contacts:, materials: or list:FILE.csv";
+    "blender:FILE.py, contacts:, materials: or list:FILE.csv, labels:FILE.nii.gz";
 constexpr const char* kRead =
     "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
     ".lammpstrj or dump:FILE, yade:FILE";

@@ -169,14 +169,18 @@ const LabelCount& labelOf(const std::string& text, const std::vector<LabelCount>
             if (std::to_string(label.value) == text || textOf(label) == text)
                 found.push_back(&label);
     if (found.size() == 1) return *found.front();
-    if (found.empty())
+    if (text.empty())
         throw ParameterError(
-            fmt::format("`label` {}: {} has no such label; it has {}", text, path, listOf(labels)));
+            "`label`: a label is missing between the separators; write A,B for parts, or A+B for "
+            "one part");
+    if (found.empty())
+        throw ParameterError(fmt::format(
+            "`label` {}: {} has no such label; it has {}. A name with a comma or a plus "
+            "is given by its value",
+            text, path, listOf(labels)));
     throw ParameterError(
-        fmt::format("`label` {}: {} layers of {} have such a label; give its name, or {} for the "
-                    "first one. The "
-                    "labels are {}",
-                    text, found.size(), path, textOf(*found.front()), listOf(labels)));
+        fmt::format("`label` {}: {} has {} of them; {} is the first. The labels are {}", text, path,
+                    found.size(), textOf(*found.front()), listOf(labels)));
 }
 
 }  // namespace
@@ -186,9 +190,18 @@ std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<La
     std::vector<LabelPart> parts;
     if (labels.empty()) throw InputError(path + ": has no label, all voxels are 0");
     if (text == "all") {
-        for (const LabelCount& label : labels)
+        const auto nameOf = [](const LabelCount& label) {
+            return label.name.empty() ? std::to_string(label.value) : label.name;
+        };
+        for (const LabelCount& label : labels) {
+            const bool shared =
+                std::count_if(labels.begin(), labels.end(), [&](const LabelCount& other) {
+                    return nameOf(other) == nameOf(label);
+                }) > 1;
             parts.push_back(
-                {label.name.empty() ? std::to_string(label.value) : label.name, {label}});
+                {shared ? fmt::format("{} ({})", nameOf(label), textOf(label)) : nameOf(label),
+                 {label}});
+        }
         return parts;
     }
     std::vector<const LabelCount*> used;

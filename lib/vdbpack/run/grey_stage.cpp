@@ -12,6 +12,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
 #include <set>
 
 namespace vdbpack {
@@ -61,11 +63,11 @@ Calibration parsedCalibration(const GreyRecipe& recipe) {
 /// A and B of a modulus.
 std::pair<double, double> parsedModulus(const std::string& text) {
     const auto numbers = parseNumberList(text);
-    if (!numbers || numbers->size() != 2 || !((*numbers)[0] > 0))
+    if (!numbers || numbers->empty() || numbers->size() > 2 || !((*numbers)[0] > 0))
         throw ParameterError("`modulus` '" + text +
                              "': write A,B of Young's modulus A * density^B in MPa, the density in "
-                             "g/cm³, such as 6850,1.49");
-    return {(*numbers)[0], (*numbers)[1]};
+                             "g/cm³, such as 6850,1.49; or the modulus itself");
+    return {(*numbers)[0], numbers->size() == 2 ? (*numbers)[1] : 0};
 }
 
 std::vector<std::string> checkSamples(const std::vector<std::string>& samples) {
@@ -87,11 +89,15 @@ std::vector<std::string> checkSamples(const std::vector<std::string>& samples) {
     return files;
 }
 
-/// Replaces the column of this name, or adds it.
-void setColumn(PackAttributes& pack, const char* name, std::vector<double> numbers) {
+void dropColumn(PackAttributes& pack, const char* name) {
     pack.columns.erase(std::remove_if(pack.columns.begin(), pack.columns.end(),
                                       [&](const Column& c) { return c.name == name; }),
                        pack.columns.end());
+}
+
+/// Replaces the column of this name, or adds it.
+void setColumn(PackAttributes& pack, const char* name, std::vector<double> numbers) {
+    dropColumn(pack, name);
     pack.columns.push_back({name, std::move(numbers), {}});
 }
 
@@ -112,88 +118,136 @@ void addSamples(const std::vector<std::string>& samples, const DomainRecipe& dom
         auto means = ballMeans(image, balls);
         const auto outside =
             std::count_if(means.begin(), means.end(), [](double v) { return std::isnan(v); });
+        if (static_cast<std::size_t>(outside) == means.size())
+            throw InputError(sample.file +
+                             ": lies elsewhere than all spheres; check `space`, and the unit of "
+                             "the domain or pack");
         if (outside > 0)
             callbacks.warn(fmt::format(
-                "{}: {} of {} {} lie outside of this image, and have the value nan. Check that it "
-                "has the same axes as the domain",
+                "{}: {} of {} {} lie outside of this image, and have the value nan. Check `space` "
+                "and that it is of the same scan",
                 sample.file, outside, means.size(), Measure<Dim>::kSpheres));
         setColumn(pack, sample.name.c_str(), std::move(means));
     }
 }
 
+constexpr int kMostClasses = 1'000'000;
 /// The least density that a calibration gives, kg/m³: about that of air.
 constexpr double kLeastDensity = 1;
 
-/// Densities of all spheres by the line of a calibration.
-std::vector<double> densitiesOf(const GreyRecipe& recipe,
-                                const std::map<std::int32_t, double>& densities,
-                                const PackAttributes& pack, const Callbacks& callbacks) {
+/// Densities of all spheres, and which are those of their part alone.
+struct Densities {
+    std::vector<double> all;
+    std::vector<std::uint8_t> own;
+};
+
+/// Densities by the line of a calibration.
+Densities densitiesOf(const GreyRecipe& recipe, const PartProperties& parts,
+                      const PackAttributes& pack, const Callbacks& callbacks) {
     const Calibration line = parsedCalibration(recipe);
     const Column* grey = columnOfNumbers(pack, line.column.c_str());
     if (!grey)
         throw ParameterError(fmt::format("`calibration` {}: the pack has no column {} of numbers",
                                          recipe.calibration, quotedExcerpt(line.column)));
     const Materials materials(pack);
-    std::vector<double> all = grey->numbers;
+    Densities densities{grey->numbers, std::vector<std::uint8_t>(grey->numbers.size())};
     std::size_t unknown = 0, low = 0;
-    for (std::size_t i = 0; i < all.size(); ++i) {
-        if (!densities.empty())
-            if (const auto own = densities.find(materials.of(i)); own != densities.end()) {
-                all[i] = own->second;
-                continue;
-            }
-        if (!std::isfinite(all[i])) {
-            ++unknown;
-            all[i] = kDefaultDensity;
+    for (std::size_t i = 0; i < densities.all.size(); ++i) {
+        double& density = densities.all[i];
+        if (const auto own = parts.density.find(materials.withoutClass(i));
+            own != parts.density.end()) {
+            density = own->second;
+            densities.own[i] = 1;
             continue;
         }
-        all[i] = line.slope * all[i] + line.intercept;
-        if (all[i] >= kLeastDensity) continue;
+        if (!std::isfinite(density)) {
+            ++unknown;
+            density = kDefaultDensity;
+            continue;
+        }
+        density = line.slope * density + line.intercept;
+        if (density >= kLeastDensity) continue;
         ++low;
-        all[i] = kLeastDensity;
+        density = kLeastDensity;
     }
     if (unknown > 0)
         callbacks.warn(
             fmt::format("{} of {} spheres have no grey value; their density is {:g} "
                         "kg/m³",
-                        unknown, all.size(), kDefaultDensity));
+                        unknown, densities.all.size(), kDefaultDensity));
     if (low > 0)
         callbacks.warn(fmt::format(
             "`calibration` {} gives {} of {} spheres less than {:g} kg/m³, which they have now. "
             "Check slope and intercept, or whether fat and air belong to the domain",
-            recipe.calibration, low, all.size(), kLeastDensity));
-    return all;
+            recipe.calibration, low, densities.all.size(), kLeastDensity));
+    return densities;
 }
 
-/// Of equal width, from the least to the greatest density.
-std::vector<double> classesOf(const std::vector<double>& densities, int count) {
-    const auto [least, most] = std::minmax_element(densities.begin(), densities.end());
-    const double low = *least, width = (*most - *least) / count;
-    std::vector<double> classes;
-    classes.reserve(densities.size());
-    for (const double d : densities)
-        classes.push_back(width > 0 ? std::min(std::floor((d - low) / width), count - 1.0) : 0);
+/// Of equal width, from the least to the greatest density from grey values; 0 for others.
+std::vector<double> classesOf(const Densities& densities, int count) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t i = 0; i < densities.all.size(); ++i) {
+        if (densities.own[i]) continue;
+        low = std::min(low, densities.all[i]);
+        high = std::max(high, densities.all[i]);
+    }
+    const double width = (high - low) / count;
+    std::vector<double> classes(densities.all.size());
+    if (!(width > 0)) return classes;
+    for (std::size_t i = 0; i < classes.size(); ++i)
+        if (!densities.own[i])
+            classes[i] = std::min(std::floor((densities.all[i] - low) / width), count - 1.0);
     return classes;
 }
 
-std::vector<double> moduliOf(const std::string& modulus, const std::vector<double>& densities) {
-    const auto [a, b] = parsedModulus(modulus);
+std::vector<double> moduliOf(const GreyRecipe& recipe, const PartProperties& parts,
+                             const PackAttributes& pack, const std::vector<double>& densities) {
+    const auto [a, b] = parsedModulus(recipe.modulus);
+    std::map<std::int32_t, std::pair<double, double>> laws;
+    for (const auto& [part, text] : parts.modulus) laws[part] = parsedModulus(text);
+    const Materials materials(pack);
     std::vector<double> moduli;
     moduli.reserve(densities.size());
-    for (const double d : densities) moduli.push_back(a * std::pow(d / 1000, b));
+    for (std::size_t i = 0; i < densities.size(); ++i) {
+        const auto own = laws.find(materials.partOf(i));
+        const auto& [first, power] =
+            own == laws.end() ? std::pair<double, double>(a, b) : own->second;
+        moduli.push_back(first * std::pow(densities[i] / 1000, power));
+    }
     return moduli;
 }
 
 }  // namespace
 
-std::vector<std::string> checkGrey(const RunSettings& settings) {
+std::vector<std::string> columnsOfNumbers(const PackAttributes& pack) {
+    std::vector<std::string> names;
+    for (const Column& column : pack.columns)
+        if (!column.numbers.empty()) names.push_back(column.name);
+    return names;
+}
+
+std::vector<std::string> checkGrey(const RunSettings& settings,
+                                   const std::vector<std::string>* columns) {
     const GreyRecipe& recipe = settings.grey;
+    if (recipe.classes < 1 || recipe.classes > kMostClasses)
+        throw ParameterError(fmt::format("`grey.classes` {}: from 1 to {} classes of density",
+                                         recipe.classes, kMostClasses));
     if (settings.ranks && !recipe.empty())
         throw ParameterError(
             "`samples`: are not taken over several processes; take them from a file");
     auto files = checkSamples(recipe.samples);
     if (!recipe.calibration.empty()) {
-        parsedCalibration(recipe);
+        const std::string column = parsedCalibration(recipe).column;
+        const bool sampled =
+            std::any_of(recipe.samples.begin(), recipe.samples.end(),
+                        [&](const std::string& text) { return parsed(text).name == column; });
+        if (columns && !sampled &&
+            std::find(columns->begin(), columns->end(), column) == columns->end())
+            throw ParameterError(
+                fmt::format("`calibration` {}: there is no column {} of numbers; the spheres have "
+                            "{}{}, and add those of `samples`",
+                            recipe.calibration, quotedExcerpt(column), fmt::join(*columns, ", "),
+                            columns->empty() ? "none" : ""));
         if (!settings.density.empty())
             throw ParameterError(
                 "`density` and `calibration`: spheres have one density; leave "
@@ -210,20 +264,22 @@ std::vector<std::string> checkGrey(const RunSettings& settings) {
 
 template <int Dim>
 void addGreyValues(const GreyRecipe& recipe, const DomainRecipe& domain,
-                   const std::map<std::int32_t, double>& densities, Pack<Dim>& pack,
-                   const Callbacks& callbacks) {
+                   const PartProperties& parts, Pack<Dim>& pack, const Callbacks& callbacks) {
     if (recipe.empty() || pack.spheres.empty()) return;
     addSamples(recipe.samples, domain, pack, callbacks);
     if (recipe.calibration.empty()) return;
-    const auto all = densitiesOf(recipe, densities, pack, callbacks);
-    setColumn(pack, kDensityColumn, all);
-    if (!recipe.modulus.empty()) setColumn(pack, kModulusColumn, moduliOf(recipe.modulus, all));
-    setColumn(pack, kClassColumn, classesOf(all, recipe.classes));
+    const Densities densities = densitiesOf(recipe, parts, pack, callbacks);
+    // What another calibration said is no longer true.
+    dropColumn(pack, kModulusColumn);
+    setColumn(pack, kDensityColumn, densities.all);
+    if (!recipe.modulus.empty())
+        setColumn(pack, kModulusColumn, moduliOf(recipe, parts, pack, densities.all));
+    setColumn(pack, kClassColumn, classesOf(densities, recipe.classes));
 }
 
-template void addGreyValues(const GreyRecipe&, const DomainRecipe&,
-                            const std::map<std::int32_t, double>&, Pack<2>&, const Callbacks&);
-template void addGreyValues(const GreyRecipe&, const DomainRecipe&,
-                            const std::map<std::int32_t, double>&, Pack<3>&, const Callbacks&);
+template void addGreyValues(const GreyRecipe&, const DomainRecipe&, const PartProperties&, Pack<2>&,
+                            const Callbacks&);
+template void addGreyValues(const GreyRecipe&, const DomainRecipe&, const PartProperties&, Pack<3>&,
+                            const Callbacks&);
 
 }  // namespace vdbpack

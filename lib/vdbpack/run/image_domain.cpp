@@ -93,20 +93,54 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
     DomainRecipe recipe;
     recipe.source = file;
     recipe.space = domain.space;
+    recipe.voxelSpacing = domain.voxelSpacing;
+    if (isImage(domain)) {  // of the same scan
+        recipe.unit = domain.unit;
+        recipe.scale = domain.scale;
+    }
     Image image = readDomainImage(recipe, callbacks);
     if (image.layers != 1)
         throw InputError(file + ": has several values at each voxel; give one layer");
     return image;
 }
 
+namespace {
+
+/// Beyond its image, a field has the values at the border.
+template <int Dim>
+void requireCovered(const ImageGrid& grid, const Box<Dim>& domain, double sliceHeight,
+                    const std::string& file, const Callbacks& callbacks) {
+    Box<3> box{{{0, 0, sliceHeight}}, {{0, 0, sliceHeight}}};
+    for (int d = 0; d < Dim; ++d) {
+        box.lo[d] = domain.lo[d];
+        box.hi[d] = domain.hi[d];
+    }
+    const Box<3> covered = grid.bounds(), both = intersection(box, covered);
+    if (both.empty())
+        throw InputError(fmt::format(
+            "`bvtvField` {}: lies elsewhere than the domain; check `space` and the unit of the "
+            "domain",
+            file));
+    for (int d = 0; d < 3; ++d)
+        if (both.lo[d] > box.lo[d] || both.hi[d] < box.hi[d]) {
+            callbacks.warn("`bvtvField` " + file +
+                           ": the domain reaches beyond this image, where BV/TV is that at its "
+                           "border");
+            return;
+        }
+}
+
+}  // namespace
+
 template <int Dim>
 std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
-                                                 const DomainRecipe& domain, double sliceHeight,
-                                                 const Callbacks& callbacks) {
+                                                 const DomainRecipe& domain, const Box<Dim>& bounds,
+                                                 double sliceHeight, const Callbacks& callbacks) {
     if (voids.bvtvField.empty()) return {};
     const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
     const auto image =
         std::make_shared<const Image>(readGreyImage(voids.bvtvField, domain, callbacks));
+    requireCovered(image->grid, bounds, sliceHeight, voids.bvtvField, callbacks);
     return [image, sliceHeight, low = marrow, range = bone - marrow](const Vec<Dim>& x) {
         Vec<3> at{{0, 0, sliceHeight}};
         for (int d = 0; d < Dim; ++d) at[d] = x[d];
@@ -114,10 +148,10 @@ std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
     };
 }
 
-template std::function<double(const Vec<2>&)> bvtvField<2>(const VoidRecipe&, const DomainRecipe&,
-                                                           double, const Callbacks&);
-template std::function<double(const Vec<3>&)> bvtvField<3>(const VoidRecipe&, const DomainRecipe&,
-                                                           double, const Callbacks&);
+template std::function<double(const Vec<2>&)> bvtvField(const VoidRecipe&, const DomainRecipe&,
+                                                        const Box<2>&, double, const Callbacks&);
+template std::function<double(const Vec<3>&)> bvtvField(const VoidRecipe&, const DomainRecipe&,
+                                                        const Box<3>&, double, const Callbacks&);
 
 TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                        std::optional<ImageGrid>& grid, bool& spaced) {
@@ -128,6 +162,11 @@ TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
     if (recipe.threshold) {
         if (!recipe.label.empty())
             throw ParameterError("`label` and `threshold`: a domain has one of them");
+        if (const auto labels = labelsOf(image); labels && labels->size() > 1)
+            callbacks.warn(fmt::format(
+                "{}: seems to be a label map of {} labels, between whose values `threshold` has no "
+                "meaning; set `label`",
+                recipe.source, labels->size()));
         return thresholdSurface(image, *recipe.threshold, recipe.source);
     }
     const auto labels = labelsOf(image);

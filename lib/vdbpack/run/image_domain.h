@@ -27,11 +27,12 @@ Image readGreyImage(const std::string& file, const DomainRecipe& domain,
 
 /// BV/TV by place as a recipe of voids says; empty: the same everywhere.
 /// @param domain  whose world the image lies in; in the plane at `sliceHeight`, mm.
-/// @throws as `readImage`; InputError for an image of several layers
+/// @param bounds  of the domain. Warns where it reaches beyond the image.
+/// @throws as `readImage`; InputError for an image of several layers, or one that lies elsewhere
 template <int Dim>
 std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
-                                                 const DomainRecipe& domain, double sliceHeight,
-                                                 const Callbacks& callbacks);
+                                                 const DomainRecipe& domain, const Box<Dim>& bounds,
+                                                 double sliceHeight, const Callbacks& callbacks);
 
 /// Warns of a part that the border of its image cuts off.
 void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,

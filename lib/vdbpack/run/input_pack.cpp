@@ -4,6 +4,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/run/grey_stage.h"
 
 #include <fmt/format.h>
 
@@ -54,6 +55,8 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     read.memoryLimit = recipe.memoryLimit;
     Pack<3> pack = recipe.given ? *recipe.given : readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
+    const auto columns = columnsOfNumbers(pack);
+    checkGrey(recipe, &columns);
     warnOfSharedIds(pack, recipe.pack, callbacks);
     Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
     for (const auto& s : pack.spheres)

@@ -46,7 +46,7 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         const Pack<3> pack = readInputPack(recipe, heard);
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, recipe, report, heard);
+        beginOn({&source}, recipe, report, heard, true);
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
         if (source.dim() == 2) {

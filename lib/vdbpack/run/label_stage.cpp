@@ -73,17 +73,19 @@ std::optional<ImageGrid> labelGridOf(const RunSettings& settings,
     if (!output) return std::nullopt;
     if (sources.empty() || sources.front()->dim() != 3)
         throw ParameterError(*output +
-                             ": label maps are of spheres in a domain of space; leave it out");
+                             ": label maps need a domain of space; set `domain`, or leave it out");
     const ImageGrid grid = chosenGrid(*output, sources);
-    requireMemoryToRead(*output, 5 * static_cast<double>(grid.voxels()), settings.memoryLimit);
+    const double bytes = 5 * static_cast<double>(grid.voxels());
+    if (residentMemory() + bytes > memoryLimit(settings.memoryLimit))
+        throw ResourceError(fmt::format(
+            "{}: {} x {} x {} voxels take {}, more than there is; make `voxelSpacing` larger",
+            *output, grid.size[0], grid.size[1], grid.size[2], bytesText(bytes)));
     return grid;
 }
 
-void warnOfUnusedPlacement(const RunSettings& settings, const DomainSource& source,
-                           const Callbacks& callbacks) {
+void warnOfUnusedSpacing(const RunSettings& settings, const DomainSource& source,
+                         const Callbacks& callbacks) {
     if (labelOutput(settings)) return;
-    if (source.recipe().space != ImageSpace::lps && !source.imageGrid())
-        callbacks.warn("`space` has no effect: " + source.recipe().source + " is no image");
     if (!isForLabels(source)) return;
     callbacks.warn("`voxelSpacing` " + source.recipe().voxelSpacing +
                    " has no effect: " + source.recipe().source +

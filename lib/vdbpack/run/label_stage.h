@@ -34,9 +34,9 @@ struct LabelSource {
 std::optional<ImageGrid> labelGridOf(const RunSettings& settings,
                                      const std::vector<const DomainSource*>& sources);
 
-/// Warns of a `voxelSpacing` or a `space` that nothing is made with.
-void warnOfUnusedPlacement(const RunSettings& settings, const DomainSource& source,
-                           const Callbacks& callbacks);
+/// Warns of a `voxelSpacing` that nothing is made with.
+void warnOfUnusedSpacing(const RunSettings& settings, const DomainSource& source,
+                         const Callbacks& callbacks);
 
 /// Writes one label map.
 /// @param what  "ids", "regions", "parts" or "materials" of spheres, or "solid".

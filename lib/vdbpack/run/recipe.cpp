@@ -1,7 +1,10 @@
 #include "vdbpack/run/recipe.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
@@ -137,6 +140,7 @@ void checkPacking(const PackRecipe& recipe) {
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);
+    if (!recipe.voids.bvtvField.empty()) requireGreyImage("`bvtvField`", recipe.voids.bvtvField);
 }
 
 void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
@@ -144,6 +148,27 @@ void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     if (!recipe.givenExisting) inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
+}
+
+}  // namespace
+
+namespace {
+
+/// Refuses a color by a column that the spheres will not have.
+void checkPreviewColumn(const PackRecipe& recipe, const std::vector<std::string>& columns) {
+    const std::string& name = recipe.preview.column;
+    if (recipe.preview.color != PreviewColor::column) return;
+    const auto& samples = recipe.grey.samples;
+    const bool known =
+        std::find(columns.begin(), columns.end(), name) != columns.end() ||
+        std::any_of(samples.begin(), samples.end(),
+                    [&](const auto& text) { return text.rfind(name + '=', 0) == 0; }) ||
+        (!recipe.grey.calibration.empty() && (name == kDensityColumn || name == kClassColumn)) ||
+        (!recipe.grey.modulus.empty() && name == kModulusColumn);
+    if (!known)
+        throw ParameterError("`preview.color` " + name +
+                             ": is none; color by radius, region, depth, order, part or a column "
+                             "of `samples`");
 }
 
 }  // namespace
@@ -158,6 +183,11 @@ void checkRecipe(const PackRecipe& recipe) {
         addInputs(part, inputs);
     }
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
+    if (!recipe.existing.empty()) return;
+    // A pack has no columns but its part and the samples.
+    const std::vector<std::string> columns{kPartColumn};
+    checkGrey(recipe, &columns);
+    checkPreviewColumn(recipe, columns);
 }
 
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
@@ -257,8 +287,24 @@ Pack<Dim> readExisting(const PackRecipe& recipe, double sliceHeight) {
     }
 }
 
+namespace {
+
+/// Removes what is known of some spheres alone once others are added: their densities.
+void dropDensities(PackAttributes& pack) {
+    auto& columns = pack.columns;
+    columns.erase(std::remove_if(columns.begin(), columns.end(),
+                                 [](const Column& c) {
+                                     return c.name == kDensityColumn || c.name == kClassColumn ||
+                                            c.name == kModulusColumn;
+                                 }),
+                  columns.end());
+}
+
+}  // namespace
+
 template <int Dim>
 Pack<Dim> appended(Pack<Dim> base, const std::vector<Sphere<Dim>>& added) {
+    if (!added.empty()) dropDensities(base);
     const std::size_t before = base.spheres.size(), more = added.size();
     const std::size_t all = before + more;
     base.depth.clear();

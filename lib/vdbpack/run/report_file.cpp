@@ -89,6 +89,8 @@ public:
         for (const std::string& sample : settings.grey.samples) add("--sample", sample);
         add("--calibrate", settings.grey.calibration);
         add("--modulus", settings.grey.modulus);
+        if (!settings.grey.calibration.empty())
+            add("--density-classes", std::to_string(settings.grey.classes));
     }
     void add(const VoidRecipe& voids) {
         add("--voids", voids.method);

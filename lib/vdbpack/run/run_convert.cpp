@@ -74,7 +74,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         if (source) {
             sources.push_back(&*source);
             have.labels.solids.push_back(solidTest(built.space));
-            warnOfUnusedPlacement(recipe, *source, callbacks);
+            warnOfUnusedSpacing(recipe, *source, callbacks);
         }
         have.labels.grid = labelGridOf(recipe, sources);
         have.labels.space = recipe.domain.space;

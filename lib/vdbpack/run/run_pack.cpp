@@ -89,8 +89,8 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         checkRoom(VoidSetting<Dim>{recipe.voids, domain, prepared.built.sliceHeight, recipe.seed,
                                    largest, callbacks},
                   true);
-    prepared.bvtv =
-        bvtvField<Dim>(recipe.voids, source.recipe(), prepared.built.sliceHeight, callbacks);
+    prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
+                                   prepared.built.sliceHeight, callbacks);
     checkPreview<Dim>(recipe.preview, domain, nullptr);
     prepareExisting(recipe, source, prepared, callbacks);
     return prepared;
@@ -363,6 +363,7 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
     PackedPart part{std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)),
                     nullptr};
     part.run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks, *part.options);
+    part.run->bvtv = {};  // it holds an image
     return part;
 }
 

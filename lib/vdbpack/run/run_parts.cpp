@@ -4,13 +4,14 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/run/image_domain.h"
+#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/verify/overlap.h"
-#include "vdbpack/verify/worst.h"
 
 #include <fmt/format.h>
 
@@ -50,6 +51,19 @@ void checkPartsRecipe(const PackRecipe& recipe) {
     refuse(!recipe.domain.slice.empty(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
     refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
+    for (const PackRecipe& part : recipe.parts) {
+        const GreyRecipe &own = part.grey, &all = recipe.grey;
+        const bool others = (!own.samples.empty() && own.samples != all.samples) ||
+                            (!own.calibration.empty() && own.calibration != all.calibration);
+        if (others)
+            throw ParameterError(part.name +
+                                 ": `samples` and `calibration` are those of all parts; give them "
+                                 "outside of the parts");
+        if (!own.modulus.empty() && all.calibration.empty())
+            throw ParameterError(part.name +
+                                 ": `modulus` is a column beside densities from grey values; set "
+                                 "`calibration`");
+    }
 }
 
 /// The parts that labels of an image are, one recipe each.
@@ -152,11 +166,19 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
     for (std::size_t k = 0; k < recipes.size(); ++k) {
         checkPartsRecipe(recipes[k]);
         if (recipes[k].name.empty()) recipes[k].name = fmt::format("part {}", k);
+        for (std::size_t l = 0; l < k; ++l)
+            if (recipes[l].name == recipes[k].name)
+                throw ParameterError("two parts are named '" + recipes[k].name +
+                                     "'; give each a name of its own");
         recipes[k].preview = {};  // there is one picture, of all
         if (!isLabelMap(recipes[k].domain)) continue;
         LabelledImage& image = imageOf(recipes[k].domain);
-        const auto parts =
-            image.parse(recipes[k].domain.label.empty() ? "all" : recipes[k].domain.label);
+        const std::string& label = recipes[k].domain.label;
+        const auto parts = image.parse(label.empty() ? "all" : label);
+        if (parts.size() != 1 && label.empty())
+            throw ParameterError(
+                fmt::format("{}: {} has {} labels; set `label` to that of the part",
+                            recipes[k].name, recipes[k].domain.source, parts.size()));
         if (parts.size() != 1)
             throw ParameterError(
                 fmt::format("{}: names {} labels of {}; a part is one, or several joined by +",
@@ -304,13 +326,9 @@ public:
             deepVolume_ += volume;
         }
         if (r.protrusion) {
-            ProtrusionCheck& sum = *all_.protrusion;
-            sum.max = std::max(sum.max, r.protrusion->max);
-            sum.spheres += r.protrusion->spheres;
-            sum.centersOutside += r.protrusion->centersOutside;
-            for (const auto& worst : r.protrusion->worst)
-                if (sum.worst.size() < kWorstNamed)
-                    sum.worst.push_back({worst.i + firstSphere, worst.protrusion});
+            ProtrusionCheck own = *r.protrusion;
+            for (ProtrudingSphere& sphere : own.worst) sphere.i += firstSphere;
+            all_.protrusion = joined(*all_.protrusion, own);
         }
         all_.interrupted = all_.interrupted || r.interrupted;
         all_.requestedGap = std::max(all_.requestedGap, r.requestedGap);
@@ -339,6 +357,13 @@ private:
     std::size_t begun_ = 0;
     double covered_ = 0, deepCovered_ = 0, deepVolume_ = 0;
 };
+
+/// Whether any of some outputs lists pairs in contact.
+bool listsContacts(const std::vector<std::string>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(), [](const std::string& output) {
+        return targetOf(output).kind == OutputKind::contacts || startsWith(output, "lammps-bonds:");
+    });
+}
 
 /// Grids of a part under the part's name.
 void addLevelSets(const Run<3>& part, const std::string& name, Run<3>& all) {
@@ -379,7 +404,13 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
         own.warning = [&](const std::string& text) {
             callbacks.warn(part.recipe.name + ": " + text);
         };
-        packed[k] = packPart(part.recipe, part.source, begun, clock, own);
+        try {
+            packed[k] = packPart(part.recipe, part.source, begun, clock, own);
+        } catch (const Interrupted&) {
+            if (k == radii.order().front()) throw;  // none is complete
+            interrupted = true;
+            break;
+        }
         measuring += clock.lap();
         radii.take(packed[k].options->sizes, k);
         interrupted = packed[k].run->report.interrupted;
@@ -395,6 +426,10 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
         if (!packed[k].run) continue;
         Run<3>& run = *packed[k].run;
         joined.add(packed[k], parts[k]->recipe, all.pack.spheres.size());
+        const double own = parts[k]->source.volume(), left = run.report.volume;
+        if (parts[k]->source.isCut() && left < 0.99 * own)
+            report.chosen.push_back(fmt::format("{}: {:.3g} % of its volume left to later parts",
+                                                parts[k]->recipe.name, 100 * (1 - left / own)));
         append(all.pack, std::move(run.pack), static_cast<std::int32_t>(k));
         if (run.positionStep > 0)
             all.positionStep = all.positionStep > 0 ? std::min(all.positionStep, run.positionStep)
@@ -429,16 +464,29 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
             report.contactsBetweenParts += part[c.i] != part[c.j];
         report.smallestGap = smallestGap(all.pack.spheres);
     }
+    if (report.contactsBetweenParts == 0 && !interrupted && listsContacts(recipe.outputs))
+        all.callbacks.warn(fmt::format(
+            "no contact joins two parts within `contactTolerance` {}; spheres of both sides touch "
+            "the interface, but seldom at the same point: 0.1 finds some, 0.5 most neighbors",
+            recipe.contactTolerance));
     const Materials materials(all.pack);
     for (std::size_t k = 0; k < parts.size(); ++k) {
         if (!packed[k].run) continue;
         const auto number = static_cast<std::int32_t>(k);
+        const PackRecipe& part = parts[k]->recipe;
+        if (!part.grey.modulus.empty() && part.grey.modulus != recipe.grey.modulus)
+            all.partModulus[number] = part.grey.modulus;
+        else if (!part.density.empty() && !recipe.grey.modulus.empty())
+            all.callbacks.warn(fmt::format(
+                "{}: its modulus follows from `modulus` {} and its density; set `modulus` in the "
+                "part to the modulus of its material, MPa",
+                part.name, recipe.grey.modulus));
         const SphereDensity density =
             particleDensity(parts[k]->recipe.density, packed[k].run->report.solidFractionTotal);
         for (const std::int32_t region : {0, 1}) {
             const auto found = density.ofRegions.find(region);
             const double value = found != density.ofRegions.end() ? found->second : density.all;
-            if (value > 0) all.partDensity[materials.of(number, region)] = value;
+            if (value > 0) all.partDensity[materials.withoutClass(number, region)] = value;
         }
     }
     RunResult result = finishStage(all);

@@ -5,7 +5,6 @@
 #include "vdbpack/measure/vacancies.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/run_parts.h"
-#include "vdbpack/verify/worst.h"
 
 #include <fmt/format.h>
 
@@ -55,7 +54,7 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
     for (std::size_t k = 0; k < parts.size(); ++k) {
         std::vector<Sphere<3>> spheres;
         for (const std::size_t i : members[k]) spheres.push_back(pack.spheres[i]);
-        const ProtrusionCheck own = parts[k]->source.protrusion(spheres);
+        ProtrusionCheck own = parts[k]->source.protrusion(spheres);
         PartReport one;
         one.name = parts[k]->recipe.name;
         one.source = describe(parts[k]->recipe.domain);
@@ -68,12 +67,8 @@ void verifyParts(const Parts& parts, const std::string& file, const Pack<3>& pac
         report.volume += one.volume;
         report.area += one.area;
         report.parts.push_back(std::move(one));
-        all.max = std::max(all.max, own.max);
-        all.spheres += own.spheres;
-        all.centersOutside += own.centersOutside;
-        for (const auto& worst : own.worst)
-            if (all.worst.size() < kWorstNamed)
-                all.worst.push_back({members[k][worst.i], worst.protrusion});
+        for (ProtrudingSphere& sphere : own.worst) sphere.i = members[k][sphere.i];
+        all = joined(std::move(all), own);
     }
     report.protrusion = std::move(all);
     if (report.volume > 0) report.solidFractionTotal = covered / report.volume;

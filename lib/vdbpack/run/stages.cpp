@@ -21,6 +21,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <fstream>
 #include <limits>
 #include <utility>
@@ -48,12 +49,15 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 }
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
-             Report& report, const Callbacks& callbacks) {
+             Report& report, const Callbacks& callbacks, bool hasPack) {
     labelGridOf(settings, sources);
+    for (const std::string& output : settings.outputs)
+        if (sources.size() == 1 && !hasPack && targetOf(output).labels == "parts")
+            throw ParameterError(output + ": there is one part alone; leave it out");
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
-    if (sources.size() == 1) warnOfUnusedPlacement(settings, *sources.front(), callbacks);
+    if (sources.size() == 1) warnOfUnusedSpacing(settings, *sources.front(), callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -102,8 +106,8 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
     run.callbacks.stopIfCancelled();
     if (run.cuts()) checkRoom(run.voidSetting(), false);
     if (run.voidRecipe)
-        run.bvtv = bvtvField<Dim>(*run.voidRecipe, run.source.recipe(), run.built.sliceHeight,
-                                  run.callbacks);
+        run.bvtv = bvtvField<Dim>(*run.voidRecipe, run.source.recipe(), run.domain().bounds(),
+                                  run.built.sliceHeight, run.callbacks);
     checkPreview<Dim>(run.settings.preview, run.domain(), run.hasPack ? &run.pack : nullptr);
 }
 
@@ -290,6 +294,15 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
 /// Removes those outputs that an interrupted run has not made: voids and what they leave.
 template <int Dim>
 void leaveOutIncomplete(const Run<Dim>& run, std::vector<std::string>& outputs) {
+    if (!run.partRuns.empty()) {
+        // Parts may be missing, and voids of those that are there.
+        outputs.erase(std::remove_if(outputs.begin(), outputs.end(),
+                                     [](const std::string& output) {
+                                         return targetOf(output).labels == "solid";
+                                     }),
+                      outputs.end());
+        return;
+    }
     if (!run.cuts() || !run.voids.levelSets().empty()) return;
     const auto isMissing = [&](const std::string& output) {
         const OutputKind kind = targetOf(output).kind;
@@ -347,8 +360,19 @@ void draw(Run<Dim>& run) {
 
 template <int Dim>
 RunResult finishStage(Run<Dim>& run) {
-    addGreyValues(run.settings.grey, run.source.recipe(), run.partDensity, run.pack, run.callbacks);
+    // The pack is written whatever happens to the images.
+    std::exception_ptr greyFailure;
+    try {
+        addGreyValues(run.settings.grey, run.source.recipe(), {run.partDensity, run.partModulus},
+                      run.pack, run.uncancelled);
+    } catch (const Error&) {
+        greyFailure = std::current_exception();
+    }
     write(run);
+    if (greyFailure) {
+        run.callbacks.warn("the pack is written without the columns of grey values");
+        std::rethrow_exception(greyFailure);
+    }
     draw(run);
     Report& report = run.report;
     report.seconds.write = run.clock.lap();

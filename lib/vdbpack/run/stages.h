@@ -86,9 +86,10 @@ struct Run {
 
     /// Of several parts: what is written in place of the level sets of `built`; empty: those.
     std::vector<std::shared_ptr<const VdbGrid>> partLevelSets;
-    std::map<std::int32_t, double> partDensity;  ///< by material, kg/m³
-    TriangleMesh partWalls;                      ///< of all parts
-    std::vector<const Run*> partRuns;            ///< which must outlive this one
+    std::map<std::int32_t, double> partDensity;       ///< by material, kg/m³
+    std::map<std::int32_t, std::string> partModulus;  ///< by part, as `GreyRecipe::modulus`
+    TriangleMesh partWalls;                           ///< of all parts
+    std::vector<const Run*> partRuns;                 ///< which must outlive this one
 
     PreviewPicture picture;
 
@@ -141,9 +142,10 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 
 /// Checks what is to be written against the domains of a run, and records their axes in its report.
 /// @param sources  one, or those of several parts.
+/// @param hasPack  whether spheres are read from a file, with columns of its own.
 /// @throws as `labelGridOf`
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
-             Report& report, const Callbacks& callbacks);
+             Report& report, const Callbacks& callbacks, bool hasPack = false);
 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);

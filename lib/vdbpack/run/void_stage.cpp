@@ -283,8 +283,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                     "`bvtvField` {}: BV/TV is {:g} in all of the domain; check `bvtvRange` {}",
                     r.bvtvField, mean, r.bvtvRange));
             decided.targetBvtv = mean;
-            chosen.push_back(fmt::format("as many voids as make BV/TV {:.4f}, the mean of {}", mean,
-                                         r.bvtvField));
+            chosen.push_back(fmt::format(
+                "as many voids as make BV/TV {:.4f}, the mean that {} says", mean, r.bvtvField));
         } else if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
             chosen.push_back(fmt::format("as many voids as make BV/TV {}", kDefaultBvtv));

@@ -39,13 +39,18 @@ void note(ProtrusionCheck& check, std::size_t i, double protrusion) {
     keepWorst(check.worst, ProtrudingSphere{i, protrusion}, worse);
 }
 
+}  // namespace
+
 ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
     a.max = std::max(a.max, b.max);
     a.spheres += b.spheres;
     a.centersOutside += b.centersOutside;
+    a.closed = a.closed && b.closed;
     for (const auto& w : b.worst) keepWorst(a.worst, w, worse);
     return a;
 }
+
+namespace {
 
 template <int Dim>
 void requirePlanes(const std::vector<HalfSpace<Dim>>& clips) {

@@ -26,6 +26,9 @@ struct ProtrusionCheck {
     std::vector<ProtrudingSphere> worst;  ///< up to `kWorstNamed` of them, by falling protrusion
 };
 
+/// Two checks of different spheres of one pack as one.
+ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b);
+
 /// Protrusion through the triangles of a mesh, cut by `clips`.
 ///
 /// The inner distance is exact, and negative for a center outside. A center is inside if a line

@@ -160,14 +160,15 @@ double meanBvtv(const VoidSetting<Dim>& s) {
     // The additive recurrence in the box around the domain (Roberts 2018).
     constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     const Box<Dim> box = s.domain.bounds();
-    const auto sampler = s.domain.envelope().sampler();
+    const auto envelope = s.domain.envelope().sampler(), inside = s.domain.sampler();
     double sum = 0;
     int count = 0;
     for (int k = 0; k < kFieldPoints; ++k) {
         Vec<Dim> x;
         for (int d = 0; d < Dim; ++d)
             x[d] = box.lo[d] + std::fmod((k + 0.5) * kSteps[d], 1.0) * box.size()[d];
-        if (!(sampler->signedDistance(x) < -s.recipe.shell)) continue;
+        if (!(envelope->signedDistance(x) < -s.recipe.shell && inside->signedDistance(x) < 0))
+            continue;
         sum += s.bvtv(x);
         ++count;
     }
