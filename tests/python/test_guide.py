@@ -46,3 +46,13 @@ def test_stub_names_what_there_is():
     stub = (pathlib.Path(ROOT) / "lib/python/vdbpack/_core.pyi").read_text()
     names = set(re.findall(r"^(?:def|class) (\w+)", stub, re.M))
     assert names == {n for n in dir(core) if not n.startswith("__")}
+
+
+def test_api_page_is_that_of_the_docstrings():
+    import api_page
+
+    import vdbpack
+
+    listed = [name for names in api_page.GROUPS.values() for name in names]
+    assert sorted(listed) == sorted(n for n in vdbpack.__all__ if not n.startswith("__"))
+    assert (ROOT / "assets/guides/python-api.md").read_text(encoding="utf-8") == api_page.page()

@@ -40,7 +40,9 @@ def _words(options: Mapping[str, Any], folder: str) -> List[str]:
         option = "--" + name.replace("_", "-")
         if value is None or value is False:
             continue
-        if value is True:
+        if name == "preview" and value is True:
+            words += [option, os.path.join(folder, "preview.png")]
+        elif value is True:
             words.append(option)
         elif isinstance(value, Table):
             file = os.path.join(folder, f"{name}.csv")
@@ -65,7 +67,8 @@ def _run(
     show = progress_of(progress)
     try:
         with tempfile.TemporaryDirectory(prefix="vdbpack-") as folder:
-            given = {**inputs, "temporary": True} if any(isinstance(v, Table) for v in options.values()) else inputs
+            gone = any(isinstance(v, Table) for v in options.values()) or options.get("preview") is True
+            given = {**inputs, "temporary": True} if gone else inputs
             return _core.run(words + _words(options, folder), given, show)
     finally:
         if isinstance(show, Bar):
@@ -125,7 +128,7 @@ def pack(
         there is a terminal or a notebook.
     options: those of `vdb_pack pack`, with underscores for dashes, lengths in mm: radius,
         target_count, densify, shell, voids, seed, output, ... True sets a flag, lists repeat an
-        option, tuples are numbers with commas between.
+        option, tuples are numbers with commas between. preview=True draws `Pack.picture` alone.
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """

@@ -15,7 +15,7 @@ class Bar:
         self.stage = ""
         self.bar: Any = None
         try:
-            from tqdm.auto import tqdm
+            from tqdm import tqdm
 
             self.make: Any = tqdm
         except ImportError:
