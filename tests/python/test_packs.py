@@ -239,6 +239,27 @@ def test_labels_of_an_image():
     assert numpy.abs(pack.positions.mean(axis=0) - middle[:3]).max() < 1
 
 
+def test_grids_of_pyopenvdb():
+    pyopenvdb = pytest.importorskip("pyopenvdb")
+    sphere = pyopenvdb.createLevelSetSphere(radius=6, center=(20, 0, 0), voxelSize=0.5)
+    pack = vdbpack.pack(sphere, radius=vdbpack.uniform(0.5, 1))
+    assert pack.report["domain"]["volume"] == pytest.approx(4 / 3 * numpy.pi * 216, rel=0.02)
+    assert abs(pack.positions.mean(axis=0) - [20, 0, 0]).max() < 0.5
+    made = vdbpack.voids(sphere, voids="boolean", void_radius=1.5, target_bvtv=0.5)
+    grid = made.solid.to_pyopenvdb()
+    assert grid.gridClass == pyopenvdb.GridClass.LEVEL_SET
+    again = vdbpack.morphometry(vdbpack.level_set(*array_of(grid)))["morphometry"]
+    assert again["BV/TV"] == pytest.approx(vdbpack.morphometry(made.solid)["morphometry"]["BV/TV"], rel=0.02)
+
+
+def array_of(grid):
+    low, high = grid.evalActiveVoxelBoundingBox()
+    values = numpy.empty([h - l + 3 for l, h in zip(low, high)], "f4")
+    low = tuple(c - 1 for c in low)
+    grid.copyToArray(values, ijk=low)
+    return values, grid.transform.voxelSize()[0], grid.transform.indexToWorld(low)
+
+
 def test_table_of_weights():
     pack = vdbpack.pack(vdbpack.box(30, 30, 30), radius=vdbpack.table([0.5, 1.0], [3, 1]))
     assert set(numpy.round(pack.radii, 6)) == {0.5, 1.0}

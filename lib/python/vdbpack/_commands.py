@@ -122,7 +122,8 @@ def pack(
     """Fills a domain with spheres (circles in 2D) that do not overlap, and checks the result.
 
     domain: a file (mesh, level set, image), a shape such as `box(10, 10, 10)`, (vertices, faces) with
-        arrays of shape (N, 3) and (M, 3), a mesh of trimesh or meshio, an `image`, or a `level_set`. Not with parts="FILE.toml".
+        arrays of shape (N, 3) and (M, 3), a mesh of trimesh or meshio, an `image`, a `level_set`, or a
+        level set of pyopenvdb. Not with parts="FILE.toml".
     existing: spheres to pack around.
     progress: a callable that takes stage, share and count; True or False; by default a bar where
         there is a terminal or a notebook.

@@ -51,6 +51,18 @@ class LevelSet:
         if len(self.origin) != 3:
             raise ParameterError(f"origin: has {len(self.origin)} coordinates, not 3")
 
+    def to_pyopenvdb(self) -> Any:
+        """The same as a FloatGrid of pyopenvdb, a level set with a band of three points; mm."""
+        import pyopenvdb
+
+        grid = pyopenvdb.FloatGrid(3 * self.spacing)
+        grid.copyFromArray(numpy.clip(self.values, -3 * self.spacing, 3 * self.spacing).astype("f4"))
+        rows = [[self.spacing * (i == j) for j in range(3)] + [0] for i in range(3)]
+        grid.transform = pyopenvdb.createLinearTransform([*rows, [*self.origin, 1]])
+        grid.gridClass = pyopenvdb.GridClass.LEVEL_SET
+        grid.signedFloodFill()
+        return grid
+
     def __repr__(self) -> str:
         return f"vdbpack.LevelSet of {' x '.join(map(str, self.values.shape))} points, {self.spacing:g} mm apart"
 
@@ -114,6 +126,8 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
         return os.fspath(domain), {}
     if isinstance(domain, Image):
         return "(image)", {"image": (domain.values, domain.affine)}
+    if hasattr(domain, "copyToArray") and hasattr(domain, "evalActiveVoxelBoundingBox"):
+        domain = grid_level_set(domain)
     if isinstance(domain, LevelSet):
         return "(level set)", {"level_set": (domain.values, domain.spacing, domain.origin)}
     mesh = mesh_arrays(domain)
@@ -123,6 +137,18 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
             "an object with .vertices and .faces, an image or a level set"
         )
     return "(mesh)", {"mesh": mesh}
+
+
+def grid_level_set(grid: Any) -> LevelSet:
+    """A level set of pyopenvdb, whose lengths are mm, with one point around its band."""
+    low, high = grid.evalActiveVoxelBoundingBox()
+    low = tuple(c - 1 for c in low)
+    values = numpy.empty([h - l + 2 for l, h in zip(low, high)], "f4")
+    grid.copyToArray(values, ijk=low)
+    spacing = grid.transform.voxelSize()
+    if not numpy.allclose(spacing, spacing[0]):
+        raise ParameterError(f"domain: its voxels are {spacing} mm; cubes are needed")
+    return LevelSet(values, spacing[0], grid.transform.indexToWorld(low))
 
 
 def mesh_arrays(domain: Any) -> Optional[Tuple[Any, Any]]:
