@@ -39,6 +39,9 @@ constexpr double kShapeContour = 330, kShapeGrid = 150, kShapeFile = 18;
 /// Triangles of a contour for each voxel's face.
 constexpr double kContourTriangles = 3.1;
 
+/// Bytes of a voxel of a label map: in memory, as a number of a .nii, and compressed, measured.
+constexpr double kLabelVoxel = 4.2, kLabelNumber = 2, kPackedLabel = 0.06;
+
 /// Parts of a smaller share are not listed; files this much smaller than estimated may still fit.
 constexpr double kListedShare = 0.02, kFileTolerance = 0.8;
 
@@ -70,6 +73,9 @@ double fileBytes(const std::string& output, const Extent& e) {
     const std::string format = extensionOf(filePart(output));
     if (startsWith(output, "list:")) return kText * e.voids.count;
     if (listsPairs(output)) return kPairsText * e.count;
+    if (targetOf(output).kind == OutputKind::materials) return 1000;
+    if (targetOf(output).kind == OutputKind::labels)
+        return (format == ".nii" ? kLabelNumber : kPackedLabel) * e.labelVoxels;
     const bool cut = e.voids.count > 0;
     const double faces =
         cut ? (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2) : shapeFaces(e);
@@ -169,6 +175,9 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
          fmt::format("about {:.3g} voids in voxels of {:.4g} mm", e.voids.count, e.voids.voxelSize),
          "choose a larger `voids.voxelSize` or larger voids, or clip the domain"},
         {"picture", picture, "a picture", "leave the picture out"},
+        {"labels", kLabelVoxel * e.labelVoxels,
+         fmt::format("a label map of about {:.2g} voxels", e.labelVoxels),
+         "choose a larger `voxelSpacing`"},
         {"image", kImageVoxel * e.imageVoxels,
          fmt::format("an image of about {:.2g} voxels", e.imageVoxels),
          "choose a larger `voxelSize`"},

@@ -23,6 +23,7 @@ struct Extent {
     VoidExtent voids;
     double shapeVoxel = 0;   ///< of the level set of a shape, mm, if one is written; 0: a file
     double imageVoxels = 0;  ///< of the image in which a solid is measured
+    double labelVoxels = 0;  ///< of the label maps that are written
 };
 
 /// The extent of a domain whose field `DomainSource::build` is to make for such radii.

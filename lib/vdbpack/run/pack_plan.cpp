@@ -1,6 +1,7 @@
 #include "vdbpack/run/pack_plan.h"
 
 #include "vdbpack/run/kept_count.h"
+#include "vdbpack/run/label_stage.h"
 #include "vdbpack/run/void_stage.h"
 
 #include <algorithm>
@@ -55,6 +56,8 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source) {
                           : (dim == 3 ? kSolid : kSolidInPlane) * filled / ball;
     if (recipe.maxCount > 0) e.count = std::min(e.count, static_cast<double>(recipe.maxCount));
     e.voids = planVoids(recipe.voids, e, requested.sizes.max() * radii.scale);
+    if (const auto labels = labelGridOf(recipe, {&source}))
+        e.labelVoxels = static_cast<double>(labels->voxels());
     return {std::move(requested), radii, e};
 }
 

@@ -170,7 +170,9 @@ Parts partsOf(const PackRecipe& recipe, const Callbacks& callbacks) {
             if (recipes[l].name == recipes[k].name)
                 throw ParameterError("two parts are named '" + recipes[k].name +
                                      "'; give each a name of its own");
-        recipes[k].preview = {};  // there is one picture, of all
+        // Files and pictures are of all.
+        recipes[k].preview = {};
+        recipes[k].outputs.clear();
         if (!isLabelMap(recipes[k].domain)) continue;
         LabelledImage& image = imageOf(recipes[k].domain);
         const std::string& label = recipes[k].domain.label;
