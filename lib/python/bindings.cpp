@@ -26,6 +26,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <exception>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -232,7 +233,10 @@ public:
         std::unique_ptr<py::error_already_set> raised;
         {
             const py::gil_scoped_release released;
-            std::thread worker([&] {
+            // Joined however this ends: Python ends threads that wait for its lock when it exits.
+            Joining worker;
+            worker.onEnd = [this] { cancelled_ = true; };
+            worker.thread = std::thread([&] {
                 try {
                     result.emplace(work(callbacks()));
                 } catch (...) {
@@ -244,7 +248,7 @@ public:
             });
             while (!attend(raised)) {
             }
-            worker.join();
+            worker.onEnd = nullptr;
         }
         if (raised) throw py::error_already_set(std::move(*raised));
         if (failure) std::rethrow_exception(failure);
@@ -252,6 +256,15 @@ public:
     }
 
 private:
+    struct Joining {
+        std::function<void()> onEnd;
+        std::thread thread;
+        ~Joining() {
+            if (onEnd) onEnd();
+            thread.join();
+        }
+    };
+
     Callbacks callbacks() {
         Callbacks callbacks;
         callbacks.cancelled = [this] { return cancelled_.load(); };
@@ -412,6 +425,8 @@ std::shared_ptr<const VdbGrid> levelSetIn(const FloatArray& values, double spaci
         dense.size[d] = static_cast<std::size_t>(values.shape(static_cast<py::ssize_t>(d)));
     dense.spacing = spacing;
     dense.origin = {origin};
+    if (!std::isfinite(squaredLength(dense.origin)))
+        throw ParameterError("origin: its coordinates must be finite");
     dense.values.assign(values.data(), values.data() + values.size());
     return levelSetOf(dense, "surface");
 }

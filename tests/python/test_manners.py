@@ -2,6 +2,8 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
 import warnings
@@ -31,6 +33,8 @@ VERTICES, FACES = cube(10)
         ((VERTICES.ravel(), FACES), {}, vdbpack.ParameterError, "vertices"),
         ((VERTICES, FACES[:, :2]), {}, vdbpack.ParameterError, "faces"),
         ((VERTICES, [["a", "b", "c"]]), {}, vdbpack.ParameterError, "faces"),
+        ((numpy.ma.masked_less(VERTICES, 1), FACES), {}, vdbpack.ParameterError, "masked"),
+        (vdbpack.box(5, 5, 5), {"help": True}, vdbpack.ParameterError, "help"),
         ((VERTICES, FACES + 0.5), {}, vdbpack.ParameterError, "whole"),
         ((VERTICES, FACES + 1), {}, vdbpack.InputError, "names vertex 8"),
         ((VERTICES, FACES - 1), {}, vdbpack.InputError, "names vertex -1"),
@@ -62,6 +66,8 @@ def test_errors_are_also_pythons_own():
         (numpy.zeros((3, 3)), numpy.ones(2), {}),
         (numpy.zeros((3, 3)), numpy.ones((3, 1)), {}),
         (numpy.full((1, 3), numpy.nan), numpy.ones(1), {}),
+        (numpy.ma.masked_equal(numpy.eye(3), 0), numpy.ones(3), {}),
+        (numpy.zeros((1, 3)), numpy.ones(1), {"x": [9]}),
         (numpy.zeros((1, 3)), [-1.0], {}),
         (numpy.zeros((1, 3)), [numpy.inf], {}),
         (numpy.zeros((2, 3)), numpy.ones(2), {"id": [1]}),
@@ -124,6 +130,13 @@ def test_interrupt_within_half_a_second():
             vdbpack.pack(domain, **options)
         assert time.monotonic() - sent[0] < 3  # half a second, but machines are loaded
     assert len(vdbpack.pack(vdbpack.box(8, 8, 8), radius=1)) > 0
+
+
+def test_leaving_python_while_a_thread_packs():
+    code = ("import threading, time, vdbpack as v\n"
+            "def work(): v.pack(v.box(150, 150, 150), radius=v.uniform(0.5, 1), progress=False)\n"
+            "threading.Thread(target=work, daemon=True).start()\ntime.sleep(0.5)\n")
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
 
 
 def test_two_packs_at_a_time():

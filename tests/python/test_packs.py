@@ -266,6 +266,22 @@ def test_table_of_weights():
     assert (pack.radii < 0.75).mean() == pytest.approx(0.75, abs=0.02)
 
 
+def test_voids_can_be_pickled():
+    made = vdbpack.voids(vdbpack.box(8, 8, 8), voids="boolean", void_radius=1, target_bvtv=0.5)
+    back = pickle.loads(pickle.dumps(made))
+    assert (back.centers == made.centers).all() and (back.solid.values == made.solid.values).all()
+
+
+def test_files_named_like_commands_and_options(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    vertices, faces = cube(8)
+    text = f"OFF\n{len(vertices)} {len(faces)} 0\n" + "".join(f"{x} {y} {z}\n" for x, y, z in vertices)
+    (tmp_path / "-x.off").write_text(text + "".join(f"3 {a} {b} {c}\n" for a, b, c in faces))
+    assert len(vdbpack.pack("-x.off", radius=0.8)) > 20
+    with pytest.raises(vdbpack.Error, match="mesh"):
+        vdbpack.pack("mesh", radius=0.8)  # a file, not a command
+
+
 def test_numbers_of_numpy_are_options():
     assert len(vdbpack.pack(vdbpack.ball(4), radius=numpy.float32(0.5), seed=numpy.int64(3))) > 0
     assert len(vdbpack.pack(vdbpack.ball(4), radius=numpy.int64(1))) > 0

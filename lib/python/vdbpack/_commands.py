@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numbers
 import os
+import re
 import tempfile
 from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 
 import numpy
 
 from . import _core
-from ._domains import Domain, LevelSet, domain_words
+from ._domains import Domain, LevelSet, domain_words, file_word
 from ._errors import ParameterError
 from ._pack import Pack, Report, Voids
 from ._progress import Bar, Progress, progress_of
@@ -38,6 +39,10 @@ def _words(options: Mapping[str, Any], folder: str) -> List[str]:
     words: List[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
+        if not re.fullmatch("[a-z][a-z0-9_]*", name) or name == "help":
+            raise ParameterError(f"{name!r}: is no option")
+        if isinstance(value, numpy.bool_):
+            value = bool(value)
         if value is None or value is False:
             continue
         if name == "preview" and value is True:
@@ -86,7 +91,9 @@ def _packed(result: Mapping[str, Any]) -> Pack:
 def _pack_word(given: PackLike) -> Tuple[str, Dict[str, Any]]:
     if isinstance(given, Pack):
         return "(pack)", {"pack": given._data}
-    return os.fspath(given), {}
+    if not isinstance(given, (str, os.PathLike)):
+        raise ParameterError(f"given: {type(given).__name__} is no pack; give a vdbpack.Pack or a file")
+    return file_word(given), {}
 
 
 def _on_pack(
@@ -129,7 +136,7 @@ def pack(
         there is a terminal or a notebook.
     options: those of `vdb_pack pack`, with underscores for dashes, lengths in mm: radius,
         target_count, densify, shell, voids, seed, output, ... True sets a flag, lists repeat an
-        option, tuples are numbers with commas between. preview=True draws `Pack.picture` alone.
+        option, tuples are numbers with commas between. preview=True draws the picture without a file.
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """
@@ -139,7 +146,7 @@ def pack(
         inputs["existing"] = existing._data
         given["existing"] = "(existing)"
     elif existing is not None:
-        given["existing"] = os.fspath(existing)
+        given["existing"] = _pack_word(existing)[0]
     return _packed(_run(["pack", word] if word else ["pack"], given, inputs, progress))
 
 

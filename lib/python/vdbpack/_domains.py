@@ -13,6 +13,20 @@ from ._errors import ParameterError
 __all__ = ["Shape", "Image", "LevelSet", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
+_COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "completion")
+
+
+def plain(values: Any, name: str) -> Any:
+    """Values as they are; masks would be lost."""
+    if isinstance(values, numpy.ma.MaskedArray) and numpy.any(values.mask):
+        raise ParameterError(f"{name}: has masked values; fill them, or select what is not masked")
+    return values
+
+
+def file_word(file: Any) -> str:
+    """A file as a word that is neither an option nor a command."""
+    text = str(os.fspath(file))
+    return os.path.join(".", text) if text.startswith("-") or text in _COMMANDS else text
 
 
 class Shape(str):
@@ -30,7 +44,7 @@ class Image:
     def __init__(self, values: Array, affine: Array, space: str = "ras") -> None:
         if space not in ("ras", "lps"):
             raise ParameterError(f"space {space!r}: is either 'ras' or 'lps'")
-        self.values = values
+        self.values = plain(values, "image")
         self.affine = numpy.array(affine, float)
         if self.affine.shape != (4, 4):
             raise ParameterError(f"affine: has shape {self.affine.shape}, not (4, 4)")
@@ -45,7 +59,7 @@ class LevelSet:
     """Signed distances as an array: see `level_set`."""
 
     def __init__(self, values: Any, spacing: float, origin: Any) -> None:
-        self.values = numpy.asarray(values)
+        self.values = numpy.asarray(plain(values, "level set"))
         self.spacing = float(spacing)
         self.origin = tuple(float(c) for c in origin)
         if len(self.origin) != 3:
@@ -106,7 +120,7 @@ def image(values: Array, affine: Array, space: str = "ras") -> Image:
     space: "ras" (NIfTI, nibabel) or "lps" (DICOM, ITK), the world of `affine`. Packs lie in LPS,
     unless `space="ras"` is given to the command as well.
     """
-    return Image(numpy.asarray(values), affine, space)
+    return Image(numpy.asanyarray(values), affine, space)
 
 
 def level_set(
@@ -123,7 +137,7 @@ def level_set(
 def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     """The word that stands for a domain, and what is in memory of it."""
     if isinstance(domain, (str, os.PathLike)):
-        return os.fspath(domain), {}
+        return file_word(domain), {}
     if isinstance(domain, Image):
         return "(image)", {"image": (domain.values, domain.affine)}
     if hasattr(domain, "copyToArray") and hasattr(domain, "evalActiveVoxelBoundingBox"):
@@ -136,7 +150,8 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
             f"domain: {type(domain).__name__} is none; give a file name, a shape, (vertices, faces), "
             "an object with .vertices and .faces, an image or a level set"
         )
-    return "(mesh)", {"mesh": mesh}
+    vertices, faces = mesh
+    return "(mesh)", {"mesh": (plain(vertices, "vertices"), plain(faces, "faces"))}
 
 
 def grid_level_set(grid: Any) -> LevelSet:

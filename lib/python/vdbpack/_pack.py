@@ -12,7 +12,8 @@ import numpy
 import numpy.typing
 
 from . import _core
-from ._domains import LevelSet
+from ._domains import LevelSet, plain
+from ._errors import ParameterError
 
 __all__ = ["Pack", "Report", "Voids", "read", "write", "read_points", "write_points"]
 
@@ -61,7 +62,10 @@ class Pack:
     def __init__(
         self, positions: numpy.typing.ArrayLike, radii: numpy.typing.ArrayLike, **columns: Any
     ) -> None:
-        self._take(_core.PackData(positions, radii, columns))
+        for name in ("x", "y", "z", "radius", "positions", "radii"):
+            if name in columns:
+                raise ParameterError(f"{name}: is no further column, but that of the spheres themselves")
+        self._take(_core.PackData(plain(positions, "positions"), plain(radii, "radii"), columns))
 
     @classmethod
     def _of(
@@ -81,7 +85,7 @@ class Pack:
 
     @property
     def positions(self) -> Floats:
-        """Centers, float64 of shape (N, 3), or (N, 2) for circles; mm."""
+        """Centers, float64 of shape (N, 3), or (N, 2) for circles; mm. A view with strides, read-only."""
         return self._data.positions
 
     @property
@@ -233,7 +237,7 @@ class Voids:
 
     @property
     def solid(self) -> Optional[LevelSet]:
-        """What the voids leave, as signed distances in an array; None in 2D."""
+        """What the voids leave, as signed distances in an array, a copy each time; None in 2D."""
         return self._level_set("solid")
 
     @property
@@ -242,7 +246,12 @@ class Voids:
         return self._level_set("surface")
 
     def _level_set(self, name: str) -> Optional[LevelSet]:
-        return LevelSet(*self._sets[name].array()) if name in self._sets else None
+        held = self._sets.get(name)
+        return held if held is None or isinstance(held, LevelSet) else LevelSet(*held.array())
+
+    def __reduce__(self) -> Tuple[Any, ...]:
+        sets = {name: self._level_set(name) for name in self._sets}
+        return Voids, (self.report, (self.centers, self.half_axes, self.axes), sets)
 
     def __len__(self) -> int:
         return len(self.centers)
@@ -270,7 +279,12 @@ def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:
 
 def write(pack: Pack, file: Path, unit: str = "mm") -> None:
     """Writes a pack; the format by extension or prefix ("yade:pack.txt"). unit: of the file."""
-    _core.write(pack._data, os.fspath(file), unit)
+    if not isinstance(pack, Pack):
+        raise ParameterError(f"pack: {type(pack).__name__} is no vdbpack.Pack")
+    name = os.fspath(file)
+    if name.split(":")[0] in ("contacts", "materials", "list", "labels", "blender", "surface", "solid"):
+        raise ParameterError(f"file {name}: is no pack; give it to `convert` as output")
+    _core.write(pack._data, name, unit)
 
 
 def read_points(file: Path, grid: str = "") -> Pack:

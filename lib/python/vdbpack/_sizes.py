@@ -27,6 +27,9 @@ class Table:
                 f"table: radii of shape {self.radii.shape} and weights of shape {self.weights.shape}; "
                 "as many of both are needed"
             )
+        for name, values in (("radii", self.radii), ("weights", self.weights)):
+            if not (numpy.isfinite(values).all() and (values > 0).all()):
+                raise ParameterError(f"table: {name} must be finite and positive")
 
     def __repr__(self) -> str:
         return f"vdbpack.table of {self.radii.size} radii"
