@@ -41,7 +41,6 @@ public:
     /// Whether the pack says anything of them.
     bool any() const { return regions_ > 0 || parts_ || classes_; }
     bool hasParts() const { return parts_ != nullptr; }
-    bool hasClasses() const { return classes_ != nullptr; }
     std::int32_t partOf(std::size_t i) const {
         return parts_ ? static_cast<std::int32_t>((*parts_)[i]) : 0;
     }

@@ -21,7 +21,6 @@ namespace vdbpack {
 struct Image;
 class VdbGrid;
 
-/// What DOMAIN and the options about it say.
 /// What the thickness of a shell is measured from: all walls of the domain, or the outer surface
 /// alone, without the walls of cavities and clips.
 enum class ShellFrom { walls, outer };
@@ -30,6 +29,7 @@ enum class ShellFrom { walls, outer };
 /// as in DICOM, or x to the right and y to the front as in NIfTI.
 enum class ImageSpace { lps, ras };
 
+/// What DOMAIN and the options about it say.
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
     /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
