@@ -30,6 +30,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <string>
 #include <thread>
 #include <utility>
@@ -223,7 +224,10 @@ Pack<3> inSpace(const PackData& data) {
 class Attended {
 public:
     /// @param progress  called with a stage, its share that is done and a count; or None
-    explicit Attended(py::object progress) : progress_(std::move(progress)) {}
+    explicit Attended(py::object progress) : progress_(std::move(progress)) {
+        const py::module_ threading = py::module_::import("threading");
+        hearsSignals_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
+    }
 
     /// What `work(callbacks)` returns. @throws what it does; what Python raised meanwhile
     template <class Work>
@@ -233,29 +237,73 @@ public:
         std::unique_ptr<py::error_already_set> raised;
         {
             const py::gil_scoped_release released;
-            // Joined however this ends: Python ends threads that wait for its lock when it exits.
-            Joining worker;
-            worker.onEnd = [this] { cancelled_ = true; };
-            worker.thread = std::thread([&] {
-                try {
-                    result.emplace(work(callbacks()));
-                } catch (...) {
-                    failure = std::current_exception();
+            {
+                const Listed listed(*this);
+                Joining worker;  // however this ends
+                worker.onEnd = [this] { cancelled_ = true; };
+                worker.thread = std::thread([&] {
+                    try {
+                        result.emplace(work(callbacks()));
+                    } catch (...) {
+                        failure = std::current_exception();
+                    }
+                    const std::lock_guard<std::mutex> lock(mutex_);
+                    done_ = true;
+                    news_.notify_one();
+                });
+                while (!attend(raised)) {
                 }
-                const std::lock_guard<std::mutex> lock(mutex_);
-                done_ = true;
-                news_.notify_one();
-            });
-            while (!attend(raised)) {
+                worker.onEnd = nullptr;
             }
-            worker.onEnd = nullptr;
+            if (!hearsSignals_) stayWhilePythonEnds();
         }
         if (raised) throw py::error_already_set(std::move(*raised));
         if (failure) std::rethrow_exception(failure);
         return std::move(*result);
     }
 
+    /// Ends all runs, when Python exits: their threads must not outlive what they use.
+    static void stopAll() {
+        const py::gil_scoped_release released;
+        std::unique_lock<std::mutex> lock(listMutex());
+        // A run of the main thread, which calls this, has ended.
+        isLeaving() = true;
+        for (Attended* run : list()) run->cancelled_ = true;
+        constexpr auto kPatience = std::chrono::seconds(10);
+        listEmpty().wait_for(lock, kPatience, [] { return list().empty(); });
+    }
+
 private:
+    // What runs just now, for `stopAll` alone.
+    static std::set<Attended*>& list() {
+        static std::set<Attended*> runs;
+        return runs;
+    }
+    static std::mutex& listMutex() {
+        static std::mutex mutex;
+        return mutex;
+    }
+    static std::condition_variable& listEmpty() {
+        static std::condition_variable empty;
+        return empty;
+    }
+    struct Listed {
+        explicit Listed(Attended& run) : run_(run) {
+            const std::lock_guard<std::mutex> lock(listMutex());
+            list().insert(&run_);
+        }
+        ~Listed() {
+            const std::lock_guard<std::mutex> lock(listMutex());
+            list().erase(&run_);
+            listEmpty().notify_all();
+        }
+        Listed(const Listed&) = delete;
+        Listed& operator=(const Listed&) = delete;
+
+    private:
+        Attended& run_;
+    };
+
     struct Joining {
         std::function<void()> onEnd;
         std::thread thread;
@@ -264,6 +312,25 @@ private:
             thread.join();
         }
     };
+
+    static std::atomic<bool>& isLeaving() {
+        static std::atomic<bool> leaving{false};
+        return leaving;
+    }
+
+    static bool isPythonEnding() {
+        if (isLeaving()) return true;
+#if PY_VERSION_HEX >= 0x030d0000
+        return Py_IsFinalizing() != 0;
+#else
+        return _Py_IsFinalizing() != 0;
+#endif
+    }
+
+    /// A thread that asked for Python's lock then would be ended within a destructor.
+    static void stayWhilePythonEnds() {
+        while (isPythonEnding()) std::this_thread::sleep_for(std::chrono::hours(1));
+    }
 
     Callbacks callbacks() {
         Callbacks callbacks;
@@ -292,10 +359,12 @@ private:
             latest = std::exchange(latest_, std::nullopt);
             warnings = std::exchange(warnings_, {});
         }
-        if (raised || (ended && warnings.empty())) return ended;
+        if (!hearsSignals_ && isPythonEnding()) cancelled_ = true;
+        const bool hasNews = !warnings.empty() || (latest && !ended);
+        if (raised || cancelled_ || !(hasNews || (hearsSignals_ && !ended))) return ended;
         const py::gil_scoped_acquire held;
         try {
-            if (!ended && PyErr_CheckSignals() != 0) throw py::error_already_set();
+            if (hearsSignals_ && !ended && PyErr_CheckSignals() != 0) throw py::error_already_set();
             for (const std::string& text : warnings)
                 py::module_::import("vdbpack._errors").attr("warn")(text);
             if (latest && !ended) progress_(latest->stage, latest->fraction, latest->count);
@@ -307,6 +376,7 @@ private:
     }
 
     py::object progress_;
+    bool hearsSignals_ = false;  // only the main thread does
     std::mutex mutex_;
     std::condition_variable news_;
     bool done_ = false;
@@ -674,6 +744,7 @@ PYBIND11_MODULE(_core, m) {
             const auto* flat = std::get_if<Pack<2>>(&data->pack);
             return flat ? py::object(py::float_(flat->sliceHeight)) : py::object(py::none());
         });
+    py::module_::import("atexit").attr("register")(py::cpp_function(&Attended::stopAll));
     m.def("run", &runCommand, py::arg("words"), py::arg("inputs"), py::arg("progress"));
     m.def("read", &readFile, py::arg("file"), py::arg("unit"), py::arg("grid"));
     m.def("write", &writeFile, py::arg("pack"), py::arg("file"), py::arg("unit"));

@@ -2,8 +2,6 @@
 
 import os
 import signal
-import subprocess
-import sys
 import threading
 import time
 import warnings
@@ -130,13 +128,6 @@ def test_interrupt_within_half_a_second():
             vdbpack.pack(domain, **options)
         assert time.monotonic() - sent[0] < 3  # half a second, but machines are loaded
     assert len(vdbpack.pack(vdbpack.box(8, 8, 8), radius=1)) > 0
-
-
-def test_leaving_python_while_a_thread_packs():
-    code = ("import threading, time, vdbpack as v\n"
-            "def work(): v.pack(v.box(150, 150, 150), radius=v.uniform(0.5, 1), progress=False)\n"
-            "threading.Thread(target=work, daemon=True).start()\ntime.sleep(0.5)\n")
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True).returncode == 0
 
 
 def test_two_packs_at_a_time():
