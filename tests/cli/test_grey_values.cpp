@@ -26,18 +26,6 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-/// A ball of label 5, cut askew from one of label 9, on an oblique grid.
-void writeHalves(const std::string& path) {
-    const ImageGrid grid = turned(gridAround(14, {{1, 1, 1.3}}), 0.3, 0.5);
-    writeNrrd(path,
-              Voxels<std::uint8_t>::of(grid,
-                                       [](const Vec<3>& p) {
-                                           if (length(p) > 12) return 0;
-                                           return p[0] + 0.5 * p[2] < 1 ? 5 : 9;
-                                       }),
-              "uint8");
-}
-
 /// Values that grow along x and fall along z.
 void writeSlope(const std::string& path) {
     writeNrrd(path,

@@ -3,6 +3,7 @@
 
 #include "vdbpack/image/image_grid.h"
 
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <sstream>
@@ -147,6 +148,18 @@ inline ImageGrid turned(const ImageGrid& grid, double aboutX, double aboutZ) {
     result.origin = turn(grid.origin);
     for (std::size_t k = 0; k < 3; ++k) result.step[k] = turn(grid.step[k]);
     return result;
+}
+
+/// A label map of a ball on an oblique grid: labels 5 and 9, with an askew plane between them.
+inline void writeHalves(const std::string& path) {
+    const ImageGrid grid = turned(gridAround(14, {{1, 1, 1.3}}), 0.3, 0.5);
+    writeNrrd(path,
+              Voxels<std::uint8_t>::of(grid,
+                                       [](const Vec<3>& p) {
+                                           if (length(p) > 12) return 0;
+                                           return p[0] + 0.5 * p[2] < 1 ? 5 : 9;
+                                       }),
+              "uint8");
 }
 
 }  // namespace vdbpack::test

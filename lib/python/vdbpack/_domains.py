@@ -135,7 +135,7 @@ def level_set(
 
 
 def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
-    """The word that stands for a domain, and what is in memory of it."""
+    """A domain as a word of the command line, and its arrays if it has any."""
     if isinstance(domain, (str, os.PathLike)):
         return file_word(domain), {}
     if isinstance(domain, Image):
