@@ -96,6 +96,20 @@ TEST_CASE("surfaces of digitized shapes lie where the shapes' do", "[image]") {
     }
 }
 
+TEST_CASE("the wide terrace on top of a ball is rounded", "[image]") {
+    // The next layer of voxels lies just past the top: its own terrace has a radius of 23 voxels.
+    const Vec<3> spacing{{1, 1, 3}};
+    const Shape ball{"ball", [](const Vec<3>& p) { return length(p) - 90; }, 0, 92};
+    const ImageGrid grid = gridAround(ball.halfWidth, spacing, {{0, 0, 0.01}});
+    const auto voxels =
+        labelled(grid, [&](const Vec<3>& p) { return ball.distance(p) < 0 ? 1 : 0; });
+    const TriangleMesh mesh = surfaceOfLabel(smoothNet(voxels), grid, 1);
+    double largest = 0;
+    for (const auto& v : mesh.vertices)
+        largest = std::max(largest, std::fabs(inVoxels(ball, v, spacing)));
+    CHECK(largest < 0.47);
+}
+
 TEST_CASE("a digitized box keeps its flat sides", "[image]") {
     const double across = GENERATE(1.0, 3.0);
     // About the axis across, in radians.

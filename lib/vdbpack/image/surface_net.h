@@ -59,8 +59,10 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels);
 /// its constraint and its rule for lines of three labels. Its averaging flattens a ball of ten
 /// voxels by some percent; here the bending is averaged instead of the positions, but for sharp
 /// edges, and in the end all faces between two labels move by the same distance, until the volumes
-/// are right. Surfaces of balls and tori lie 0.05 to 0.1 voxels (rms) off the true ones.
-/// Cost: about 1.3 microseconds and 90 bytes a vertex on two threads.
+/// are right. Surfaces of balls and tori lie 0.05 to 0.1 voxels (rms) off the true ones, and so do
+/// flat sides, but those that fewer than three steps of voxels cross: these lie up to half a voxel
+/// off, as voxels hardly tell where they are.
+/// Cost: about 2 microseconds and 110 bytes a vertex on two threads.
 void smooth(SurfaceNet& net, const std::array<std::size_t, 3>& size);
 
 /// Moves each vertex to the mean of the points at which the edges of its cell cross a threshold.

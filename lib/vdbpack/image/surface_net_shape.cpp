@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
 namespace vdbpack {
@@ -133,23 +134,67 @@ struct Stiffness {
     float step = 0.25f;  ///< of a descent; at most the inverse of the largest eigenvalue there
 };
 
+/// Which vertices have moved since `before`, or lie up to two links from those, which change their
+/// slopes.
+std::vector<std::uint8_t> movingVertices(const SurfaceNet& net, const Links& links,
+                                         const std::vector<Float4>& offsets,
+                                         const std::vector<Float4>& before) {
+    constexpr float kStill = 0.005f;
+    std::vector<std::uint8_t> moves(offsets.size()), near;
+    forEachVertex(net, [&](std::size_t v) {
+        const Float4 by = offsets[v] - before[v];
+        moves[v] = by[0] * by[0] + by[1] * by[1] + by[2] * by[2] > kStill * kStill;
+    });
+    for (int ring = 0; ring < 2; ++ring) {
+        near = moves;
+        forEachVertex(net, [&](std::size_t v) {
+            for (const std::uint32_t to : links.to[v])
+                if (moves[to]) near[v] = 1;
+        });
+        moves.swap(near);
+    }
+    return moves;
+}
+
 /// Minimizes the energy of `stiffness` by the accelerated steps of Beck and Teboulle (2009), "A
 /// fast iterative shrinkage-thresholding algorithm", doi:10.1137/080716542, from the middles of the
-/// cells.
+/// cells. Wide flat parts take the most rounds; what rests is left out of them.
 void relax(SurfaceNet& net, const std::array<std::size_t, 3>& size, const Links& links,
            const std::vector<Stiffness>& stiffness, int rounds) {
+    constexpr int kRoundsBetweenChecks = 40;
     const OffMean offMean(links);
     const std::size_t count = net.vertices.size();
-    std::vector<Float4> offsets(count), ahead(count), apart(count);
+    std::vector<Float4> offsets(count), ahead(count), apart(count), before(count);
+    std::vector<std::uint32_t> moving(count);
+    std::iota(moving.begin(), moving.end(), 0u);
+    const auto forEachMoving = [&](const auto& work) {
+        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, moving.size(), 4096),
+                          [&](const tbb::blocked_range<std::size_t>& block) {
+                              for (std::size_t i = block.begin(); i < block.end(); ++i)
+                                  work(moving[i]);
+                          });
+    };
+    const auto setApart = [&](std::size_t v) {
+        apart[v] = stiffness[v].bend * offMean.ofOffsets(ahead, v);
+    };
     double t = 1;
-    for (int round = 0; round < rounds; ++round) {
-        forEachVertex(net, [&](std::size_t v) {
-            apart[v] = stiffness[v].bend * offMean.ofOffsets(ahead, v);
-        });
+    for (int round = 0; round < rounds && !moving.empty(); ++round) {
+        if (round > 0 && round % kRoundsBetweenChecks == 0) {
+            const std::vector<std::uint8_t> moves = movingVertices(net, links, offsets, before);
+            moving.clear();
+            for (std::size_t v = 0; v < count; ++v)
+                if (moves[v])
+                    moving.push_back(static_cast<std::uint32_t>(v));
+                else
+                    ahead[v] = offsets[v];
+            forEachVertex(net, setApart);
+            before = offsets;
+        }
+        forEachMoving(setApart);
         const double next = (1 + std::sqrt(1 + 4 * t * t)) / 2;
         const auto beyond = static_cast<float>((t - 1) / next);
         t = next;
-        forEachVertex(net, [&](std::size_t v) {
+        forEachMoving([&](std::size_t v) {
             const Stiffness& s = stiffness[v];
             const Float4 slope = offMean.ofValues(apart, v) + s.pull * ahead[v];
             const Float4 reach = {reachOf(net, size, v, 0), reachOf(net, size, v, 1),
@@ -222,17 +267,20 @@ std::vector<float> spreadOfNormals(const SurfaceNet& net, const Links& links) {
 ///
 /// A surface of a larger radius is bent less: the bending flattens curved ones as far as the cells
 /// allow, by a force that grows with the cube of the curvature. The pull stops that. It is weak
-/// where the curvature is low, so that steps far apart vanish.
+/// where the curvature is low, so that steps far apart vanish, but not zero: on top of a wide
+/// terrace, nothing else holds the surface where the voxels do on average.
 Stiffness stiffnessAt(float spread) {
     /// Half of the bending counts there: 0.02 for a radius of ten voxels, 0.2 for a right angle.
-    constexpr float kEdge = 0.045f;
-    constexpr float kLeastBend = 0.05f, kNoise = 0.005f, kPull = 0.75f, kMostPull = 0.02f;
+    constexpr float kEdge = 0.036f;
+    constexpr float kLeastBend = 0.05f, kNoise = 0.005f, kPull = 0.75f, kLeastPull = 1e-4f,
+                    kMostPull = 0.02f;
     Stiffness s;
     const float sharp = spread / kEdge;
     s.bend = std::max(kLeastBend, 1 / (1 + sharp * sharp * sharp));
     // A round of blur has a variance of 1/3 along each axis of the surface.
     const float curvature = std::sqrt(std::max(0.0f, spread - kNoise) * (6.0f / kBlurRounds));
-    s.pull = s.bend * std::min(kMostPull, kPull * curvature * curvature * curvature);
+    s.pull = s.bend *
+             std::clamp(kPull * curvature * curvature * curvature, kLeastPull, kMostPull);
     return s;
 }
 
@@ -257,9 +305,9 @@ std::vector<Stiffness> stiffnessOf(const SurfaceNet& net, const Links& links) {
 
 /// Makes the surfaces less bent, but for their edges.
 void straighten(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
-    /// The first ones show where edges are; the last ones flatten steps that lie up to some twenty
+    /// The first ones show where edges are; the last ones flatten steps that lie up to some thirty
     /// voxels apart.
-    constexpr int kFirstRounds = 16, kRounds = 240;
+    constexpr int kFirstRounds = 16, kRounds = 720;
     const Links links = linksOf(net);
     relax(net, size, links, std::vector<Stiffness>(net.vertices.size()), kFirstRounds);
     relax(net, size, links, stiffnessOf(net, links), kRounds);
