@@ -143,14 +143,31 @@ void permute(std::vector<T>& values, const std::vector<std::size_t>& order) {
     values = std::move(sorted);
 }
 
+/// The spheres by rising id, those of one id as they come.
+std::vector<std::size_t> orderOf(const std::vector<std::int64_t>& ids) {
+    const std::size_t n = ids.size();
+    std::vector<std::size_t> order(n, n);
+    const std::int64_t lowest = *std::min_element(ids.begin(), ids.end());
+    // Most packs count their spheres: each id is its place.
+    const bool counts = std::all_of(ids.begin(), ids.end(), [&](const std::int64_t& id) {
+        const std::uint64_t place =
+            static_cast<std::uint64_t>(id) - static_cast<std::uint64_t>(lowest);
+        if (place >= n || order[place] != n) return false;
+        order[place] = static_cast<std::size_t>(&id - ids.data());
+        return true;
+    });
+    if (counts) return order;
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    tbb::parallel_sort(order.begin(), order.end(), [&ids](std::size_t a, std::size_t b) {
+        return ids[a] != ids[b] ? ids[a] < ids[b] : a < b;
+    });
+    return order;
+}
+
 /// Sorts spheres by id: a point grid stores them by position.
 void sortById(Pack<3>& pack) {
     if (std::is_sorted(pack.id.begin(), pack.id.end())) return;
-    std::vector<std::size_t> order(pack.id.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    tbb::parallel_sort(order.begin(), order.end(), [&pack](std::size_t a, std::size_t b) {
-        return pack.id[a] != pack.id[b] ? pack.id[a] < pack.id[b] : a < b;
-    });
+    const std::vector<std::size_t> order = orderOf(pack.id);
     permute(pack.spheres, order);
     forEachAttribute(pack, [&order](std::string_view, auto& values) { permute(values, order); });
 }
