@@ -57,6 +57,14 @@ def vdb_pack(*arguments):
     return run(VDB_PACK, *arguments)
 
 
+def python_module():
+    """The module `vdbpack` of the build folder."""
+    sys.path.insert(0, os.environ.get("VDBPACK_PYTHON", str(ROOT / "build/release/lib/python")))
+    import vdbpack
+
+    return vdbpack
+
+
 def columns(path):
     """A .csv as {name: numbers}."""
     with open(path, newline="", encoding="utf-8") as file:

@@ -8,9 +8,9 @@ import vdbpack
 
 GROUPS = {
     "Runs": ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair",
-             "inspect_image"],
+             "inspect_mesh", "inspect_image", "predict"],
     "Results": ["Pack", "Voids", "Report"],
-    "Domains": ["box", "ball", "cylinder", "rect", "disc", "image", "level_set", "Image", "LevelSet", "Shape"],
+    "Domains": ["box", "ball", "cylinder", "rect", "disc", "image", "level_set", "Image", "LevelSet", "Mesh", "Shape"],
     "Sizes": ["constant", "uniform", "normal", "lognormal", "table", "Sizes"],
     "Files": ["read", "write", "read_points", "write_points"],
     "Errors": ["Error", "ParameterError", "InputError", "FileError", "ResourceError", "VdbpackWarning"],

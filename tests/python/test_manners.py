@@ -20,6 +20,7 @@ VERTICES, FACES = cube(10)
     [
         (vdbpack.box(5, 5, 5), {"radius": "uniform:2"}, vdbpack.ParameterError, "uniform"),
         (vdbpack.box(5, 5, 5), {"radios": 1}, vdbpack.ParameterError, "radios"),
+        (vdbpack.box(5, 5, 5), {"keep_conected": False}, vdbpack.ParameterError, "keep_connected"),
         (vdbpack.box(5, 5, 5), {"radius": 1, "effort": "most"}, vdbpack.ParameterError, "effort"),
         (vdbpack.box(5, 5, 5), {"radius": 1, "target_bvtv": 0.5}, vdbpack.ParameterError, "target_bvtv"),
         (vdbpack.box(5, 5, 5), {"radius": object()}, vdbpack.ParameterError, "radius"),
@@ -32,6 +33,7 @@ VERTICES, FACES = cube(10)
         ((VERTICES, FACES[:, :2]), {}, vdbpack.ParameterError, "faces"),
         ((VERTICES, [["a", "b", "c"]]), {}, vdbpack.ParameterError, "faces"),
         ((numpy.ma.masked_less(VERTICES, 1), FACES), {}, vdbpack.ParameterError, "masked"),
+        ((VERTICES * 1j, FACES), {}, vdbpack.ParameterError, "complex"),
         (vdbpack.box(5, 5, 5), {"help": True}, vdbpack.ParameterError, "help"),
         ((VERTICES, FACES + 0.5), {}, vdbpack.ParameterError, "whole"),
         ((VERTICES, FACES + 1), {}, vdbpack.InputError, "names vertex 8"),

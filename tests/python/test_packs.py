@@ -4,6 +4,7 @@ import json
 import pickle
 import subprocess
 import sys
+import types
 
 import numpy
 import pytest
@@ -130,6 +131,14 @@ def test_points_of_a_vdb(tmp_path):
     back = vdbpack.read_points(tmp_path / "p.vdb")
     assert back.hash == pack.hash
     assert (back.positions == pack.positions).all() and (back.radii == pack.radii).all()
+    vdbpack.write_points(tmp_path / "a.vdb", [[0, 0, 0], [2, 0, 1]], [1, 0.5], id=[7, 8], weight=[0.25, 3])
+    back = vdbpack.read_points(tmp_path / "a.vdb")
+    assert back.positions.tolist() == [[0, 0, 0], [2, 0, 1]] and back.radii.tolist() == [1, 0.5]
+    assert back.id.tolist() == [7, 8] and back.columns["weight"].tolist() == [0.25, 3]
+    with pytest.raises(vdbpack.ParameterError, match="radii"):
+        vdbpack.write_points(tmp_path / "b.vdb", [[0, 0, 0]])
+    with pytest.raises(vdbpack.ParameterError, match="radii"):
+        vdbpack.write_points(tmp_path / "b.vdb", pack, pack.radii)
 
 
 def test_circles():
@@ -214,9 +223,20 @@ def test_level_set_of_an_array():
 
 def test_repair_of_arrays():
     vertices, faces = cube(10)
-    health = vdbpack.repair((vertices, faces))
-    assert health["boundaryEdges"] == 0
-    assert vdbpack.repair((vertices, faces[1:]))["boundaryEdges"] == 3
+    assert vdbpack.inspect_mesh((vertices, faces))["boundaryEdges"] == 0
+    assert vdbpack.inspect_mesh((vertices, faces[1:]))["boundaryEdges"] == 3
+    repaired = vdbpack.repair((vertices, faces[1:]))
+    assert repaired.report["boundaryEdges"] == 0
+    a, b, c = (repaired.vertices[repaired.faces[:, k]] for k in range(3))
+    assert numpy.einsum("ij,ij->", a, numpy.cross(b, c)) / 6 == pytest.approx(1000, rel=0.05)
+    assert vdbpack.verify(vdbpack.pack(repaired, radius=1), (vertices, faces)).passed
+
+
+def test_prediction():
+    domain = vdbpack.box(20, 20, 20)
+    expected = vdbpack.predict(domain, radius=vdbpack.uniform(0.5, 1))
+    assert expected["dryRun"]
+    assert expected["spheres"]["count"] == pytest.approx(len(vdbpack.pack(domain, radius="uniform:0.5,1")), rel=0.1)
 
 
 def test_labels_of_an_image():
@@ -234,6 +254,8 @@ def test_labels_of_an_image():
     pack = vdbpack.pack(image, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras")
     assert set(pack.columns["part"]) == {0.0, 1.0}
     assert vdbpack.verify(pack, image, label="all", space="ras").passed
+    nibabel = types.SimpleNamespace(dataobj=labels, affine=affine)
+    assert vdbpack.pack(nibabel, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras").hash == pack.hash
     # In the world of the affine.
     middle = affine @ [*(size / 2), 1]
     assert numpy.abs(pack.positions.mean(axis=0) - middle[:3]).max() < 1

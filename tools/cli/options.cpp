@@ -534,7 +534,7 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
     }
 }
 
-Job jobOf(const std::vector<std::string>& words) {
+Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset) {
     CLI::App app;
     PrintOptions print;
     const std::vector<Command> commands = addCommands(app, print);
@@ -543,6 +543,10 @@ Job jobOf(const std::vector<std::string>& words) {
         const auto command = std::find_if(commands.begin(), commands.end(),
                                           [](const Command& c) { return c.app->parsed(); });
         if (command == commands.end()) throw ParameterError("no command is named");
+        for (const std::string& option : unset)
+            if (command->app->get_option_no_throw(option) == nullptr &&
+                app.get_option_no_throw(option) == nullptr)
+                throw ParameterError(unknownOption(app, *command->app, option));
         complete(*command, words);
         return std::move(*command->job);
     } catch (const CLI::ParseError& e) {

@@ -52,5 +52,6 @@ struct CliOptions {
 std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode);
 
 /// The recipe of a command ("pack") and its words, as after `vdb_pack`, for programs that call it.
+/// @param unset  options that are not set, such as "--quiet", but must be those of the command.
 /// @throws vdbpack::ParameterError with what is wrong; as reading the files that options name
-Job jobOf(const std::vector<std::string>& words);
+Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset = {});

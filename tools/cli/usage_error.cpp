@@ -57,6 +57,8 @@ constexpr ForeignOption kForeignOptions[] = {
     {"--format", "the extension of -o FILE chooses the format"},
 };
 
+}  // namespace
+
 std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word) {
     for (const ForeignOption& foreign : kForeignOptions)
         if (word == foreign.name)
@@ -76,8 +78,6 @@ std::string unknownOption(const CLI::App& app, const CLI::App& command, const st
                        : like.empty()  ? ""
                                        : "; did you mean " + like + "?");
 }
-
-}  // namespace
 
 std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                        const std::vector<std::string>& arguments) {

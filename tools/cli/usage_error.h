@@ -10,3 +10,6 @@
 /// @param arguments  as given, without the program's name.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                        const std::vector<std::string>& arguments);
+
+/// That a command has no option `word`, such as "--radios", with the one that was probably meant.
+std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word);

@@ -7,9 +7,22 @@
 Functions take the options of the command line with underscores for dashes. Lengths are mm.
 """
 
-from ._commands import carve, convert, densify, inspect_image, measure, morphometry, pack, repair, verify, voids
+from ._commands import (
+    carve,
+    convert,
+    densify,
+    inspect_image,
+    inspect_mesh,
+    measure,
+    morphometry,
+    pack,
+    predict,
+    repair,
+    verify,
+    voids,
+)
 from ._core import __version__
-from ._domains import Image, LevelSet, Shape, ball, box, cylinder, disc, image, level_set, rect
+from ._domains import Image, LevelSet, Mesh, Shape, ball, box, cylinder, disc, image, level_set, rect
 from ._errors import Error, FileError, InputError, ParameterError, ResourceError, VdbpackWarning
 from ._pack import Pack, Report, Voids, read, read_points, write, write_points
 from ._sizes import Sizes, constant, lognormal, normal, table, uniform
@@ -20,6 +33,7 @@ __all__ = [
     "Image",
     "InputError",
     "LevelSet",
+    "Mesh",
     "Pack",
     "ParameterError",
     "Report",
@@ -39,12 +53,14 @@ __all__ = [
     "disc",
     "image",
     "inspect_image",
+    "inspect_mesh",
     "level_set",
     "lognormal",
     "measure",
     "morphometry",
     "normal",
     "pack",
+    "predict",
     "read",
     "read_points",
     "rect",

@@ -11,13 +11,14 @@ from typing import Any, Dict, List, Mapping, Optional, Tuple, Union
 import numpy
 
 from . import _core
-from ._domains import Domain, LevelSet, domain_words, file_word
+from ._domains import Domain, LevelSet, Mesh, domain_words, file_word
 from ._errors import ParameterError
 from ._pack import Pack, Report, Voids
 from ._progress import Bar, Progress, progress_of
 from ._sizes import Table
 
-__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_image"]
+__all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_mesh",
+           "inspect_image", "predict"]
 
 PackLike = Union[Pack, str, "os.PathLike[str]"]
 
@@ -35,8 +36,10 @@ def _value(name: str, value: Any) -> str:
     raise ParameterError(f"{name}: {type(value).__name__} is no value of an option")
 
 
-def _words(options: Mapping[str, Any], folder: str) -> List[str]:
+def _words(options: Mapping[str, Any], folder: str) -> Tuple[List[str], List[str]]:
+    """Options as words, and the names of those that are None or False."""
     words: List[str] = []
+    unset: List[str] = []
     for name, value in options.items():
         option = "--" + name.replace("_", "-")
         if not re.fullmatch("[a-z][a-z0-9_]*", name) or name == "help":
@@ -44,6 +47,7 @@ def _words(options: Mapping[str, Any], folder: str) -> List[str]:
         if isinstance(value, numpy.bool_):
             value = bool(value)
         if value is None or value is False:
+            unset.append(option)
             continue
         if name == "preview" and value is True:
             words += [option, os.path.join(folder, "preview.png")]
@@ -63,7 +67,7 @@ def _words(options: Mapping[str, Any], folder: str) -> List[str]:
             words += [option, ",".join(_value(name, one) for one in value)]
         else:
             words += [option, _value(name, value)]
-    return words
+    return words, unset
 
 
 def _run(
@@ -74,7 +78,8 @@ def _run(
         with tempfile.TemporaryDirectory(prefix="vdbpack-") as folder:
             gone = any(isinstance(v, Table) for v in options.values()) or options.get("preview") is True
             given = {**inputs, "temporary": True} if gone else inputs
-            return _core.run(words + _words(options, folder), given, show)
+            more, unset = _words(options, folder)
+            return _core.run(words + more, unset, given, show)
     finally:
         if isinstance(show, Bar):
             show.close()
@@ -140,6 +145,14 @@ def pack(
 
     Raises ParameterError, InputError, FileError, ResourceError; KeyboardInterrupt.
     """
+    if options.get("dry_run"):
+        raise ParameterError("dry_run: vdbpack.predict takes the same arguments and packs nothing")
+    return _packed(_pack_run(domain, existing, progress, options))
+
+
+def _pack_run(
+    domain: Optional[Domain], existing: Optional[PackLike], progress: Progress, options: Mapping[str, Any]
+) -> Dict[str, Any]:
     word, inputs = ("", {}) if domain is None else domain_words(domain)
     given = dict(options)
     if isinstance(existing, Pack):
@@ -147,7 +160,7 @@ def pack(
         given["existing"] = "(existing)"
     elif existing is not None:
         given["existing"] = _pack_word(existing)[0]
-    return _packed(_run(["pack", word] if word else ["pack"], given, inputs, progress))
+    return _run(["pack", word] if word else ["pack"], given, inputs, progress)
 
 
 def densify(given: PackLike, domain: Domain, *, progress: Progress = None, **options: Any) -> Pack:
@@ -228,17 +241,34 @@ def convert(
     return _report(_on_pack("convert", given, domain, options, progress))
 
 
-def repair(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
-    """Reports the health of a mesh, and with `output` writes it repaired (.stl, mm).
+def predict(
+    domain: Optional[Domain] = None, *, existing: Optional[PackLike] = None, progress: Progress = None, **options: Any
+) -> Report:
+    """What `pack` would take with the same arguments: spheres, seconds, memory; packs nothing."""
+    return _report(_pack_run(domain, existing, progress, {**options, "dry_run": True}))
+
+
+def repair(domain: Domain, *, progress: Progress = None, **options: Any) -> Mesh:
+    """Closes a mesh, turns its triangles outwards and fuses components that overlap.
 
     domain: a file, (vertices, faces), or a mesh of trimesh or meshio.
-    options: those of `vdb_pack mesh`.
+    options: those of `vdb_pack mesh`: output (.stl, mm), unit, repair_voxel (mm), ...
+
+    Returns a `Mesh`, whose `report` says what was wrong and what has been changed.
     """
     word, inputs = domain_words(domain)
-    given = dict(options)
-    if given.get("output"):
-        given.setdefault("repair", True)
-    return _report(_run(["mesh", word], given, inputs, progress))
+    result = _run(["mesh", word], {"repair": True, **options}, inputs, progress)
+    vertices, faces = result["mesh"]
+    return Mesh(vertices, faces, _report(result))
+
+
+def inspect_mesh(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:
+    """Reports the health of a mesh, whether it can be packed, and what a repair would do.
+
+    domain: as for `repair`. options: those of `vdb_pack mesh`.
+    """
+    word, inputs = domain_words(domain)
+    return _report(_run(["mesh", word], options, inputs, progress))
 
 
 def inspect_image(domain: Domain, *, progress: Progress = None, **options: Any) -> Report:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import os
 from typing import Any, Optional, Tuple, Union
 
@@ -10,16 +11,18 @@ import numpy.typing
 
 from ._errors import ParameterError
 
-__all__ = ["Shape", "Image", "LevelSet", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
+__all__ = ["Shape", "Image", "LevelSet", "Mesh", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
 _COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "completion")
 
 
 def plain(values: Any, name: str) -> Any:
-    """Values as they are; masks would be lost."""
+    """Values as they are; masks and imaginary parts would be lost."""
     if isinstance(values, numpy.ma.MaskedArray) and numpy.any(values.mask):
         raise ParameterError(f"{name}: has masked values; fill them, or select what is not masked")
+    if numpy.iscomplexobj(values):
+        raise ParameterError(f"{name}: has complex numbers; give real ones")
     return values
 
 
@@ -81,6 +84,25 @@ class LevelSet:
         return f"vdbpack.LevelSet of {' x '.join(map(str, self.values.shape))} points, {self.spacing:g} mm apart"
 
 
+class Mesh:
+    """A surface of triangles. A domain as well.
+
+    vertices: float64 of shape (N, 3), mm. faces: int64 of shape (M, 3), counter-clockwise from outside.
+    report: the health of it, or what a repair did.
+    """
+
+    def __init__(self, vertices: Array, faces: Array, report: Any = None) -> None:
+        self.vertices = vertices
+        self.faces = faces
+        self.report = report
+
+    def __repr__(self) -> str:
+        return f"<vdbpack.Mesh of {len(self.vertices):,} vertices and {len(self.faces):,} faces>"
+
+    def _repr_html_(self) -> str:
+        return f"<pre>{html.escape(repr(self))}\n{html.escape(str(self.report or ''))}</pre>"
+
+
 Domain = Union[str, "os.PathLike[str]", Tuple[Any, Any], Image, Any]
 
 
@@ -114,7 +136,7 @@ def disc(radius: float) -> Shape:
 
 
 def image(values: Array, affine: Array, space: str = "ras") -> Image:
-    """A label map or grey image in memory, such as that of nibabel: `image(img.dataobj, img.affine)`.
+    """A label map or grey image in memory. Those of nibabel are domains as they are.
 
     values: array of shape (X, Y, Z). affine: (4, 4), from indices to mm.
     space: "ras" (NIfTI, nibabel) or "lps" (DICOM, ITK), the world of `affine`. Packs lie in LPS,
@@ -138,6 +160,9 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     """A domain as a word of the command line, and its arrays if it has any."""
     if isinstance(domain, (str, os.PathLike)):
         return file_word(domain), {}
+    voxels, affine = getattr(domain, "dataobj", None), getattr(domain, "affine", None)
+    if voxels is not None and affine is not None:  # nibabel
+        domain = Image(numpy.asanyarray(voxels), affine)
     if isinstance(domain, Image):
         return "(image)", {"image": (domain.values, domain.affine)}
     if hasattr(domain, "copyToArray") and hasattr(domain, "evalActiveVoxelBoundingBox"):
@@ -148,7 +173,7 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     if mesh is None:
         raise ParameterError(
             f"domain: {type(domain).__name__} is none; give a file name, a shape, (vertices, faces), "
-            "an object with .vertices and .faces, an image or a level set"
+            "a mesh with .vertices and .faces, an image or a level set"
         )
     vertices, faces = mesh
     return "(mesh)", {"mesh": (plain(vertices, "vertices"), plain(faces, "faces"))}

@@ -292,6 +292,22 @@ def read_points(file: Path, grid: str = "") -> Pack:
     return read(file, grid=grid)
 
 
-def write_points(file: Path, pack: Pack, unit: str = "mm") -> None:
-    """Writes a pack as a grid of points, alone in a .vdb. unit: of the file."""
-    write(pack, "points:" + os.fspath(file), unit)
+def write_points(
+    file: Path,
+    points: Union[Pack, numpy.typing.ArrayLike],
+    radii: Optional[numpy.typing.ArrayLike] = None,
+    unit: str = "mm",
+    **columns: Any,
+) -> None:
+    """Writes a grid of points with radii (`pscale`) and columns, alone in a .vdb.
+
+    points: a `Pack`, or positions of shape (N, 3) with radii of shape (N,) and columns as for `Pack`; mm.
+    unit: of the file.
+    """
+    if not isinstance(points, Pack):
+        if radii is None:
+            raise ParameterError("radii: is missing; points are written with their radii")
+        points = Pack(points, radii, **columns)
+    elif radii is not None or columns:
+        raise ParameterError(f"{'radii' if radii is not None else next(iter(columns))}: the pack has its own columns")
+    write(points, "points:" + os.fspath(file), unit)

@@ -22,7 +22,8 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
     result.source = recipe.domain.source;
     withThreads(recipe.threads, [&] {
         std::shared_ptr<const RepairReport> repair;
-        const TriangleMesh mesh = readDomainMesh(recipe.domain, callbacks, repair);
+        result.mesh = readDomainMesh(recipe.domain, callbacks, repair);
+        const TriangleMesh& mesh = result.mesh;
         result.health = checkMesh(mesh);
         if (repair) result.repair = *repair;
         const DomainRecipe& domain = recipe.domain;

@@ -23,6 +23,7 @@ struct MeshRecipe : RunSettings {
 };
 
 struct MeshResult {
+    TriangleMesh mesh;                   ///< as it was read, or repaired; mm
     MeshHealth health;                   ///< of the mesh; with `repair`, of the repaired mesh
     std::optional<RepairReport> repair;  ///< contains the health before the repair
     MeshFitness fitness;
