@@ -109,9 +109,8 @@ TEST_CASE("of a body filled with spheres the skin is left", "[pack]") {
 TEST_CASE("thousands of spheres around one point are refused", "[pack]") {
     RandomStream random(6, 0);
     std::vector<Sphere<3>> spheres;
-    for (int i = 0; i < 10000; ++i)
+    for (int i = 0; i < 3000; ++i)
         spheres.push_back({normalized(randomAt<3>(random, 1)) * 1e-3, 1});
-    REQUIRE_THROWS_AS(exposedSpheres(spheres, 1), InputError);
     REQUIRE_THROWS_WITH(exposedSpheres(spheres, 1), Contains("2000"));
     spheres[17].center[0] = std::nan("");
     REQUIRE_THROWS_AS(exposedSpheres(spheres, 1), InputError);
