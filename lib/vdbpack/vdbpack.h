@@ -5,8 +5,8 @@
 //             implicitDomain; cut by clippedDomain and sliceDomain
 //   pack      packSpheres, packToCount, largestBall; sizes by SizeDistribution
 //   densify   densify: makes a pack denser, or removes its overlaps
-//   voids     booleanVoids, latticeVoids, voidsAtSpheres, readVoidList; stampVoids, cutVoids,
-//             spheresOutside and keepOnly
+//   voids     booleanVoids, latticeVoids, voidsAtSpheres, foamVoids, readVoidList; stampVoids,
+//             cutVoids, spheresOutside and keepOnly
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
 //   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
 //             pairCorrelation; measureMorphometry of a solid
@@ -65,6 +65,7 @@
 #include "vdbpack/run/study.h"
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/dilated_pack.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_field.h"

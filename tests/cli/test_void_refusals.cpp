@@ -116,6 +116,10 @@ TEST_CASE_METHOD(RefusedVoids,
     refuse(
         parameter, "overlay", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
+        parameter, "foam", [](R& r) { r.voids.jitter = 1.5; }, "`voids.jitter` 1.5");
+    refuse(
+        parameter, "boolean", [](R& r) { r.voids.jitter = 0.5; }, "`voids.jitter`");
+    refuse(
         parameter, "ellipses", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
     refuse(
         parameter, "mixed", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");

@@ -68,7 +68,7 @@ std::vector<std::array<double, Dim + 1>> sorted(const std::vector<Sphere<Dim>>& 
 }
 
 const char* const kMethods[] = {"grid",  "overlay",  "concentric", "threshold",
-                                "mixed", "ellipses", "boolean"};
+                                "mixed", "ellipses", "boolean",    "foam"};
 
 }  // namespace
 
@@ -256,10 +256,10 @@ TEST_CASE("a target is met, or it is said what can be", "[run][voids]") {
         std::vector<double> met;
         double lowest;  ///< a target beyond reach; 0: none
     };
-    const std::vector<Case> cases{{"boolean", {0.15, 0.3}, 0},    {"overlay", {0.6, 0.75}, 0.15},
-                                  {"grid", {0.6, 0.75}, 0.3},     {"concentric", {0.15, 0.3}, 0},
-                                  {"threshold", {0.15, 0.3}, 0},  {"mixed", {0.75, 0.85}, 0.15},
-                                  {"ellipses", {0.6, 0.75}, 0.15}};
+    const std::vector<Case> cases{{"boolean", {0.15, 0.3}, 0},     {"overlay", {0.6, 0.75}, 0.15},
+                                  {"grid", {0.6, 0.75}, 0.3},      {"concentric", {0.15, 0.3}, 0},
+                                  {"threshold", {0.15, 0.3}, 0},   {"mixed", {0.75, 0.85}, 0.15},
+                                  {"ellipses", {0.6, 0.75}, 0.15}, {"foam", {0.15, 0.5}, 0}};
     for (const Case& c : cases) {
         auto recipe = methodRecipe<3>(c.method);
         recipe.domain.source = "box:30,30,30";

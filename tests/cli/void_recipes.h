@@ -38,7 +38,7 @@ PackRecipe methodRecipe(const std::string& method) {
     if (method == "grid") {
         v.cell = "4";
         v.probability = 0.6;
-    } else if (method == "overlay" || method == "boolean") {
+    } else if (method == "overlay" || method == "boolean" || method == "foam") {
         v.radius = "uniform:1,2";
     } else if (method == "concentric" || method == "threshold") {
         v.deleteFraction = 0.3;

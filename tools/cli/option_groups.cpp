@@ -467,10 +467,10 @@ struct VoidOptions {
 void VoidOptions::addMethod() const {
     option("--voids", voids.method,
            "how voids are made: grid, overlay, " + orElse(spheres, "concentric, threshold, ", "") +
-               orElse(front, "mixed, ellipses, ", "") + "boolean or list:FILE",
+               orElse(front, "mixed, ellipses, ", "") + "boolean, foam or list:FILE",
            "METHOD")
         ->check(notEmpty());
-    std::vector<std::string> methods{"grid", "overlay", "boolean", "list:"};
+    std::vector<std::string> methods{"grid", "overlay", "boolean", "foam", "list:"};
     if (spheres) methods.insert(methods.end(), {"concentric", "threshold"});
     if (front) methods.insert(methods.end(), {"mixed", "ellipses"});
     setWords(*command.get_option("--voids"), methods);
@@ -497,7 +497,7 @@ void VoidOptions::addTargets() const {
     const std::string packed = front ? ", mixed, ellipses" : "";
     option("--target-bvtv", voids.targetBvtv,
            "BV/TV to reach in the part deeper than the shell. It sets the number of voids "
-           "(boolean, overlay)" +
+           "(boolean, overlay), their size (foam)" +
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
                ")" + orElse(spheres, " or D (concentric, threshold)", ""),
            "F");
@@ -512,7 +512,8 @@ void VoidOptions::addTargets() const {
         ->check(notEmpty());
     option(
         "--target-tbth", voids.targetTbth,
-        "with --target-bvtv: mean thickness Tb.Th to reach by the size of the voids, mm (boolean)",
+        "with --target-bvtv: mean thickness Tb.Th to reach by the size of the voids, mm (boolean, "
+        "foam)",
         "T");
     option("--void-voxel", voids.voxelSize, "voxel size of the level sets of voids, mm",
            "H [1/4 half-axis]")
@@ -521,17 +522,23 @@ void VoidOptions::addTargets() const {
 
 void VoidOptions::addShapes() const {
     const std::string written = spheres ? "written as --radius" : kRadiusSpec;
-    option("--void-radius", voids.radius,
-           "shorter half-axis b of the voids, " + written + ", mm (" +
-               orElse(front, "mixed: radius of the holes; ", "") +
-               "overlay: voids are placed by packing spheres of radius b times aspect)",
-           orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
+    option(
+        "--void-radius", voids.radius,
+        "shorter half-axis b of the voids, " + written + ", mm (" +
+            orElse(front, "mixed: radius of the holes; ", "") +
+            "overlay: voids are placed by packing spheres of radius b times aspect; foam: before "
+            "they are dilated)",
+        orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC"))
         ->check(notEmpty());
     option("--void-aspect", voids.aspect,
            "ratio of the half-axes a / b, written as " +
                std::string(spheres ? "--radius" : "--void-radius"),
-           "SPEC [constant:2]")
+           "SPEC [constant:2; foam 1.4, without a direction 1]")
         ->check(notEmpty());
+    option("--void-jitter", voids.jitter,
+           "foam: largest displacement of a void, in its radii, 0 to 1; 0 leaves walls with many "
+           "small holes, 1 thick struts that may be loose",
+           "J [0.25]");
     option(
         "--void-count", voids.count,
         "number of voids. boolean: mean number with centers deeper than the shell; voids of the "
@@ -563,7 +570,7 @@ void VoidOptions::addDirections() const {
            "by tz about z. \"phi=SPEC\" (2D): along x, rotated by phi. isotropic: no preferred "
            "direction. SPEC is V, uniform:A,B or normal:MEAN,SD,A,B, in rad or with suffix deg. "
            "With --void-axis or --void-field: scatter about that direction. Default without those: "
-           "isotropic for boolean, else within 0.358 rad of z (2D: of x)",
+           "isotropic for boolean and foam, else within 0.358 rad of z (2D: of x)",
            "ANGLES")
         ->check(notEmpty());
     option("--void-axis", voids.orientation.axis, "direction of the long axes", "X,Y,Z")

@@ -69,6 +69,7 @@ constexpr OptionName kOptionNames[] = {
     {"voids", "--voids"},
     {"voids.aspect", "--void-aspect"},
     {"voids.count", "--void-count"},
+    {"voids.jitter", "--void-jitter"},
     {"voids.probability", "--void-probability"},
     {"voids.radius", "--void-radius"},
     {"voids.shell", "--shell"},

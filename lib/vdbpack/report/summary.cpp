@@ -152,6 +152,7 @@ std::string voidsText(const Report& r, const Words& words) {
     else if (v.amount)
         text += fmt::format(", {} {:.5g}",
                             v.method == "overlay" ? "number"
+                            : v.method == "foam"  ? "dilated by the factor"
                             : v.ofSpheres         ? "D ="
                                                   : "probability",
                             *v.amount);

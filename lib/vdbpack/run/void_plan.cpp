@@ -80,6 +80,10 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
             plan.count = r.targetBvtv ? needed : r.count.value_or(needed);
             apart = false;
             break;
+        case VoidMethod::foam:  // as a dense pack, whose holes are walls all around
+            plan.count = 0.64 * e.volume / each;
+            apart = false;
+            break;
         case VoidMethod::none:
         case VoidMethod::concentric:
         case VoidMethod::threshold:
@@ -88,6 +92,7 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
     }
     const double share = plan.count * each / e.volume;
     plan.left = apart ? std::max(0.0, 1 - share) : shareOutside(plan.count * each, e);
+    if (methodOf(r) == VoidMethod::foam) plan.left = r.targetBvtv.value_or(0.3);
     plan.wall = plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : plan.left);
     plan.voxelSize = plannedVoxel(r, e.dim);
     if (!(plan.voxelSize > 0)) plan.voxelSize = voidVoxelFor(r, 0.75 * std::min(a, b));

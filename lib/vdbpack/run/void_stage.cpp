@@ -189,7 +189,9 @@ std::vector<std::shared_ptr<const VdbGrid>> MadeVoids<Dim>::levelSets() const {
 
 double voidVoxelFor(const VoidRecipe& recipe, double least) {
     if (recipe.voxelSize > 0) return recipe.voxelSize;
-    const double voxel = least / (recipe.fill == Fill::solid ? kVoxelsToFill : kVoxelsPerHalfAxis);
+    // Struts between the voids of a foam are half as thick as these.
+    const double detail = methodOf(recipe) == VoidMethod::foam ? least / 2 : least;
+    const double voxel = detail / (recipe.fill == Fill::solid ? kVoxelsToFill : kVoxelsPerHalfAxis);
     return recipe.targetTbth ? std::min(voxel, *recipe.targetTbth / kVoxelsPerThickness) : voxel;
 }
 
@@ -274,7 +276,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         bvtvOf(s, voidVoxelFor(r, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
-        const bool undecided = method == VoidMethod::boolean && !r.count && !r.targetBvtv;
+        const bool undecided = (method == VoidMethod::boolean && !r.count && !r.targetBvtv) ||
+                               (method == VoidMethod::foam && !r.targetBvtv);
         VoidRecipe decided = r;
         if (undecided && s.bvtv) {
             const double mean = meanBvtv(s);
@@ -287,7 +290,10 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                 "as many voids as make BV/TV {:.4f}, the mean that {} says", mean, r.bvtvField));
         } else if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
-            chosen.push_back(fmt::format("as many voids as make BV/TV {}", kDefaultBvtv));
+            chosen.push_back(fmt::format(
+                "{} BV/TV {}",
+                method == VoidMethod::foam ? "voids dilated to" : "as many voids as make",
+                kDefaultBvtv));
         }
         bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/packer.h"
+#include "vdbpack/voids/dilated_pack.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"
@@ -12,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <utility>
 
 namespace vdbpack {
@@ -52,20 +54,25 @@ std::string voidRadiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* 
 template <int Dim>
 VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
     const VoidMethod method = methodOf(s.recipe);
-    const bool ball = method == VoidMethod::mixed;
+    const OrientationRecipe& asked = s.recipe.orientation;
+    const bool directed = !asked.axis.empty() || !asked.field.empty() || !asked.angles.empty();
+    // A foam without a direction has none.
+    const bool ball = method == VoidMethod::mixed ||
+                      (method == VoidMethod::foam && !directed && s.recipe.aspect.empty());
     OrientationRecipe orientation = s.recipe.orientation;
-    if (orientation.angles.empty() && orientation.axis.empty() && orientation.field.empty()) {
-        orientation.angles = method == VoidMethod::boolean || ball ? "isotropic"
-                             : Dim == 3                            ? kPaperCone
-                                                                   : kPaperTilt;
+    if (!directed) {
+        const bool isotropic = method == VoidMethod::boolean || method == VoidMethod::foam;
+        orientation.angles = isotropic || ball ? "isotropic" : Dim == 3 ? kPaperCone : kPaperTilt;
         if (chosen && !ball)
             chosen->push_back(fmt::format("void directions {}", orientation.angles));
     }
     std::string aspect = s.recipe.aspect;
     if (ball) aspect = "constant:1";
     if (aspect.empty()) {
-        aspect = "constant:2";
-        if (chosen) chosen->push_back("voids twice as long as wide");
+        aspect = method == VoidMethod::foam ? "constant:1.4" : "constant:2";
+        if (chosen)
+            chosen->push_back(method == VoidMethod::foam ? "voids 1.4 times as long as wide"
+                                                         : "voids twice as long as wide");
     }
     return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim),
             SizeDistribution::parse(aspect, Dim),
@@ -76,6 +83,8 @@ namespace {
 
 /// Where less is wanted, voids are as many as leave this share.
 constexpr double kLeastBvtv = 0.005;
+/// The largest factor on the radii of a dense pack.
+constexpr double kMostDilation = 1.6;
 /// Points for the mean of a field.
 constexpr int kFieldPoints = 200'000;
 
@@ -132,6 +141,37 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
     return family;
 }
 
+/// The direction of all voids, if there is one.
+template <int Dim>
+std::optional<Vec<Dim>> commonAxis(const VoidSetting<Dim>& s) {
+    if (s.recipe.orientation.axis.empty()) return std::nullopt;
+    OrientationRecipe exact;
+    exact.axis = s.recipe.orientation.axis;
+    RandomStream unused(s.seed, 0);
+    return makeOrientation<Dim>(exact, s.domain.bounds())->axis({}, unused);
+}
+
+template <int Dim>
+VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
+                           std::vector<std::string>* chosen) {
+    const VoidShape<Dim> shape = voidShapeOf(s, chosen);
+    const auto voids = foamVoids(
+        regionOf(s), shape, FoamOptions<Dim>{commonAxis(s), s.recipe.jitter, s.seed}, s.callbacks);
+    VoidFamily<Dim> family;
+    family.most = kMostDilation;
+    // Spheres that touch leave 0.36 (2D: 0.17), an eighth more in radius a third of that.
+    const double touching = Dim == 3 ? 0.36 : 0.17;
+    family.guess = target > touching ? std::pow((1 - target) / (1 - touching), 1.0 / Dim)
+                                     : 1 + 0.125 * std::log(touching / target);
+    family.remedy = "; take larger voids, or a smaller `voids.jitter`";
+    family.leastHalfAxis = leastHalfAxis(voids);
+    const auto& setting = s;
+    family.list = [&setting, voids](double factor) {
+        return dilated(regionOf(setting), voids, factor);
+    };
+    return family;
+}
+
 template <int Dim>
 VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s) {
     std::shared_ptr<const VoidMatrix> matrix;
@@ -183,6 +223,8 @@ VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
             return booleanFamily(s, bvtv, chosen);
         case VoidMethod::overlay:
             return overlayFamily(s, chosen);
+        case VoidMethod::foam:
+            return foamFamily(s, bvtv, chosen);
         case VoidMethod::grid:
             return gridFamily(s);
         case VoidMethod::none:

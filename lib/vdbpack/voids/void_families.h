@@ -50,7 +50,8 @@ template <int Dim>
 double meanBvtv(const VoidSetting<Dim>& setting);
 
 /// The lists of voids of one method. The amount is the number of voids for each unit of volume
-/// (boolean), their number (overlay), or the probability that a box has one (grid).
+/// (boolean), their number (overlay), the probability that a box has one (grid), or the factor on
+/// their half-axes (foam).
 template <int Dim>
 struct VoidFamily {
     double most = 0;   ///< the largest amount

@@ -30,7 +30,8 @@ void keepMarked(const std::vector<std::uint8_t>& marked, std::vector<Ellipsoid<D
     voids.resize(kept);
 }
 
-/// Removes voids that cannot reach the part of the domain deeper than the shell.
+}  // namespace
+
 template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
     std::vector<std::uint8_t> reaches(voids.size());
@@ -51,8 +52,6 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
                       });
     keepMarked(reaches, voids);
 }
-
-}  // namespace
 
 template <int Dim>
 double VoidShape<Dim>::meanMeasure() const {
@@ -214,6 +213,7 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                                                   \
     template struct VoidShape<Dim>;                                                                \
+    template void keepReaching(const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>&);              \
     template std::vector<Ellipsoid<Dim>> booleanVoids(                                             \
         const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                      \
         const std::function<double(const Vec<Dim>&)>&);                                            \

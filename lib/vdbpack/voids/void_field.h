@@ -36,6 +36,10 @@ struct VoidRegion {
     double volume() const { return coreVolume(domain, shell); }
 };
 
+/// Removes voids that cannot reach deeper than the shell.
+template <int Dim>
+void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids);
+
 /// Ellipsoids at independent random positions, uniform over the box around the domain grown by the
 /// longest half-axis; those that cannot reach deeper than the shell are left out.
 ///

@@ -15,14 +15,15 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, VoidMethod>, 7> kMethods{
+constexpr std::array<std::pair<const char*, VoidMethod>, 8> kMethods{
     {{"grid", VoidMethod::grid},
      {"overlay", VoidMethod::overlay},
      {"concentric", VoidMethod::concentric},
      {"threshold", VoidMethod::threshold},
      {"mixed", VoidMethod::mixed},
      {"ellipses", VoidMethod::ellipses},
-     {"boolean", VoidMethod::boolean}}};
+     {"boolean", VoidMethod::boolean},
+     {"foam", VoidMethod::foam}}};
 
 bool isOneOf(VoidMethod method, const std::vector<VoidMethod>& methods) {
     return std::find(methods.begin(), methods.end(), method) != methods.end();
@@ -49,30 +50,36 @@ struct Use {
 
 std::vector<Use> usesOf(const VoidRecipe& r) {
     using M = VoidMethod;
-    const std::vector<M> all{M::grid,  M::overlay,  M::concentric, M::threshold,
-                             M::mixed, M::ellipses, M::boolean,    M::list};
-    const std::vector<M> stamped{M::grid, M::overlay, M::mixed, M::ellipses, M::boolean, M::list};
-    const std::vector<M> shaped{M::overlay, M::ellipses, M::boolean};
-    return {
-        {"voids.radius", !r.radius.empty(), {M::overlay, M::mixed, M::ellipses, M::boolean}},
-        {"voids.aspect", !r.aspect.empty(), shaped},
-        {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
-        {"voids.probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
-        {"deleteFraction", r.deleteFraction.has_value(), {M::concentric, M::threshold}},
-        {"matrix", !r.matrix.empty(), {M::grid}},
-        {"cell", !r.cell.empty(), {M::grid}},
-        {"orientation.angles", !r.orientation.angles.empty(), shaped},
-        {"orientation.axis", !r.orientation.axis.empty(), shaped},
-        {"orientation.field", !r.orientation.field.empty(), shaped},
-        {"voids.voxelSize", r.voxelSize > 0, stamped},
-        {"targetBvtv",
-         r.targetBvtv.has_value(),
-         {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean}},
-        {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
-        {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
-        {"targetTbth", r.targetTbth.has_value(), {M::boolean}},
-        {"keepConnected", r.keepConnected, all},
-        {"cull", r.cull == Cull::touch, {M::grid, M::overlay, M::ellipses, M::boolean, M::list}}};
+    const std::vector<M> all{M::grid,     M::overlay, M::concentric, M::threshold, M::mixed,
+                             M::ellipses, M::boolean, M::foam,       M::list};
+    const std::vector<M> stamped{M::grid,    M::overlay, M::mixed, M::ellipses,
+                                 M::boolean, M::foam,    M::list};
+    const std::vector<M> shaped{M::overlay, M::ellipses, M::boolean, M::foam};
+    return {{"voids.radius",
+             !r.radius.empty(),
+             {M::overlay, M::mixed, M::ellipses, M::boolean, M::foam}},
+            {"voids.jitter", r.jitter != VoidRecipe().jitter, {M::foam}},
+            {"voids.aspect", !r.aspect.empty(), shaped},
+            {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
+            {"voids.probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
+            {"deleteFraction", r.deleteFraction.has_value(), {M::concentric, M::threshold}},
+            {"matrix", !r.matrix.empty(), {M::grid}},
+            {"cell", !r.cell.empty(), {M::grid}},
+            {"orientation.angles", !r.orientation.angles.empty(), shaped},
+            {"orientation.axis", !r.orientation.axis.empty(), shaped},
+            {"orientation.field", !r.orientation.field.empty(), shaped},
+            {"voids.voxelSize", r.voxelSize > 0, stamped},
+            {"targetBvtv",
+             r.targetBvtv.has_value(),
+             {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean,
+              M::foam}},
+            {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
+            {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
+            {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
+            {"keepConnected", r.keepConnected, all},
+            {"cull",
+             r.cull == Cull::touch,
+             {M::grid, M::overlay, M::ellipses, M::boolean, M::foam, M::list}}};
 }
 
 /// Refuses parameters that the method does not use.
@@ -114,6 +121,8 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
     requireShare("targetBvtv", r.targetBvtv, "(0, 1)", false, false);
     if (r.targetTbth) requireLength("targetTbth", *r.targetTbth);
     if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
+    if (!(r.jitter >= 0 && r.jitter <= 1))
+        throw ParameterError(fmt::format("`voids.jitter` {}: must lie in [0, 1]", r.jitter));
     if (r.count && !(*r.count >= 1 && *r.count < 4e9))
         throw ParameterError(
             fmt::format("`voids.count` {}: must be a number of voids from 1 to 4e9", *r.count));
@@ -149,7 +158,8 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
             fmt::format("`voids` {} needs `deleteFraction` or `targetBvtv`", r.method));
     if (method == VoidMethod::grid && r.matrix.empty() && r.cell.empty())
         throw ParameterError("`voids` grid needs `matrix` or `cell`");
-    const bool sized = method == VoidMethod::overlay || method == VoidMethod::boolean;
+    const bool sized =
+        isOneOf(method, {VoidMethod::overlay, VoidMethod::boolean, VoidMethod::foam});
     if (sized && r.radius.empty() && !hasSpheres)
         throw ParameterError(
             fmt::format("`voids` {} needs `voids.radius`, the half-axis b in mm", r.method));

@@ -19,6 +19,7 @@ enum class VoidMethod {
     mixed,       ///< 5: spheres of the front that were packed as holes
     ellipses,    ///< 6: an ellipsoid about each hole of the front
     boolean,     ///< ellipsoids at random positions, which may overlap
+    foam,        ///< the dilated spheres or ellipsoids of a dense pack
     list         ///< ellipsoids from a file
 };
 
@@ -42,10 +43,11 @@ struct VoidRecipe {
     /// boolean: an image whose grey values say how BV/TV varies by place; empty: it does not.
     std::string bvtvField;
     std::string bvtvRange;             ///< "MARROW,BONE": grey values at BV/TV 0 and 1
-    std::optional<double> targetTbth;  ///< boolean: mean Tb.Th to reach by the size of voids
+    std::optional<double> targetTbth;  ///< boolean, foam: mean Tb.Th to reach by the size of voids
     double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
     std::string aspect;                ///< SPEC of a / b; empty: 2
+    double jitter = 0.25;              ///< foam: largest displacement of a void, in its radii
     std::optional<double> count;  ///< boolean, overlay: voids with centers deeper than the shell
     std::optional<double> probability;     ///< grid: of a void in a box; mixed, ellipses: of a hole
     std::optional<double> deleteFraction;  ///< D of concentric and threshold, 0 to 1

@@ -1,0 +1,98 @@
+// Voids of an open-cell foam: runs with `voids` foam.
+#include "support/temporary_folder.h"
+
+#include "vdbpack/run/run.h"
+#include "vdbpack/voids/void_list.h"
+
+#include <catch2/catch.hpp>
+
+#include <cmath>
+#include <string>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+
+namespace {
+
+VoidsRecipe foam(const std::string& source, double bvtv, const std::string& output) {
+    VoidsRecipe recipe;
+    recipe.domain.source = source;
+    recipe.voids.method = "foam";
+    recipe.voids.radius = "uniform:0.25,0.5";
+    recipe.voids.targetBvtv = bvtv;
+    recipe.outputs = {output};
+    return recipe;
+}
+
+}  // namespace
+
+TEST_CASE("the struts of a foam are one component, also where there is little bone",
+          "[run][voids]") {
+    const TemporaryFolder folder;
+    auto recipe = foam("box:4,4,4", GENERATE(0.1, 0.2, 0.45), folder.file("v.vdb"));
+    const auto made = runVoids(recipe);
+    CHECK(*made.report.voids->bvtv == Approx(*recipe.voids.targetBvtv).margin(0.002));
+    CHECK(*made.report.voids->solidAttached > 0.98);
+    // Voids at random leave pieces of as much bone.
+    recipe.voids.method = "boolean";
+    if (*recipe.voids.targetBvtv < 0.15)
+        CHECK(*runVoids(recipe).report.voids->solidAttached < *made.report.voids->solidAttached);
+}
+
+TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][voids]") {
+    const TemporaryFolder folder;
+    const double aspect = GENERATE(1.0, 1.4, 2.0);
+    auto recipe = foam("box:4,4,4", 0.2, folder.file("v.vdb"));
+    recipe.voids.aspect = "constant:" + std::to_string(aspect);
+    recipe.voids.orientation.axis = "1,1,0";
+    runVoids(recipe);
+    MeasureRecipe measure;
+    measure.pack = folder.file("v.vdb");
+    measure.domain.source = "box:4,4,4";
+    const auto measured = runMeasure(measure);
+    REQUIRE(measured.morphometry->anisotropy);
+    const auto& anisotropy = *measured.morphometry->anisotropy;
+    // Intercepts are as long as the cells.
+    CHECK(*anisotropy.ratio == Approx(aspect).epsilon(0.12));
+    if (aspect > 1.2)
+        CHECK(std::fabs(dot(anisotropy.axes[0], Vec<3>{{std::sqrt(0.5), std::sqrt(0.5), 0}})) >
+              0.98);
+}
+
+TEST_CASE("the voids of a foam touch before they are dilated", "[run][voids]") {
+    const TemporaryFolder folder;
+    auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
+    recipe.voids.orientation.axis = "0,0,1";
+    recipe.voids.aspect = "constant:1.5";
+    recipe.voids.jitter = 0;
+    const double factor = *runVoids(recipe).report.voids->amount;
+    CHECK(factor > 1.02);
+    auto voids = readVoidList<3>(folder.file("l.csv"));
+    REQUIRE(voids.size() > 200);
+    std::size_t touching = 0;
+    for (auto& e : voids) {
+        CHECK(e.a == Approx(1.5 * e.b));
+        e.center[2] /= 1.5;
+    }
+    for (std::size_t i = 0; i < voids.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const double apart =
+                length(voids[i].center - voids[j].center) - (voids[i].b + voids[j].b) / factor;
+            REQUIRE(apart > -1e-5);
+            touching += apart < 0.02;
+        }
+    CHECK(touching > 2 * voids.size());
+}
+
+TEST_CASE("a foam in the plane, in a bone with a shell, and about a field", "[run][voids]") {
+    const TemporaryFolder folder;
+    auto flat = foam("disc:6", 0.3, "list:" + folder.file("l.csv"));
+    flat.voids.orientation.axis = "1,0";
+    CHECK(*runVoids(flat).report.voids->bvtv == Approx(0.3).margin(0.003));
+    auto shelled = foam("ball:3", 0.25, folder.file("v.vdb"));
+    shelled.voids.shell = 0.5;
+    shelled.voids.keepConnected = true;
+    const auto run = runVoids(shelled);
+    CHECK(*run.report.voids->bvtv == Approx(0.25).margin(0.003));
+    CHECK(*run.report.voids->solidAttached > 0.99);
+}
