@@ -14,6 +14,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -58,6 +59,36 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
     }
     // 1e-3 of the longest of the shorter half-axes; inside, feet are found less well.
     CHECK(worst < 2e-3);
+}
+
+TEMPLATE_TEST_CASE_SIG("blended voids run into one another where they come near", "[voids][stamp]",
+                       ((int Dim), Dim), 2, 3) {
+    Scene<Dim> scene(0.2);
+    const double h = scene.options.voxelSize;
+    scene.options.blend = GENERATE(0.05, 0.3);
+    const double length = scene.options.blend;
+    const auto stamped = scene.stamp();
+    typename StampedVoids<Dim>::Sampler distance(*stamped);
+    RandomStream random(6, Dim);
+    std::size_t between = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19.8)), scene.options);
+        std::vector<double> distances;
+        for (const auto& e : scene.voids) distances.push_back(e.signedDistance(x));
+        const double exact = blendedDistance(distances, length);
+        const double nearest = *std::min_element(distances.begin(), distances.end());
+        REQUIRE(exact <= nearest + 1e-12);
+        REQUIRE(std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h))) < 4e-3);
+        if (std::fabs(exact) < 1e-3) continue;
+        REQUIRE((distance(x) < 0) == (exact < 0));
+        if (std::fabs(exact) < h) REQUIRE(stamped->isIn(scene.voids, x) == (exact < 0));
+        between += exact < 0 && nearest > 0;
+    }
+    CHECK(between > (length > 0.1 ? 100 : 0));
+    // One void alone is what it was; two that touch have merged.
+    CHECK(blendedDistance({0.1}, length) == Approx(0.1));
+    CHECK(blendedDistance({-0.4, 9}, length) == Approx(-0.4));
+    CHECK(blendedDistance({0.02, 0.02}, length) < 0);
 }
 
 TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in the voxel size",

@@ -535,6 +535,10 @@ void VoidOptions::addShapes() const {
                std::string(spheres ? "--radius" : "--void-radius"),
            "SPEC [constant:2; foam 1.4, without a direction 1]")
         ->check(notEmpty());
+    option("--void-blend", voids.blend,
+           "length over which voids run into one another, mm: rounds the edges between them, and "
+           "opens walls that are thinner",
+           "K [0; foam 0.1 of the mean b]");
     option("--void-jitter", voids.jitter,
            "foam: largest displacement of a void, in its radii, 0 to 1; 0 leaves walls with many "
            "small holes, 1 thick struts that may be loose",

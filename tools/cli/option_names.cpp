@@ -68,6 +68,7 @@ constexpr OptionName kOptionNames[] = {
     {"unit", "--unit"},
     {"voids", "--voids"},
     {"voids.aspect", "--void-aspect"},
+    {"voids.blend", "--void-blend"},
     {"voids.count", "--void-count"},
     {"voids.jitter", "--void-jitter"},
     {"voids.probability", "--void-probability"},

@@ -104,6 +104,7 @@ public:
         add("--void-voxel", voids.voxelSize, " mm");
         add("--void-radius", voids.radius);
         add("--void-aspect", voids.aspect);
+        if (voids.blend) add("--void-blend", fmt::format("{} mm", *voids.blend));
         if (methodOf(voids) == VoidMethod::foam) add("--void-jitter", voids.jitter);
         add("--void-count", voids.count.value_or(0));
         if (voids.probability) add("--void-probability", fmt::format("{}", *voids.probability));

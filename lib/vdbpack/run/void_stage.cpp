@@ -37,6 +37,8 @@ constexpr double kThicknessTolerance = 0.01, kThicknessWarning = 0.02;
 constexpr int kThicknessRounds = 6;  // the last repeats the nearest of the others
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
+/// Of the half-axis b: voids of a foam then leave what looks like bone.
+constexpr double kFoamBlend = 0.1;
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
@@ -50,6 +52,14 @@ std::string timesSpec(const std::string& spec, double f, int dim) {
     return SizeDistribution::parse(spec, dim).scaled(f).spec();
 }
 
+/// As StampOptions::blend.
+template <int Dim>
+double blendOf(const VoidSetting<Dim>& s) {
+    if (s.recipe.blend) return *s.recipe.blend;
+    if (methodOf(s.recipe) != VoidMethod::foam) return 0;
+    return kFoamBlend * SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim).mean();
+}
+
 /// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
 template <int Dim>
 void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
@@ -57,6 +67,7 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     options.voxelSize = voxelSize;
     options.origin = latticeOf(s, voxelSize);
     options.shell = s.recipe.shell;
+    options.blend = blendOf(s);
     if (s.recipe.cull == Cull::touch) options.reach = s.largestRadius + 2 * voxelSize;
     made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
     made.report.count = made.list.size();

@@ -16,6 +16,7 @@
 #include <atomic>
 #include <bitset>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 
@@ -186,6 +187,12 @@ double outsideOf(const StampOptions<Dim>& options) {
     return std::max(kStampBand * options.voxelSize, options.reach);
 }
 
+/// How far voids matter, mm.
+template <int Dim>
+double reachOf(const StampOptions<Dim>& options) {
+    return std::max(outsideOf(options), 4 * options.blend);
+}
+
 /// Stamps one tile with the voids of its entries.
 /// @param near  a buffer.
 template <int Dim>
@@ -214,6 +221,7 @@ Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries
         tile.fillInside();
     else
         tile.stamp(near);
+    if (!filled && options.blend > 0) tile.blend(near, options.blend);
     if (cut)
         result.voxels = cutAtCore(tile, core, options.shell > 0);
     else
@@ -232,6 +240,8 @@ void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim
             fmt::format("`voids.voxelSize` {} mm must be positive", options.voxelSize));
     if (!(options.shell >= 0 && std::isfinite(options.shell)))
         throw ParameterError(fmt::format("`voids.shell` {} mm must be 0 or more", options.shell));
+    if (!(options.blend >= 0 && std::isfinite(options.blend)))
+        throw ParameterError(fmt::format("`voids.blend` {} mm must be 0 or more", options.blend));
     for (std::size_t i = 0; i < voids.size(); ++i) {
         const auto& e = voids[i];
         if (!(e.a > 0 && e.b > 0 && std::isfinite(e.a) && std::isfinite(e.b)) ||
@@ -253,6 +263,7 @@ struct StampedVoids<Dim>::Impl {
     double voxelSize = 0;
     double volume = 0;
     double inside = 0, outside = 0;  // widths of the band, mm
+    double blend = 0;                // as in the options
     std::optional<TileLattice<Dim>> lattice;
     std::vector<std::uint64_t> tiles;  // tiles that voids reach into, sorted
     std::vector<std::size_t> starts;   // start of each in `ellipsoids`, and the end
@@ -287,6 +298,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     const double h = options.voxelSize;
     impl.voxelSize = h;
     impl.origin = options.origin;
+    impl.blend = options.blend;
     impl.inside = kStampBand * h;
     impl.outside = outsideOf(options);
     const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
@@ -295,7 +307,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     callbacks.report("voids", 0, 0);
     StopRequest request(callbacks.cancelled);
     request.stop();
-    const std::vector<Entry> entries = listEntries(voids, lattice, impl.outside);
+    const std::vector<Entry> entries = listEntries(voids, lattice, reachOf(options));
     std::vector<std::size_t> starts;
     for (std::size_t i = 0; i < entries.size(); ++i)
         if (i == 0 || entries[i].tile != entries[i - 1].tile) starts.push_back(i);
@@ -318,7 +330,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     for (std::size_t n = 0; n < tiles; ++n) {
         // A point may lie half a voxel beyond the centers of its tile.
         for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
-            if (static_cast<double>(entries[i].lower) < h)
+            if (static_cast<double>(entries[i].lower) < std::max(h, 4 * options.blend))
                 impl.ellipsoids.push_back(entries[i].ellipsoid);
         if (impl.ellipsoids.size() == impl.starts.back()) continue;
         impl.tiles.push_back(entries[starts[n]].tile);
@@ -349,9 +361,23 @@ bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec
     const auto found = std::lower_bound(impl_->tiles.begin(), impl_->tiles.end(), tile);
     if (found == impl_->tiles.end() || *found != tile) return false;
     const auto n = static_cast<std::size_t>(found - impl_->tiles.begin());
-    for (std::size_t i = impl_->starts[n]; i < impl_->starts[n + 1]; ++i)
-        if (voids[impl_->ellipsoids[i]].contains(x)) return true;
-    return false;
+    std::vector<double> distances;
+    for (std::size_t i = impl_->starts[n]; i < impl_->starts[n + 1]; ++i) {
+        const Ellipsoid<Dim>& e = voids[impl_->ellipsoids[i]];
+        if (e.contains(x)) return true;
+        if (impl_->blend > 0) distances.push_back(e.signedDistance(x));
+    }
+    return impl_->blend > 0 && blendedDistance(distances, impl_->blend) < 0;
+}
+
+double blendedDistance(const std::vector<double>& distances, double length) {
+    const double reach = 4 * length;
+    double sum = 0, nearest = std::numeric_limits<double>::infinity();
+    for (const double d : distances) {
+        sum += std::pow(std::max(0.0, 1 - d / reach), 4);
+        nearest = std::min(nearest, d);
+    }
+    return sum > 0 ? reach * (1 - std::sqrt(std::sqrt(sum))) : nearest;
 }
 
 template <int Dim>

@@ -20,13 +20,24 @@ struct StampOptions {
     Vec<Dim> origin;       ///< center of a voxel, mm; positions the lattice
     /// Distances outside of voids are computed up to this, mm; at least three voxels.
     double reach = 0;
+    /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
+    /// not. It rounds the edges between them, and opens walls that are thinner.
+    double blend = 0;
     /// Thickness of the layer below the wall of the envelope that is kept free of voids, mm; 0:
     /// voids may cut the wall.
     double shell = 0;
 };
 
-/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), with a shell
-/// limited to the part of the domain below it. Immutable.
+/// The distance to blended voids, from those to each: c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), c
+/// four times `length`; to one void alone, that to this.
+///
+/// Source: the union by p-norms of Ricci (1973), "A constructive geometry for computer graphics",
+/// The Computer Journal 16 (2), 157-160, doi:10.1093/comjnl/16.2.157, of a function that vanishes
+/// at c.
+double blendedDistance(const std::vector<double>& distances, double length);
+
+/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), blended
+/// where the options say so, with a shell limited to the part of the domain below it. Immutable.
 template <int Dim>
 class StampedVoids {
 public:
@@ -41,8 +52,8 @@ public:
     double volume() const;
     /// The number of voxels in the band.
     std::uint64_t activeVoxels() const;
-    /// Whether a point lies in one of the ellipsoids, by their inequality. The ellipsoids near it
-    /// are listed by tile: this costs about as much as a lookup.
+    /// Whether a point lies in one of the ellipsoids, by their inequality, or in their blend. Those
+    /// near it are listed by tile: this costs about as much as a lookup.
     /// @param voids  the ellipsoids that were stamped.
     bool isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) const;
     /// 3D: the level set `voids` with a band of three voxels on both sides.

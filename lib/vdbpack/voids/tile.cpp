@@ -331,6 +331,39 @@ void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, s
 }
 
 template <int Dim>
+void Tile<Dim>::blend(const std::vector<NearVoid<Dim>>& voids, double length) {
+    const auto h = static_cast<float>(voxelSize_), reach = static_cast<float>(4 * length);
+    std::vector<Stamp> stamps;
+    for (const NearVoid<Dim>& v : voids)
+        if (static_cast<float>(v.lower) < reach) stamps.emplace_back(*v.ellipsoid, first_);
+    if (stamps.size() < 2) return;
+    const Blocks<Dim>& blocks = Blocks<Dim>::get();
+    for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
+        float* const values = &values_[block * kLanes];
+        const Float8 nearest = load(values);
+        if (!(largest(nearest) > -inside_)) continue;
+        Float8 sum{};
+        for (const Stamp& stamp : stamps) {
+            std::array<Float8, Dim> x;
+            for (std::size_t d = 0; d < Dim; ++d)
+                x[d] = (load(blocks.lane[d].data()) + blocks.first[d][block]) * h + stamp.start[d];
+            const auto position = stamp.form.position(x);
+            const Float8 lower = stamp.form.lower(position);
+            if (noneOf(lower < reach)) continue;
+            const Float8 distance = stamp.distance(position, lower > inside_);
+            const Float8 share = 1.0f - choose(position.f < 1.0f, -distance, distance) / reach;
+            const Float8 square = choose(share > 0.0f, share * share, 0.0f);
+            sum += square * square;
+        }
+        const Float8 blended = reach * (1.0f - squareRoot(squareRoot(sum)));
+        Float8 value = choose(sum > 0.0f, smaller(nearest, blended), nearest);
+        value = choose(value < -inside_, -inside_, value);
+        store(values, value);
+        blockMax_[block] = largest(value);
+    }
+}
+
+template <int Dim>
 void Tile<Dim>::fillInside() {
     values_.fill(-inside_);
 }

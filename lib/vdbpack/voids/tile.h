@@ -42,6 +42,10 @@ public:
     /// @param voids  sorted by rising lower bound, so that the rest is skipped once no value can
     ///               change.
     void stamp(const std::vector<NearVoid<Dim>>& voids);
+    /// After `stamp`: lets voids run into one another where they come near.
+    /// @param voids  all those whose lower bound is less than `4 * length`.
+    /// @param length  as that of `blendedDistance`, mm.
+    void blend(const std::vector<NearVoid<Dim>>& voids, double length);
     /// Sets all voxels to the inside, deeper than the band.
     void fillInside();
     bool isInside() const;   ///< all values are at the inner limit of the band

@@ -58,6 +58,7 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
     return {{"voids.radius",
              !r.radius.empty(),
              {M::overlay, M::mixed, M::ellipses, M::boolean, M::foam}},
+            {"voids.blend", r.blend.has_value(), stamped},
             {"voids.jitter", r.jitter != VoidRecipe().jitter, {M::foam}},
             {"voids.aspect", !r.aspect.empty(), shaped},
             {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
@@ -123,6 +124,9 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
     if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
     if (!(r.jitter >= 0 && r.jitter <= 1))
         throw ParameterError(fmt::format("`voids.jitter` {}: must lie in [0, 1]", r.jitter));
+    if (r.blend && !(*r.blend >= 0 && std::isfinite(*r.blend)))
+        throw ParameterError(
+            fmt::format("`voids.blend` {}: must be a length in mm, 0 or more", *r.blend));
     if (r.count && !(*r.count >= 1 && *r.count < 4e9))
         throw ParameterError(
             fmt::format("`voids.count` {}: must be a number of voids from 1 to 4e9", *r.count));

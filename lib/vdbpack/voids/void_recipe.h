@@ -48,6 +48,8 @@ struct VoidRecipe {
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
     std::string aspect;                ///< SPEC of a / b; empty: 2
     double jitter = 0.25;              ///< foam: largest displacement of a void, in its radii
+    /// Length over which voids run into one another; empty: of foam a tenth of the mean b, else 0.
+    std::optional<double> blend;
     std::optional<double> count;  ///< boolean, overlay: voids with centers deeper than the shell
     std::optional<double> probability;     ///< grid: of a void in a box; mixed, ellipses: of a hole
     std::optional<double> deleteFraction;  ///< D of concentric and threshold, 0 to 1
