@@ -1,10 +1,13 @@
 // Voids of an open-cell foam: runs with `voids` foam.
 #include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "voids/turning.h"
 
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include <cmath>
 #include <string>
@@ -100,7 +103,26 @@ TEST_CASE("a list of voids and their blend make the same foam again", "[run][voi
     CHECK(*runVoids(recipe).report.voids->bvtv > *first->bvtv + 0.01);
 }
 
-TEST_CASE("a foam in the plane, in a bone with a shell, and about a field", "[run][voids]") {
+TEST_CASE("the cells of a foam follow a field of directions", "[run][voids]") {
+    const TemporaryFolder folder;
+    std::string field = "x,y,z,ux,uy,uz\n";
+    for (int k = 0; k < 11 * 11 * 11; ++k) {
+        const Vec<3> x{{k % 11 * 0.5 - 2.5, k / 11 % 11 * 0.5 - 2.5, k / 121 * 0.5 - 2.5}};
+        const Vec<3> u = turning(x, 5);
+        field += fmt::format("{},{},{},{},{},{}\n", x[0], x[1], x[2], u[0], u[1], u[2]);
+    }
+    putContent(folder.file("f.csv"), field);
+    auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
+    recipe.voids.orientation.field = folder.file("f.csv");
+    recipe.voids.aspect = "constant:2";
+    const auto run = runVoids(recipe);
+    CHECK(*run.report.voids->bvtv == Approx(0.2).margin(0.003));
+    CHECK(*run.report.voids->solidAttached > 0.95);
+    for (const auto& e : readVoidList<3>(folder.file("l.csv")))
+        if (std::fabs(e.center[0]) < 2) REQUIRE(degreesBetween(e.axis, turning(e.center, 5)) < 8);
+}
+
+TEST_CASE("a foam in the plane, and in a bone with a shell", "[run][voids]") {
     const TemporaryFolder folder;
     auto flat = foam("disc:6", 0.3, "list:" + folder.file("l.csv"));
     flat.voids.orientation.axis = "1,0";
