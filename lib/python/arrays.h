@@ -19,6 +19,12 @@ using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecas
 using FloatArray = py::array_t<float, py::array::c_style | py::array::forcecast>;
 using IndexArray = py::array_t<std::int64_t, py::array::c_style | py::array::forcecast>;
 
+/// A text of a file, whatever bytes it has.
+inline py::str textOf(const std::string& bytes) {
+    return py::reinterpret_steal<py::str>(
+        PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), "replace"));
+}
+
 /// An array of whole numbers, by value. @throws ParameterError for anything else
 inline IndexArray wholeNumbers(const py::object& values, const std::string& name) {
     const py::array given = py::array::ensure(values);
@@ -28,7 +34,7 @@ inline IndexArray wholeNumbers(const py::object& values, const std::string& name
         throw ParameterError(name + ": an array of whole numbers is needed");
     }
     for (py::ssize_t i = 0; i < numbers.size(); ++i)
-        if (const double v = numbers.data()[i]; v != std::floor(v) || std::fabs(v) > 0x1p63)
+        if (const double v = numbers.data()[i]; v != std::floor(v) || !(std::fabs(v) < 0x1p63))
             throw ParameterError(fmt::format("{}: {} is no whole number", name, v));
     return IndexArray::ensure(given);
 }

@@ -1,6 +1,7 @@
 // Runs that Python can interrupt.
 #pragma once
 
+#include "arrays.h"
 #include "cli/option_names.h"
 
 #include "vdbpack/core/progress.h"
@@ -11,7 +12,6 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
-#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -35,37 +35,41 @@ public:
         hearsSignals_ = threading.attr("current_thread")().is(threading.attr("main_thread")());
     }
 
-    /// What `work(callbacks)` returns. @throws what it does; what Python raised meanwhile
+    /// What `work(callbacks)` returns. Once Python has raised, the work is cancelled; where it does
+    /// not end soon, it ends in the background.
+    /// @param work  a copy of it is called. It owns what it needs, and nothing of Python's.
+    /// @throws what it does; what Python raised meanwhile
     template <class Work>
     auto run(const Work& work) {
-        std::optional<std::decay_t<decltype(work(Callbacks{}))>> result;
-        std::exception_ptr failure;
+        struct Result {
+            std::optional<std::decay_t<decltype(work(Callbacks{}))>> value;
+            std::exception_ptr failure;
+        };
+        const auto result = std::make_shared<Result>();
         std::unique_ptr<py::error_already_set> raised;
         {
             const py::gil_scoped_release released;
-            {
-                const Listed listed(*this);
-                Joining worker;  // however this ends
-                worker.onEnd = [this] { cancelled_ = true; };
-                worker.thread = std::thread([&] {
+            auto listed = std::make_shared<Listed>(*run_);
+            std::thread worker(
+                [run = run_, result, work, listed = std::move(listed), callbacks = callbacks()] {
                     try {
-                        result.emplace(work(callbacks()));
+                        result->value.emplace(work(callbacks));
                     } catch (...) {
-                        failure = std::current_exception();
+                        result->failure = std::current_exception();
                     }
-                    const std::lock_guard<std::mutex> lock(mutex_);
-                    done_ = true;
-                    news_.notify_one();
+                    const std::lock_guard<std::mutex> lock(run->mutex);
+                    run->done = true;
+                    run->news.notify_one();
                 });
-                while (!attend(raised)) {
-                }
-                worker.onEnd = nullptr;
-            }
+            if (attend(raised))
+                worker.join();
+            else
+                worker.detach();
             if (!hearsSignals_) stayWhilePythonEnds();
         }
         if (raised) throw py::error_already_set(std::move(*raised));
-        if (failure) std::rethrow_exception(failure);
-        return std::move(*result);
+        if (result->failure) std::rethrow_exception(result->failure);
+        return std::move(*result->value);
     }
 
     /// Ends all runs, when Python exits: their threads must not outlive what they use.
@@ -74,27 +78,37 @@ public:
         std::unique_lock<std::mutex> lock(listMutex());
         // A run of the main thread, which calls this, has ended.
         isLeaving() = true;
-        for (Attended* run : list()) run->cancelled_ = true;
+        for (Run* run : list()) run->cancelled = true;
         constexpr auto kPatience = std::chrono::seconds(10);
         listEmpty().wait_for(lock, kPatience, [] { return list().empty(); });
     }
 
 private:
-    // What runs just now, for `stopAll` alone.
-    static std::set<Attended*>& list() {
-        static std::set<Attended*> runs;
+    /// What both threads know of a run.
+    struct Run {
+        std::mutex mutex;
+        std::condition_variable news;
+        bool done = false;
+        std::atomic<bool> cancelled{false};
+        std::optional<Progress> latest;
+        std::vector<std::string> warnings;
+    };
+
+    // What runs just now, for `stopAll` alone; never destroyed, since a run may end last.
+    static std::set<Run*>& list() {
+        static auto& runs = *new std::set<Run*>;
         return runs;
     }
     static std::mutex& listMutex() {
-        static std::mutex mutex;
+        static auto& mutex = *new std::mutex;
         return mutex;
     }
     static std::condition_variable& listEmpty() {
-        static std::condition_variable empty;
+        static auto& empty = *new std::condition_variable;
         return empty;
     }
     struct Listed {
-        explicit Listed(Attended& run) : run_(run) {
+        explicit Listed(Run& run) : run_(run) {
             const std::lock_guard<std::mutex> lock(listMutex());
             list().insert(&run_);
         }
@@ -107,16 +121,7 @@ private:
         Listed& operator=(const Listed&) = delete;
 
     private:
-        Attended& run_;
-    };
-
-    struct Joining {
-        std::function<void()> onEnd;
-        std::thread thread;
-        ~Joining() {
-            if (onEnd) onEnd();
-            thread.join();
-        }
+        Run& run_;
     };
 
     static std::atomic<bool>& isLeaving() {
@@ -140,55 +145,65 @@ private:
 
     Callbacks callbacks() {
         Callbacks callbacks;
-        callbacks.cancelled = [this] { return cancelled_.load(); };
-        callbacks.warning = [this](const std::string& text) {
-            const std::lock_guard<std::mutex> lock(mutex_);
-            warnings_.push_back(withOptionNames(text));
+        callbacks.cancelled = [run = run_] { return run->cancelled.load(); };
+        callbacks.warning = [run = run_](const std::string& text) {
+            const std::lock_guard<std::mutex> lock(run->mutex);
+            run->warnings.push_back(withOptionNames(text));
         };
         if (!progress_.is_none())
-            callbacks.progress = [this](const Progress& p) {
-                const std::lock_guard<std::mutex> lock(mutex_);
-                latest_ = p;
+            callbacks.progress = [run = run_](const Progress& p) {
+                const std::lock_guard<std::mutex> lock(run->mutex);
+                run->latest = p;
             };
         return callbacks;
     }
 
-    /// @return whether the work has ended
+    /// Until the work has ended. @return false if it has been cancelled and still goes on
     bool attend(std::unique_ptr<py::error_already_set>& raised) {
-        constexpr auto kOften = std::chrono::milliseconds(50);
-        bool ended = false;
-        std::optional<Progress> latest;
-        std::vector<std::string> warnings;
-        {
-            std::unique_lock<std::mutex> lock(mutex_);
-            ended = news_.wait_for(lock, kOften, [this] { return done_; });
-            latest = std::exchange(latest_, std::nullopt);
-            warnings = std::exchange(warnings_, {});
+        constexpr auto kOften = std::chrono::milliseconds(50),
+                       kPatience = std::chrono::milliseconds(300);
+        std::chrono::steady_clock::time_point since;
+        for (;;) {
+            bool ended = false;
+            std::optional<Progress> latest;
+            std::vector<std::string> warnings;
+            {
+                std::unique_lock<std::mutex> lock(run_->mutex);
+                ended = run_->news.wait_for(lock, kOften, [this] { return run_->done; });
+                latest = std::exchange(run_->latest, std::nullopt);
+                warnings = std::exchange(run_->warnings, {});
+            }
+            if (!raised) {
+                if (!hearsSignals_ && isPythonEnding()) run_->cancelled = true;
+                const bool hasNews = !warnings.empty() || (latest && !ended);
+                if (!run_->cancelled && (hasNews || (hearsSignals_ && !ended))) {
+                    tell(ended ? std::nullopt : latest, warnings, !ended, raised);
+                    since = std::chrono::steady_clock::now();
+                }
+            }
+            if (ended) return true;
+            if (raised && std::chrono::steady_clock::now() - since > kPatience) return false;
         }
-        if (!hearsSignals_ && isPythonEnding()) cancelled_ = true;
-        const bool hasNews = !warnings.empty() || (latest && !ended);
-        if (raised || cancelled_ || !(hasNews || (hearsSignals_ && !ended))) return ended;
+    }
+
+    /// Lets Python hear what is new; what it raises cancels the work.
+    void tell(const std::optional<Progress>& latest, const std::vector<std::string>& warnings,
+              bool runs, std::unique_ptr<py::error_already_set>& raised) {
         const py::gil_scoped_acquire held;
         try {
-            if (hearsSignals_ && !ended && PyErr_CheckSignals() != 0) throw py::error_already_set();
+            if (hearsSignals_ && runs && PyErr_CheckSignals() != 0) throw py::error_already_set();
             for (const std::string& text : warnings)
-                py::module_::import("vdbpack._errors").attr("warn")(text);
-            if (latest && !ended) progress_(latest->stage, latest->fraction, latest->count);
+                py::module_::import("vdbpack._errors").attr("warn")(textOf(text));
+            if (latest) progress_(latest->stage, latest->fraction, latest->count);
         } catch (py::error_already_set& e) {
             raised = std::make_unique<py::error_already_set>(std::move(e));
-            cancelled_ = true;
+            run_->cancelled = true;
         }
-        return ended;
     }
 
     py::object progress_;
     bool hearsSignals_ = false;  // only the main thread does
-    std::mutex mutex_;
-    std::condition_variable news_;
-    bool done_ = false;
-    std::atomic<bool> cancelled_{false};
-    std::optional<Progress> latest_;
-    std::vector<std::string> warnings_;
+    std::shared_ptr<Run> run_ = std::make_shared<Run>();
 };
 
 }  // namespace vdbpack

@@ -205,16 +205,16 @@ py::tuple arrayOf(const VdbGrid& grid) {
 /// say. @return a dict for the package
 py::dict runCommand(const std::vector<std::string>& words, const std::vector<std::string>& unset,
                     const py::dict& given, const py::object& progress) {
-    Job job = jobOf(words, unset);
+    const auto job = std::make_shared<Job>(jobOf(words, unset));
     const Inputs inputs = inputsOf(given);
-    std::visit([&](auto& recipe) { give(inputs, recipe); }, job);
-    Outcome outcome = Attended(progress).run([&](const Callbacks& callbacks) {
-        return std::visit([&](const auto& recipe) { return perform(recipe, callbacks); }, job);
+    std::visit([&](auto& recipe) { give(inputs, recipe); }, *job);
+    Outcome outcome = Attended(progress).run([job](const Callbacks& callbacks) {
+        return std::visit([&](const auto& recipe) { return perform(recipe, callbacks); }, *job);
     });
     py::dict result;
     result["report"] = outcome.report;
-    result["summary"] = withOptionNames(outcome.summary);
-    result["failures"] = withOptionNames(outcome.failures);
+    result["summary"] = textOf(withOptionNames(outcome.summary));
+    result["failures"] = textOf(withOptionNames(outcome.failures));
     result["passed"] = outcome.passed;
     result["picture"] = py::bytes(outcome.picture);
     result["voids"] = std::visit([](const auto& voids) { return arraysOf(voids); }, outcome.voids);
@@ -255,7 +255,7 @@ void translate(std::exception_ptr failure) {
     const auto raise = [](const char* name, const std::string& text) {
         const py::module_ errors = py::module_::import("vdbpack._errors");
         PyErr_SetObject(errors.attr(name).ptr(),
-                        py::object(errors.attr("named")(withOptionNames(text))).ptr());
+                        py::object(errors.attr("named")(textOf(withOptionNames(text)))).ptr());
     };
     try {
         if (failure) std::rethrow_exception(failure);

@@ -68,6 +68,12 @@ inline py::array radii(const Shared& data) {
         data->pack);
 }
 
+inline py::list listOf(const std::vector<std::string>& texts) {
+    py::list list;
+    for (const std::string& text : texts) list.append(textOf(text));
+    return list;
+}
+
 /// All attributes and further columns by name: read-only arrays, or lists of texts.
 inline py::dict columns(const Shared& data) {
     py::dict all;
@@ -75,9 +81,9 @@ inline py::dict columns(const Shared& data) {
         using Value = typename std::decay_t<decltype(values)>::value_type;
         if (values.empty()) return;
         if constexpr (std::is_same_v<Value, std::string>)
-            all[py::str(std::string(name))] = py::cast(values);
+            all[textOf(std::string(name))] = listOf(values);
         else
-            all[py::str(std::string(name))] = columnView(data, values);
+            all[textOf(std::string(name))] = columnView(data, values);
     };
     forEachAttribute(data->attributes(), add);
     return all;

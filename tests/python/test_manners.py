@@ -75,11 +75,50 @@ def test_errors_are_also_pythons_own():
         (numpy.zeros((2, 3)), numpy.ones(2), {"region": [0, 2**40]}),
         (numpy.zeros((2, 3)), numpy.ones(2), {"material": ["a"]}),
         (numpy.zeros((2, 3)), numpy.ones(2), {"weight": [[1, 2]]}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"weight": numpy.ma.masked_equal([1.0, 2], 2)}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"weight": [1j, 2]}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"weight": ["a", 1]}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"weight": numpy.array(["2026-01-01"] * 2, "datetime64[D]")}),
+        (numpy.zeros((2, 3)), numpy.ones(2), {"id": numpy.array([0, 2**63], "u8")}),
+        ([["a", "b", "c"]], numpy.ones(1), {}),
+        ([[1, 2, 3], [1, 2]], numpy.ones(2), {}),
+        ({"a": 1}, numpy.ones(2), {}),
     ],
 )
 def test_arrays_that_are_no_pack(positions, radii, columns):
     with pytest.raises(vdbpack.Error):
         vdbpack.Pack(positions, radii, **columns)
+
+
+@pytest.mark.parametrize(
+    "make, word",
+    [
+        (lambda: vdbpack.image(numpy.ones((3, 3)), numpy.eye(4)), "(3, 3)"),
+        (lambda: vdbpack.image(numpy.ones((3, 3, 3)), numpy.eye(3)), "(3, 3)"),
+        (lambda: vdbpack.image(numpy.ones((3, 3, 3)), numpy.eye(4) * numpy.nan), "finite"),
+        (lambda: vdbpack.image(numpy.ones((3, 3, 3)), numpy.eye(4) + 1), "last row"),
+        (lambda: vdbpack.level_set(numpy.ones((3, 3)), 1), "(3, 3)"),
+        (lambda: vdbpack.level_set(numpy.ones((3, 3, 3)), 0), "spacing"),
+        (lambda: vdbpack.level_set(numpy.ones((3, 3, 3)), (1, 1, 1)), "spacing"),
+        (lambda: vdbpack.Pack(numpy.zeros((3, 5)), numpy.ones(5)), "(3, 5)"),
+        (lambda: vdbpack.write_points("p.csv", numpy.zeros((1, 3)), [1]), ".vdb"),
+        (lambda: vdbpack.write(vdbpack.Pack([[0, 0, 0]], [1]), "p.vdb", unit=1), "unit"),
+        (lambda: vdbpack.morphometry(vdbpack.Pack([[0, 0, 0]], [1])), "measure"),
+        (lambda: vdbpack.pack(vdbpack.box(5, 5, 5), radius=1, existing=3), "existing"),
+    ],
+)
+def test_what_was_given_is_told(make, word):
+    with pytest.raises(vdbpack.ParameterError) as told:
+        make()
+    assert word in str(told.value)
+
+
+def test_texts_of_any_bytes(tmp_path):
+    (tmp_path / "bad.csv").write_bytes("x,y,z,radius,größe\n1,2,3,bäd,5\n".encode("latin1"))
+    with pytest.raises(vdbpack.InputError, match="radius"):
+        vdbpack.read(tmp_path / "bad.csv")
+    (tmp_path / "good.csv").write_bytes("x,y,z,radius,art\n1,2,3,1,größe\n".encode("latin1"))
+    assert len(vdbpack.read(tmp_path / "good.csv").columns["art"]) == 1
 
 
 def test_damaged_file(tmp_path):
@@ -114,9 +153,15 @@ def test_progress_that_fails_ends_the_run():
 
 
 def test_interrupt_within_half_a_second():
-    for domain, options in (
-        (vdbpack.box(300, 300, 300), {"radius": vdbpack.uniform(0.5, 1)}),
-        (vdbpack.box(60, 60, 60), {"radius": vdbpack.uniform(0.5, 1), "densify": "max"}),
+    x = numpy.linspace(-5, 5, 220)
+    wide = numpy.abs(numpy.stack(numpy.meshgrid(x, x, x, indexing="ij"))).max(axis=0)
+    waves = numpy.sin(3 * x)[:, None, None] * numpy.sin(3 * x)[:, None] + numpy.sin(3 * x)
+    sponge = vdbpack.level_set(numpy.maximum(0.3 * waves, wide - 4.8), x[1] - x[0], (-5, -5, -5))
+    for work in (
+        lambda: vdbpack.pack(vdbpack.box(300, 300, 300), radius=vdbpack.uniform(0.5, 1)),
+        lambda: vdbpack.pack(vdbpack.box(60, 60, 60), radius=vdbpack.uniform(0.5, 1), densify="max"),
+        # Has stages that cannot be stopped: they end in the background.
+        lambda: vdbpack.morphometry(sponge),
     ):
         sent = []
 
@@ -127,7 +172,7 @@ def test_interrupt_within_half_a_second():
         timer = threading.Timer(1.0, send)
         timer.start()
         with pytest.raises(KeyboardInterrupt):
-            vdbpack.pack(domain, **options)
+            work()
         assert time.monotonic() - sent[0] < 3  # half a second, but machines are loaded
     assert len(vdbpack.pack(vdbpack.box(8, 8, 8), radius=1)) > 0
 

@@ -116,6 +116,9 @@ def test_pack_of_arrays_and_back(tmp_path):
     assert pack.id.tolist() == [5, 6, 9]
     assert pack.columns["material"] == ["a", "b", "c"]
     assert pack.columns["weight"].tolist() == [1, 2, 3]
+    with pytest.raises(TypeError):
+        pack.columns["new"] = [1, 2, 3]
+    assert vdbpack.Pack(positions, [1, 1, 1], region=None).region is None
     for name in ("p.vdb", "p.vtp", "p.csv", "p.npz"):
         vdbpack.write(pack, tmp_path / name)
         back = vdbpack.read(tmp_path / name)
@@ -179,7 +182,7 @@ def test_densify_carve_measure_convert(tmp_path):
     assert carved.report["voids"]["bvtv"] == pytest.approx(0.5, abs=0.01)
     measured = vdbpack.measure(dense, domain)
     assert measured["solidFraction"]["total"] == pytest.approx(dense.report["solidFraction"]["total"], abs=1e-3)
-    told = vdbpack.convert(dense, output=str(tmp_path / "p.vtp"))
+    told = vdbpack.convert(dense, output=(str(tmp_path / "p.vtp"), tmp_path / "p.csv"))
     assert told["count"] == len(dense) and (tmp_path / "p.vtp").is_file()
 
 
@@ -256,6 +259,13 @@ def test_labels_of_an_image():
     assert vdbpack.verify(pack, image, label="all", space="ras").passed
     nibabel = types.SimpleNamespace(dataobj=labels, affine=affine)
     assert vdbpack.pack(nibabel, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras").hash == pack.hash
+    # In the unit that its header states.
+    header = types.SimpleNamespace(get_xyzt_units=lambda: ("meter", "sec"))
+    scaled = numpy.diag([1e-3, 1e-3, 1e-3, 1]) @ affine
+    nibabel = types.SimpleNamespace(dataobj=labels[..., None], affine=scaled, header=header)
+    meters = vdbpack.pack(nibabel, label="all", radius=vdbpack.uniform(0.6, 1.2), space="ras")
+    assert numpy.abs(meters.positions.mean(axis=0) - pack.positions.mean(axis=0)).max() < 0.1
+    assert set(vdbpack.pack(image, label=[1.0, 2], radius=1.0).columns["part"]) == {0.0, 1.0}
     # In the world of the affine.
     middle = affine @ [*(size / 2), 1]
     assert numpy.abs(pack.positions.mean(axis=0) - middle[:3]).max() < 1

@@ -114,6 +114,9 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     if (most != std::string::npos)
         return fmt::format("{} is given {} times, but takes one value", message.substr(0, most),
                            message.substr(message.rfind(' ') + 1));
+    // "--voxel: 1 required FLOAT missing"
+    if (const auto none = message.find(": 1 required "); none != std::string::npos)
+        return message.substr(0, none) + ": a value is missing";
     // "Could not convert: --voxel = 1x"
     const std::string failed = "Could not convert: ";
     const auto equals = message.find(" = ");

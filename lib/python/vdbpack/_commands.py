@@ -25,14 +25,15 @@ PackLike = Union[Pack, str, "os.PathLike[str]"]
 
 def _value(name: str, value: Any) -> str:
     """A value as it would stand on the command line."""
-    if isinstance(value, (str, os.PathLike)):
-        return os.fspath(value)
+    if isinstance(value, (str, bytes, os.PathLike)):
+        return os.fsdecode(value)
     if isinstance(value, (bool, numpy.bool_)):
         raise ParameterError(f"{name}: is a flag, which stands alone")
     if isinstance(value, (int, numpy.integer)):
         return str(int(value))
     if isinstance(value, (float, numpy.floating)):
-        return repr(float(value))
+        number = float(value)
+        return str(int(number)) if number.is_integer() and abs(number) < 1e15 else repr(number)
     raise ParameterError(f"{name}: {type(value).__name__} is no value of an option")
 
 
@@ -60,10 +61,10 @@ def _words(options: Mapping[str, Any], folder: str) -> Tuple[List[str], List[str
             words += [option, "table:" + file]
         elif name in ("radius", "void_radius", "void_aspect") and isinstance(value, numbers.Real):
             words += [option, f"constant:{float(value)!r}"]
-        elif isinstance(value, list):
+        elif isinstance(value, (list, tuple)) and (name == "output" or isinstance(value, list) and name != "label"):
             for one in value:
                 words += [option, _value(name, one)]
-        elif isinstance(value, (tuple, numpy.ndarray)):
+        elif isinstance(value, (tuple, list, numpy.ndarray)):
             words += [option, ",".join(_value(name, one) for one in value)]
         else:
             words += [option, _value(name, value)]
@@ -93,11 +94,11 @@ def _packed(result: Mapping[str, Any]) -> Pack:
     return Pack._of(result["pack"], _report(result), result["picture"])
 
 
-def _pack_word(given: PackLike) -> Tuple[str, Dict[str, Any]]:
+def _pack_word(given: PackLike, name: str = "given") -> Tuple[str, Dict[str, Any]]:
     if isinstance(given, Pack):
         return "(pack)", {"pack": given._data}
     if not isinstance(given, (str, os.PathLike)):
-        raise ParameterError(f"given: {type(given).__name__} is no pack; give a vdbpack.Pack or a file")
+        raise ParameterError(f"{name}: {type(given).__name__} is no pack; give a vdbpack.Pack or a file")
     return file_word(given), {}
 
 
@@ -159,7 +160,7 @@ def _pack_run(
         inputs["existing"] = existing._data
         given["existing"] = "(existing)"
     elif existing is not None:
-        given["existing"] = _pack_word(existing)[0]
+        given["existing"] = _pack_word(existing, "existing")[0]
     return _run(["pack", word] if word else ["pack"], given, inputs, progress)
 
 
@@ -225,6 +226,8 @@ def morphometry(
     domain: the total volume; by default the box around the solid. progress: as for `pack`.
     options: those of `vdb_pack measure`.
     """
+    if isinstance(solid, Pack):
+        raise ParameterError("solid: a pack is none; measure(pack, morphometry=True) measures its spheres as a solid")
     if not isinstance(solid, LevelSet):
         return measure(solid, domain, progress=progress, **options)
     inputs: Dict[str, Any] = {"solid": (solid.values, solid.spacing, solid.origin)}

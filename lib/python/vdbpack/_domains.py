@@ -26,9 +26,20 @@ def plain(values: Any, name: str) -> Any:
     return values
 
 
+def number_array(values: Any, name: str) -> Array:
+    """Values as an array of real numbers, unmasked."""
+    try:
+        array = numpy.asarray(plain(values, name))
+    except ValueError as error:
+        raise ParameterError(f"{name}: rows of one length are needed: {error}") from None
+    if array.dtype.kind not in "iuf":
+        raise ParameterError(f"{name}: has values of type {array.dtype}; numbers are needed")
+    return array
+
+
 def file_word(file: Any) -> str:
     """A file as a word that is neither an option nor a command."""
-    text = str(os.fspath(file))
+    text = os.fsdecode(file)
     return os.path.join(".", text) if text.startswith("-") or text in _COMMANDS else text
 
 
@@ -47,10 +58,16 @@ class Image:
     def __init__(self, values: Array, affine: Array, space: str = "ras") -> None:
         if space not in ("ras", "lps"):
             raise ParameterError(f"space {space!r}: is either 'ras' or 'lps'")
-        self.values = plain(values, "image")
-        self.affine = numpy.array(affine, float)
+        self.values = numpy.asarray(plain(values, "image"))
+        if self.values.ndim == 4 and self.values.shape[3] == 1:
+            self.values = self.values[..., 0]
+        if self.values.ndim != 3:
+            raise ParameterError(f"image: has shape {self.values.shape}; three dimensions are needed")
+        self.affine = number_array(affine, "affine").astype(float)
         if self.affine.shape != (4, 4):
             raise ParameterError(f"affine: has shape {self.affine.shape}, not (4, 4)")
+        if not numpy.isfinite(self.affine).all() or self.affine[3].tolist() != [0, 0, 0, 1]:
+            raise ParameterError(f"affine: its numbers must be finite and its last row 0, 0, 0, 1: {self.affine.tolist()}")
         if space == "ras":
             self.affine[:2] *= -1
 
@@ -62,9 +79,13 @@ class LevelSet:
     """Signed distances as an array: see `level_set`."""
 
     def __init__(self, values: Any, spacing: float, origin: Any) -> None:
-        self.values = numpy.asarray(plain(values, "level set"))
+        self.values = number_array(values, "level set")
+        if self.values.ndim != 3:
+            raise ParameterError(f"level set: has shape {self.values.shape}; three dimensions are needed")
+        if numpy.ndim(spacing) != 0 or not float(spacing) > 0:
+            raise ParameterError(f"spacing: is {spacing}; one positive number is needed, mm")
         self.spacing = float(spacing)
-        self.origin = tuple(float(c) for c in origin)
+        self.origin = tuple(float(c) for c in number_array(origin, "origin").ravel())
         if len(self.origin) != 3:
             raise ParameterError(f"origin: has {len(self.origin)} coordinates, not 3")
 
@@ -160,9 +181,8 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     """A domain as a word of the command line, and its arrays if it has any."""
     if isinstance(domain, (str, os.PathLike)):
         return file_word(domain), {}
-    voxels, affine = getattr(domain, "dataobj", None), getattr(domain, "affine", None)
-    if voxels is not None and affine is not None:  # nibabel
-        domain = Image(numpy.asanyarray(voxels), affine)
+    if hasattr(domain, "dataobj") and hasattr(domain, "affine"):
+        domain = nibabel_image(domain)
     if isinstance(domain, Image):
         return "(image)", {"image": (domain.values, domain.affine)}
     if hasattr(domain, "copyToArray") and hasattr(domain, "evalActiveVoxelBoundingBox"):
@@ -172,11 +192,22 @@ def domain_words(domain: Domain) -> Tuple[str, dict[str, Any]]:
     mesh = mesh_arrays(domain)
     if mesh is None:
         raise ParameterError(
-            f"domain: {type(domain).__name__} is none; give a file name, a shape, (vertices, faces), "
+            f"domain: {type(domain).__name__} is no domain; give a file name, a shape, (vertices, faces), "
             "a mesh with .vertices and .faces, an image or a level set"
         )
     vertices, faces = mesh
-    return "(mesh)", {"mesh": (plain(vertices, "vertices"), plain(faces, "faces"))}
+    return "(mesh)", {"mesh": (number_array(vertices, "vertices"), number_array(faces, "faces"))}
+
+
+def nibabel_image(given: Any) -> Image:
+    """An image of nibabel, in mm."""
+    if given.affine is None:
+        raise ParameterError("domain: the image has no affine; give vdbpack.image(values, affine), mm")
+    affine = numpy.array(given.affine, float)
+    units = getattr(getattr(given, "header", None), "get_xyzt_units", None)
+    unit = units()[0] if units else "mm"
+    affine[:3] *= {"micron": 0.001, "meter": 1000.0}.get(unit, 1.0)
+    return Image(numpy.asanyarray(given.dataobj), affine)
 
 
 def grid_level_set(grid: Any) -> LevelSet:

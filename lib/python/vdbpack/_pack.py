@@ -6,13 +6,14 @@ import base64
 import html
 import json
 import os
+from types import MappingProxyType
 from typing import Any, Dict, Mapping, Optional, Tuple, Union
 
 import numpy
 import numpy.typing
 
 from . import _core
-from ._domains import LevelSet, plain
+from ._domains import LevelSet, number_array, plain
 from ._errors import ParameterError
 
 __all__ = ["Pack", "Report", "Voids", "read", "write", "read_points", "write_points"]
@@ -48,6 +49,18 @@ class Report(Dict[str, Any]):
         return f"<pre>{html.escape(self.summary)}</pre>"
 
 
+def _column(name: str, values: Any) -> Any:
+    """A column as an array of numbers or a list of texts."""
+    listed = values.tolist() if isinstance(values, numpy.ndarray) and values.dtype.kind in "UO" else values
+    if isinstance(listed, (list, tuple)) and any(isinstance(value, str) for value in listed):
+        if not all(isinstance(value, str) for value in listed):
+            raise ParameterError(f"{name}: has texts and other values; give texts alone, or numbers alone")
+        return list(listed)
+    if numpy.asarray(plain(values, name)).dtype.kind == "b":
+        return numpy.asarray(values).astype(int)
+    return number_array(values, name)
+
+
 class Pack:
     """Spheres (or circles), with what is known of each. Lengths in mm; arrays are read-only.
 
@@ -65,7 +78,11 @@ class Pack:
         for name in ("x", "y", "z", "radius", "positions", "radii"):
             if name in columns:
                 raise ParameterError(f"{name}: is no further column, but that of the spheres themselves")
-        self._take(_core.PackData(plain(positions, "positions"), plain(radii, "radii"), columns))
+        centers = number_array(positions, "positions")
+        if centers.ndim != 2 or centers.shape[1] not in (2, 3):
+            raise ParameterError(f"positions: have shape {centers.shape}; (N, 3), or (N, 2) for circles, is needed")
+        given = {name: _column(name, values) for name, values in columns.items() if values is not None}
+        self._take(_core.PackData(centers, number_array(radii, "radii"), given))
 
     @classmethod
     def _of(
@@ -123,7 +140,7 @@ class Pack:
     @property
     def columns(self) -> Mapping[str, Any]:
         """All further columns by name: float64 of shape (N,), or lists of N texts."""
-        return {k: v for k, v in self._columns.items() if k not in _ATTRIBUTES}
+        return MappingProxyType({k: v for k, v in self._columns.items() if k not in _ATTRIBUTES})
 
     @property
     def hash(self) -> str:
@@ -274,22 +291,27 @@ def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:
 
     unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
     """
-    return Pack._of(_core.read(os.fspath(file), unit, grid))
+    return Pack._of(_core.read(os.fsdecode(file), unit, grid))
 
 
 def write(pack: Pack, file: Path, unit: str = "mm") -> None:
     """Writes a pack; the format by extension or prefix ("yade:pack.txt"). unit: of the file."""
     if not isinstance(pack, Pack):
         raise ParameterError(f"pack: {type(pack).__name__} is no vdbpack.Pack")
-    name = os.fspath(file)
+    name = os.fsdecode(file)
+    if not isinstance(unit, str):
+        raise ParameterError(f"unit: {type(unit).__name__} is no unit; give m, cm, mm or um")
     if name.split(":")[0] in ("contacts", "materials", "list", "labels", "blender", "surface", "solid"):
         raise ParameterError(f"file {name}: is no pack; give it to `convert` as output")
     _core.write(pack._data, name, unit)
 
 
 def read_points(file: Path, grid: str = "") -> Pack:
-    """Reads a grid of points with radii (`pscale`) from a .vdb. grid: its name; the first if empty."""
-    return read(file, grid=grid)
+    """Reads a grid of points with radii (`pscale`) from a .vdb. grid: its name; the first if empty.
+
+    The points come by rising id.
+    """
+    return read(_vdb(file), grid=grid)
 
 
 def write_points(
@@ -303,11 +325,22 @@ def write_points(
 
     points: a `Pack`, or positions of shape (N, 3) with radii of shape (N,) and columns as for `Pack`; mm.
     unit: of the file.
+
+    Radii are stored as float32, positions to 2^-25 of a voxel of the grid, which has some points: exactly
+    for packs of `pack`, otherwise to about 1e-7 of their distances.
     """
+    name = _vdb(file)
     if not isinstance(points, Pack):
         if radii is None:
             raise ParameterError("radii: is missing; points are written with their radii")
         points = Pack(points, radii, **columns)
     elif radii is not None or columns:
         raise ParameterError(f"{'radii' if radii is not None else next(iter(columns))}: the pack has its own columns")
-    write(points, "points:" + os.fspath(file), unit)
+    write(points, "points:" + name, unit)
+
+
+def _vdb(file: Path) -> str:
+    name = os.fsdecode(file)
+    if not name.lower().endswith(".vdb"):
+        raise ParameterError(f"file {name}: grids of points are .vdb; `read` and `write` know other formats")
+    return name
