@@ -35,6 +35,8 @@ struct Inputs {
     std::shared_ptr<const TriangleMesh> mesh;
     std::shared_ptr<const Image> image;
     std::shared_ptr<const VdbGrid> levelSet, solid;
+    std::shared_ptr<const TriangleMesh> solidMesh;
+    std::shared_ptr<const Image> solidImage;
     Shared pack, existing;
     bool isTemporary = false;  // files that are gone after the run
 };
@@ -47,12 +49,17 @@ Inputs inputsOf(const py::dict& given) {
     };
     if (const py::object mesh = find("mesh"); !mesh.is_none())
         inputs.mesh = meshOf(mesh[py::int_(0)], mesh[py::int_(1)]);
-    if (const py::object image = find("image"); !image.is_none()) {
+    if (const py::object mesh = find("solid_mesh"); !mesh.is_none())
+        inputs.solidMesh = meshOf(mesh[py::int_(0)], mesh[py::int_(1)]);
+    const auto imageIn = [](const py::object& image) {
         const py::array values = py::array::ensure(image[py::int_(0)]);
         const DoubleArray affine = DoubleArray::ensure(image[py::int_(1)]);
         if (!values || !affine) throw ParameterError("image: arrays of numbers are needed");
-        inputs.image = imageOf(values, affine);
-    }
+        return imageOf(values, affine);
+    };
+    if (const py::object image = find("image"); !image.is_none()) inputs.image = imageIn(image);
+    if (const py::object image = find("solid_image"); !image.is_none())
+        inputs.solidImage = imageIn(image);
     if (const py::object set = find("level_set"); !set.is_none())
         inputs.levelSet =
             levelSetIn(FloatArray::ensure(set[py::int_(0)]), set[py::int_(1)].cast<double>(),
@@ -74,7 +81,11 @@ void give(const Inputs& inputs, Recipe& recipe) {
     recipe.domain.levelSet = inputs.levelSet;
     if constexpr (std::is_base_of_v<InputPack, Recipe>)
         if (inputs.pack) recipe.given = std::make_shared<const Pack<3>>(inSpace(*inputs.pack));
-    if constexpr (std::is_base_of_v<MeasureRecipe, Recipe>) recipe.solid = inputs.solid;
+    if constexpr (std::is_base_of_v<MeasureRecipe, Recipe>) {
+        recipe.solid = inputs.solid;
+        recipe.solidMesh = inputs.solidMesh;
+        recipe.solidImage = inputs.solidImage;
+    }
     if constexpr (std::is_base_of_v<PackRecipe, Recipe>)
         if (inputs.existing)
             recipe.givenExisting = std::make_shared<const Pack<3>>(inSpace(*inputs.existing));

@@ -251,7 +251,8 @@ CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
                                            "pack; morphometry of a level set or a mesh");
     addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
-                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)");
+                     "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or an "
+                     "image (with --label or --threshold)");
     addOutputs(*command, job.outputs, "contacts:FILE.csv: the pairs in contact");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     command

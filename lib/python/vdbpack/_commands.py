@@ -214,7 +214,7 @@ def measure(
 
 
 def morphometry(
-    solid: Union[LevelSet, str, "os.PathLike[str]"],
+    solid: Domain,
     domain: Optional[Domain] = None,
     *,
     progress: Progress = None,
@@ -222,16 +222,16 @@ def morphometry(
 ) -> Report:
     """Measures a solid: BV/TV, Tb.Th, Tb.Sp, anisotropy, connectivity; lengths in mm.
 
-    solid: a `level_set`, such as `voids(...).solid`, or a file (.vdb, .stl, ...).
-    domain: the total volume; by default the box around the solid. progress: as for `pack`.
+    solid: a `level_set`, such as `voids(...).solid`, a mesh, an `image` with its `label` or `threshold`,
+        or a file of one of them.
+    domain: the total volume; by default the box around the solid, or the image. progress: as for `pack`.
     options: those of `vdb_pack measure`.
     """
     if isinstance(solid, Pack):
         raise ParameterError("solid: a pack is none; measure(pack, morphometry=True) measures its spheres as a solid")
-    if not isinstance(solid, LevelSet):
-        return measure(solid, domain, progress=progress, **options)
-    inputs: Dict[str, Any] = {"solid": (solid.values, solid.spacing, solid.origin)}
-    return _report(_within("measure", "(level set)", inputs, domain, options, progress))
+    word, given = domain_words(solid)
+    inputs: Dict[str, Any] = {{"level_set": "solid"}.get(name, "solid_" + name): arrays for name, arrays in given.items()}
+    return _report(_within("measure", word, inputs, domain, options, progress))
 
 
 def convert(

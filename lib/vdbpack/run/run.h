@@ -123,8 +123,11 @@ struct VoidsRecipe : RunSettings {
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
 
 struct MeasureRecipe : InputPack {
-    /// What a program has in memory, mm, in place of the solid that `pack` names in messages.
+    /// What a program has in memory, in place of the solid that `pack` names in messages; at most
+    /// one of them, the level set in mm, the others in `packUnit`.
     std::shared_ptr<const VdbGrid> solid;
+    std::shared_ptr<const TriangleMesh> solidMesh;
+    std::shared_ptr<const Image> solidImage;
     double shell =
         0;  ///< thickness of the layer along the wall that is measured apart, mm; 0: none
     /// Of a pack: morphometry of the union of its spheres, too, in voxels of `domain.voxelSize` (0:
@@ -158,11 +161,13 @@ std::string summary(const MeasureResult& result);
 /// failure.
 ///
 /// A .vdb that holds points is a pack, unless `domain.gridName` names a level set in it. Of a
-/// solid, the total volume is the domain, else the bounding box of the solid; `shell` parts it
-/// into label 1 (the shell) and 2. The faces of a box without a shell cut the solid, and so does
-/// the wall of another domain beyond which most of the solid continues; else the solid ends there.
-/// `domain.voxelSize`: voxels to measure in, mm; 0: those of the level set, of a mesh 1/256 of its
-/// longest side.
+/// solid, the total volume is the domain, else the bounding box of the solid, of an image all of
+/// it; `shell` parts it into label 1 (the shell) and 2. The faces of a box without a shell cut the
+/// solid, and so does the wall of another domain beyond which most of the solid continues; else the
+/// solid ends there. `domain.voxelSize`: voxels to measure in, mm; 0: those of the level set, of an
+/// image its least step, of a mesh 1/256 of its longest side. Of an image, `domain.label` or
+/// `domain.threshold` says what is solid, unless the domain is an image itself; without a domain it
+/// is measured along its own axes.
 /// @throws ParameterError, InputError, IoError, ResourceError
 MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks = {});
 

@@ -1,7 +1,9 @@
 // The run that measures any pack or solid: `vdb_pack measure`.
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/voxel_image.h"
+#include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/solid_stage.h"
@@ -11,6 +13,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -24,9 +28,13 @@ using Json = nlohmann::ordered_json;
 /// With more than this share of a bounding box solid, the solid seems to be cut at its faces.
 constexpr double kCutShare = 0.05;
 
+bool isImageSolid(const MeasureRecipe& recipe) {
+    return recipe.solidImage || (!recipe.given && namesImage(recipe.pack));
+}
+
 /// What is measured as a pack, or nothing if it is a solid. A grid's name says which of both.
 std::optional<Pack<3>> packToMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks) {
-    if (recipe.solid) return std::nullopt;
+    if (recipe.solid || recipe.solidMesh || isImageSolid(recipe)) return std::nullopt;
     if (!recipe.packGrid.empty()) return readInputPack(recipe, callbacks);
     const bool namesLevelSet = extensionOf(recipe.pack) == ".vdb" &&
                                !recipe.domain.gridName.empty() &&
@@ -70,20 +78,66 @@ void warnOfBorder(const Morphometry& m, const VoxelImage& image, bool hasDomain,
         file, 100 * m.border.solid, low[0], low[1], low[2], high[0], high[1], high[2]));
 }
 
-/// The level set of a mesh. @param voxel  mm; if 0, set to 1/256 of the longest side.
-std::shared_ptr<const VdbGrid> gridOfMesh(const MeasureRecipe& recipe, double& voxel,
-                                          const Callbacks& callbacks) {
+/// The steps of an image along the axes of the world, for one that lies askew.
+void alongAxes(ImageGrid& grid) {
+    for (std::size_t d = 0; d < 3; ++d) {
+        const double step = length(grid.step[d]);
+        const auto axis = static_cast<int>(d);
+        if (std::fabs(std::fabs(grid.step[d][axis]) - step) > 1e-6 * step) {
+            for (std::size_t e = 0; e < 3; ++e) {
+                Vec<3> along;
+                along[static_cast<int>(e)] = length(grid.step[e]);
+                grid.step[e] = along;
+            }
+            return;
+        }
+    }
+}
+
+/// The solid of an image, read. @param whole  set to the box of all its voxels, mm, if there is no
+/// domain; @param voxel  mm; if 0, set to its least step.
+DomainRecipe imageSolid(const MeasureRecipe& recipe, std::optional<Box<3>>& whole, double& voxel,
+                        const Callbacks& callbacks) {
     DomainRecipe solid;
     solid.source = recipe.pack;
     solid.unit = recipe.packUnit;
-    const Vec<3> size = DomainSource(solid, callbacks).fileBounds().size();
-    if (!(voxel > 0)) voxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
+    solid.image = recipe.solidImage;
+    if (recipe.domain.source.empty() || !isImage(recipe.domain)) {
+        solid.label = recipe.domain.label;
+        solid.threshold = recipe.domain.threshold;
+        solid.voxelSpacing = recipe.domain.voxelSpacing;
+        solid.space = recipe.domain.space;
+    }
+    Image image = readDomainImage(solid, callbacks);
+    if (recipe.domain.source.empty()) {
+        alongAxes(image.grid);
+        whole = image.grid.bounds();
+    }
+    const Vec<3> spacing = image.grid.spacing();
+    if (!(voxel > 0)) voxel = *std::min_element(spacing.c.begin(), spacing.c.end());
+    solid.unit = Unit::millimeter;
+    solid.space = ImageSpace::lps;
+    solid.image = std::make_shared<const Image>(std::move(image));
+    return solid;
+}
+
+/// The level set of a mesh or an image. @param voxel  mm; if 0, set to 1/256 of the longest side.
+std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, const MeasureRecipe& recipe,
+                                          double& voxel, const Callbacks& callbacks) {
     solid.voxelSize = voxel;
-    Extent extent = extentOf(DomainSource(solid), voxel, voxel);
+    std::optional<DomainSource> source(std::in_place, solid, callbacks);
+    const Vec<3> size = source->fileBounds().size();
+    if (!(voxel > 0)) {
+        voxel = *std::max_element(size.c.begin(), size.c.end()) / 256;
+        solid.voxelSize = voxel;
+        TriangleMesh mesh = *source->mesh();
+        source.emplace(solid, std::move(mesh), Callbacks{});
+    }
+    Extent extent = extentOf(*source, voxel, voxel);
     extent.imageVoxels = (recipe.domain.source.empty() ? 1 : kWalledVoxel) * size[0] * size[1] *
                          size[2] / (voxel * voxel * voxel);
     requireResources(extent, recipe);
-    return DomainSource(solid).build(voxel, voxel, callbacks).mesh->grid();
+    return source->build(voxel, voxel, callbacks).mesh->grid();
 }
 
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
@@ -101,17 +155,28 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
     const bool boxed = recipe.domain.source.rfind("box:", 0) == 0 && recipe.domain.clips.empty();
     std::shared_ptr<const VdbGrid> grid;
     double imageVoxel = voxel;
-    const bool mesh = !recipe.solid && extensionOf(recipe.pack) != ".vdb";
-    if (recipe.solid)
+    const bool image = isImageSolid(recipe);
+    const bool mesh =
+        !recipe.solid && (image || recipe.solidMesh || extensionOf(recipe.pack) != ".vdb");
+    std::optional<Box<3>> bounds;
+    if (recipe.solid) {
         grid = recipe.solid;
-    else if (mesh)
-        grid = gridOfMesh(recipe, imageVoxel, callbacks);
-    else
+    } else if (mesh) {
+        DomainRecipe solid;
+        solid.source = recipe.pack;
+        solid.unit = recipe.packUnit;
+        solid.mesh = recipe.solidMesh;
+        if (image) solid = imageSolid(recipe, bounds, imageVoxel, callbacks);
+        // An image may end within the solid, and a specimen may be smaller than a bone.
+        Callbacks quiet = callbacks;
+        if (image) quiet.warning = nullptr;
+        grid = gridOfMesh(std::move(solid), recipe, imageVoxel, quiet);
+    } else {
         grid = levelSetGrid(recipe.pack, recipe.domain.gridName, millimetersPer(recipe.packUnit));
+    }
     report.seconds.mesh = clock.lap();
     std::optional<DomainSource> source;
     DomainSource::Built built;
-    std::optional<Box<3>> bounds;
     if (!recipe.domain.source.empty()) {
         DomainRecipe total = recipe.domain;
         total.voxelSize = 0;
@@ -131,13 +196,14 @@ MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Cal
         return sampleLevelSet(*grid, box, imageVoxel, margin);
     };
     const bool inDomain = built.space && (!boxed || recipe.shell > 0);
-    VoxelImage image = inDomain
-                           ? imageInDomain(*built.space, recipe.shell, pitch, sample)
-                           : sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
+    VoxelImage voxels = inDomain
+                            ? imageInDomain(*built.space, recipe.shell, pitch, sample)
+                            : sampleLevelSet(*grid, bounds, imageVoxel, marginFor(*grid, bounds));
     grid.reset();
     MeasureResult result;
-    result.morphometry = measuredImage(image, recipe.pack, callbacks);
-    warnOfBorder(*result.morphometry, image, built.space != nullptr, recipe.pack, callbacks);
+    result.morphometry = measuredImage(voxels, recipe.pack, callbacks);
+    warnOfBorder(*result.morphometry, voxels, built.space != nullptr || image, recipe.pack,
+                 callbacks);
     report.seconds.measure = clock.lap();
     report.seconds.total = clock.total();
     report.peakMemoryBytes = peakMemory();
@@ -249,7 +315,8 @@ std::string summary(const MeasureResult& result) {
                summary(result.spheres->morphometry);
     }
     return (report.domain.kind.empty()
-                ? fmt::format("{:<11}none: TV is the bounding box of the solid\n", "domain")
+                ? fmt::format("{:<11}none: TV is the bounding box of the solid, or the image\n",
+                              "domain")
                 : fmt::format("{:<11}{}\n", "domain", report.domain.kind)) +
            summary(*result.morphometry) +
            fmt::format(
