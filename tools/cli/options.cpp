@@ -248,7 +248,7 @@ CLI::App* addCommand(CLI::App& app, VerifyRecipe& job, PrintOptions& print) {
 CLI::App* addCommand(CLI::App& app, MeasureRecipe& job, PrintOptions& print) {
     CLI::App* command = app.add_subcommand("measure",
                                            "measure density, contacts, sizes and structure of any "
-                                           "pack; morphometry of a level set or a mesh");
+                                           "pack; morphometry of a level set, a mesh or an image");
     addInputPack(*command, job, "FILE",
                  std::string("a pack: ") + kPackHelp +
                      "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or an "
