@@ -164,6 +164,13 @@ def test_pickle_and_repr():
     assert "spheres" in str(pack.report)
 
 
+def test_picture_for_a_notebook():
+    pack = vdbpack.pack(vdbpack.box(6, 6, 6), radius=1, preview=True)
+    assert pack.picture is not None and pack.picture[:4] == b"\x89PNG"
+    assert int.from_bytes(pack.picture[16:20], "big") == 480
+    assert "<img" in pack._repr_html_() and "<img" in pickle.loads(pickle.dumps(pack))._repr_html_()
+
+
 def test_existing_spheres_are_kept():
     first = vdbpack.pack(vdbpack.box(10, 10, 10), radius=1, max_count=20)
     both = vdbpack.pack(vdbpack.box(10, 10, 10), radius=0.5, existing=first)

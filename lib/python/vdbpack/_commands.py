@@ -52,6 +52,8 @@ def _words(options: Mapping[str, Any], folder: str) -> Tuple[List[str], List[str
             continue
         if name == "preview" and value is True:
             words += [option, os.path.join(folder, "preview.png")]
+            if options.get("preview_size") is None:  # as notebooks show it
+                words += ["--preview-size", "480x480"]
         elif value is True:
             words.append(option)
         elif isinstance(value, Table):

@@ -279,8 +279,7 @@ Stiffness stiffnessAt(float spread) {
     s.bend = std::max(kLeastBend, 1 / (1 + sharp * sharp * sharp));
     // A round of blur has a variance of 1/3 along each axis of the surface.
     const float curvature = std::sqrt(std::max(0.0f, spread - kNoise) * (6.0f / kBlurRounds));
-    s.pull = s.bend *
-             std::clamp(kPull * curvature * curvature * curvature, kLeastPull, kMostPull);
+    s.pull = s.bend * std::clamp(kPull * curvature * curvature * curvature, kLeastPull, kMostPull);
     return s;
 }
 
