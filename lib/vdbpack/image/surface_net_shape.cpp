@@ -56,7 +56,7 @@ Links linksOf(const SurfaceNet& net) {
 
 /// How far a vertex may move from the middle of its cell: not to its sides, so that no voxel
 /// vanishes.
-constexpr float kReach = 0.45f;
+constexpr float kReach = 0.48f;
 
 /// The same along an axis: not at all across the border of the image.
 float reachOf(const SurfaceNet& net, const std::array<std::size_t, 3>& size, std::size_t v,
@@ -272,7 +272,7 @@ std::vector<float> spreadOfNormals(const SurfaceNet& net, const Links& links) {
 Stiffness stiffnessAt(float spread) {
     /// Half of the bending counts there: 0.02 for a radius of ten voxels, 0.2 for a right angle.
     constexpr float kEdge = 0.036f;
-    constexpr float kLeastBend = 0.05f, kNoise = 0.005f, kPull = 0.75f, kLeastPull = 1e-4f,
+    constexpr float kLeastBend = 0.05f, kNoise = 0.005f, kPull = 0.75f, kLeastPull = 8e-5f,
                     kMostPull = 0.02f;
     Stiffness s;
     const float sharp = spread / kEdge;
