@@ -190,7 +190,7 @@ double outsideOf(const StampOptions<Dim>& options) {
 /// How far voids matter, mm.
 template <int Dim>
 double reachOf(const StampOptions<Dim>& options) {
-    return std::max(outsideOf(options), 4 * options.blend);
+    return std::max(outsideOf(options), kBlendReach * options.blend);
 }
 
 /// Stamps one tile with the voids of its entries.
@@ -330,7 +330,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     for (std::size_t n = 0; n < tiles; ++n) {
         // A point may lie half a voxel beyond the centers of its tile.
         for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
-            if (static_cast<double>(entries[i].lower) < std::max(h, 4 * options.blend))
+            if (static_cast<double>(entries[i].lower) < std::max(h, kBlendReach * options.blend))
                 impl.ellipsoids.push_back(entries[i].ellipsoid);
         if (impl.ellipsoids.size() == impl.starts.back()) continue;
         impl.tiles.push_back(entries[starts[n]].tile);
@@ -371,7 +371,7 @@ bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec
 }
 
 double blendedDistance(const std::vector<double>& distances, double length) {
-    const double reach = 4 * length;
+    const double reach = kBlendReach * length;
     double sum = 0, nearest = std::numeric_limits<double>::infinity();
     for (const double d : distances) {
         sum += std::pow(std::max(0.0, 1 - d / reach), 4);

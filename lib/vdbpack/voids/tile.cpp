@@ -332,7 +332,7 @@ void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, s
 
 template <int Dim>
 void Tile<Dim>::blend(const std::vector<NearVoid<Dim>>& voids, double length) {
-    const auto h = static_cast<float>(voxelSize_), reach = static_cast<float>(4 * length);
+    const auto h = static_cast<float>(voxelSize_), reach = static_cast<float>(kBlendReach * length);
     std::vector<Stamp> stamps;
     for (const NearVoid<Dim>& v : voids)
         if (static_cast<float>(v.lower) < reach) stamps.emplace_back(*v.ellipsoid, first_);

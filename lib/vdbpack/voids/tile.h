@@ -17,6 +17,9 @@ inline constexpr int kTileSide = 8;
 template <int Dim>
 constexpr std::size_t kTileVoxels = Dim == 3 ? 512 : 64;
 
+/// How far apart voids still blend, in lengths of the blend.
+inline constexpr double kBlendReach = 4;
+
 /// Bounds on the signed distances of a tile's points to a void.
 template <int Dim>
 struct VoidAtTile {
@@ -43,7 +46,7 @@ public:
     ///               change.
     void stamp(const std::vector<NearVoid<Dim>>& voids);
     /// After `stamp`: lets voids run into one another where they come near.
-    /// @param voids  all those whose lower bound is less than `4 * length`.
+    /// @param voids  all those whose lower bound is less than `kBlendReach * length`.
     /// @param length  as that of `blendedDistance`, mm.
     void blend(const std::vector<NearVoid<Dim>>& voids, double length);
     /// Sets all voxels to the inside, deeper than the band.
