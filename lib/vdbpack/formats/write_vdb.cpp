@@ -19,6 +19,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <string>
 #include <string_view>
@@ -271,11 +272,16 @@ private:
     static double leafOf(double voxel) { return std::floor(voxel / kLeafDim); }
 
     void sortIntoLeaves() {
-        std::array<double, 3> lowest{};
+        if (pack_.size() == 0) return;
+        std::array<double, 3> lowest{}, highest{};
         lowest.fill(std::numeric_limits<double>::infinity());
+        highest.fill(-std::numeric_limits<double>::infinity());
         for (std::size_t i = 0; i < pack_.size(); ++i) {
             const auto v = voxelOf(i);
-            for (std::size_t d = 0; d < 3; ++d) lowest[d] = std::min(lowest[d], leafOf(v[d]));
+            for (std::size_t d = 0; d < 3; ++d) {
+                lowest[d] = std::min(lowest[d], leafOf(v[d]));
+                highest[d] = std::max(highest[d], leafOf(v[d]));
+            }
         }
         entries_.resize(pack_.size());
         tbb::parallel_for(std::size_t{0}, pack_.size(), [&](std::size_t i) {
@@ -285,9 +291,32 @@ private:
                 key = key << 21 | static_cast<std::uint64_t>(leafOf(v[d]) - lowest[d]);
             entries_[i] = {key, i};
         });
-        tbb::parallel_sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
-            return a.leaf != b.leaf ? a.leaf < b.leaf : a.sphere < b.sphere;
-        });
+        double leaves = 1;
+        for (std::size_t d = 0; d < 3; ++d) leaves *= highest[d] - lowest[d] + 1;
+        if (leaves <= static_cast<double>(pack_.size()))
+            countIntoLeaves(static_cast<std::size_t>(leaves), highest, lowest);
+        else
+            tbb::parallel_sort(entries_.begin(), entries_.end(),
+                               [](const Entry& a, const Entry& b) {
+                                   return a.leaf != b.leaf ? a.leaf < b.leaf : a.sphere < b.sphere;
+                               });
+    }
+
+    /// The same order where most leaves of the box around have spheres: by counting these.
+    void countIntoLeaves(std::size_t leaves, const std::array<double, 3>& highest,
+                         const std::array<double, 3>& lowest) {
+        constexpr std::uint64_t kMask = (std::uint64_t{1} << 21) - 1;
+        const auto ny = static_cast<std::uint64_t>(highest[1] - lowest[1]) + 1;
+        const auto nz = static_cast<std::uint64_t>(highest[2] - lowest[2]) + 1;
+        const auto leafAt = [&](const Entry& e) {
+            return ((e.leaf >> 42) * ny + (e.leaf >> 21 & kMask)) * nz + (e.leaf & kMask);
+        };
+        std::vector<std::size_t> next(leaves + 1);
+        for (const Entry& e : entries_) ++next[leafAt(e) + 1];
+        std::partial_sum(next.begin(), next.end(), next.begin());
+        std::vector<Entry> sorted(entries_.size());
+        for (const Entry& e : entries_) sorted[next[leafAt(e)]++] = e;
+        entries_.swap(sorted);
     }
 
     void describeAttributes() {
