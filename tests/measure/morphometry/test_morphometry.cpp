@@ -404,6 +404,7 @@ TEST_CASE("lengths scale with the voxel size", "[morphometry]") {
     REQUIRE(s.thickness->sd == within(m.thickness->sd * scale, 1e-3));
     REQUIRE(s.separation.value().max == within(m.separation.value().max * scale, 1e-4));
     REQUIRE(s.number.value() == within(m.number.value() / scale, 1e-4));
+    REQUIRE(s.thickness->quantile(25) == within(m.thickness->quantile(25) * scale, 1e-3));
     REQUIRE(s.deltaEuler == m.deltaEuler);
     REQUIRE(s.connectivityDensity == Approx(m.connectivityDensity / (scale * scale * scale)));
     REQUIRE(s.anisotropy.value().degree == Approx(m.anisotropy.value().degree).margin(1e-4));
@@ -511,11 +512,15 @@ TEST_CASE("the summary fits a terminal and the report has the symbols", "[morpho
         REQUIRE(columns(line) <= 80);
     }
     // The whole, its border, and two regions, one of them without a surface.
-    REQUIRE(count == 10 + 2 + 10 + 7);
+    REQUIRE(count == 12 + 2 + 12 + 8);
     const auto json = toJson(m);
-    for (const char* key : {"TV", "BV", "BV/TV", "BS", "Tb.N", "Conn.D", "connectivity"})
+    for (const char* key :
+         {"TV", "BV", "BV/TV", "BS", "Tb.N", "Conn.D", "connectivity"})
         REQUIRE(json[key].is_number());
     REQUIRE(json["Tb.Th"]["mean"] == m.thickness.value().mean);
+    REQUIRE(json["Tb.Sp"]["p50"] == m.separation.value().quantile(50));
+    for (const char* key : {"p5", "p25", "p50", "p75", "p95"})
+        REQUIRE(json["Tb.Th"][key].is_number());
     REQUIRE(json["DA"]["axes"].size() == 3);
     REQUIRE(json["DA"]["MIL"][0] == m.anisotropy.value().meanInterceptLengths[0].value());
     REQUIRE(json["regions"].size() == 2);

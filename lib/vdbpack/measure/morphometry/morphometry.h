@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/vec.h"
 #include "vdbpack/field/voxel_image.h"
+#include "vdbpack/measure/morphometry/length_statistics.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -13,11 +14,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// Statistics of the local thickness over the voxels of a phase, mm.
-struct LengthStatistics {
-    double mean = 0, sd = 0, max = 0;
-};
 
 /// From the mean intercept length MIL(u): the length of all lines along u through the total volume
 /// divided by the number of times they cross its surface, and the ellipsoid u' M u = 1 / MIL(u)^2.

@@ -19,7 +19,11 @@ Json orNull(const std::optional<T>& value) {
 
 Json json(const std::optional<LengthStatistics>& s) {
     if (!s) return nullptr;
-    return {{"mean", s->mean}, {"sd", s->sd}, {"max", s->max}};
+    Json out{{"mean", s->mean}, {"sd", s->sd}, {"max", s->max}};
+    for (const int percent : {5, 25, 50, 75, 95})
+        out[fmt::format("p{}", percent)] =
+            s->quantiles.empty() ? Json() : Json(s->quantile(percent));
+    return out;
 }
 
 std::string text(const std::optional<LengthStatistics>& s) {
@@ -95,11 +99,18 @@ void addAnisotropy(Lines& out, const SolidMeasures& m) {
     out.add("", "the longest along " + text(a.axes[0]));
 }
 
+void addLengths(Lines& out, const std::string& label, const std::optional<LengthStatistics>& s) {
+    out.add(label, text(s));
+    if (s && !s->quantiles.empty())
+        out.add("", fmt::format("quartiles {:.4g}, {:.4g}, {:.4g}", s->quantile(25),
+                                s->quantile(50), s->quantile(75)));
+}
+
 /// All but BV/TV.
 void addMeasures(Lines& out, const SolidMeasures& m) {
     out.add("BS", fmt::format("{:.6g} mm²", m.solidSurface));
-    out.add("Tb.Th", text(m.thickness));
-    out.add("Tb.Sp", text(m.separation));
+    addLengths(out, "Tb.Th", m.thickness);
+    addLengths(out, "Tb.Sp", m.separation);
     out.add("Tb.N",
             m.number ? fmt::format("{:.4g} /mm (BV/TV divided by Tb.Th)", *m.number) : "none");
     out.add("Conn.D", fmt::format("{:.5g} /mm³ (Euler number {:.8g}, {})", m.connectivityDensity,
