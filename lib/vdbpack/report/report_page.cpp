@@ -153,6 +153,9 @@ void addSolid(Keys& keys, const Morphometry& m) {
     if (m.number) keys.add("Tb.N, 1/mm", fmt::format("{:.4g}", *m.number));
     keys.add("Conn.D, 1/mm³", fmt::format("{:.4g}", m.connectivityDensity),
              fmt::format("Euler number {:.6g}", m.eulerNumber));
+    if (m.largestComponent)
+        keys.add("largest component", fmt::format("{:.4g} %", 100 * *m.largestComponent),
+                 "of the solid");
     if (m.anisotropy)
         keys.add("DA", fmt::format("{:.4f}", m.anisotropy->degree),
                  "0: the same in all directions");

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/measure/morphometry/border.h"
+#include "vdbpack/measure/morphometry/components.h"
 #include "vdbpack/measure/morphometry/euler.h"
 #include "vdbpack/measure/morphometry/local_thickness.h"
 #include "vdbpack/measure/morphometry/mean_intercept.h"
@@ -191,6 +192,7 @@ Morphometry measureMorphometry(const VoxelImage& image) {
     setPhases(m, all, m.voxelSize);
     setSurface(m, image, surface, kAllLabels);
     setEuler(m, eulerNumbers(image));
+    m.largestComponent = largestComponentShare(image);
     for (std::size_t label = 1; label < phases.size(); ++label) {
         if (image.label.empty() || phases[label].voxels() == 0) continue;
         RegionMorphometry region;

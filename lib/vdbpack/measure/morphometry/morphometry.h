@@ -72,6 +72,9 @@ struct Morphometry : SolidMeasures {
     std::uint64_t voxels = 0;  ///< of the total volume
     bool walled = false;       ///< the solid and the pore space end at the wall (`depth`)
     BorderShares border;
+    /// Share of the solid that its largest connected component has, up to 1; voxels are connected
+    /// through faces, edges and corners. Absent without solid.
+    std::optional<double> largestComponent;
     std::vector<RegionMorphometry> regions;  ///< by label; empty for an image without labels
 };
 

@@ -145,6 +145,7 @@ nlohmann::ordered_json toJson(const Morphometry& m) {
                      {"solid", m.border.solid},
                      {"continued", m.border.continued},
                      {"poresNearWall", orNull(m.border.poresNearWall)}};
+    out["largestComponent"] = orNull(m.largestComponent);
     out["regions"] = Json::array();
     for (const RegionMorphometry& r : m.regions) {
         Json region{{"label", r.label}};
@@ -158,6 +159,9 @@ std::string summary(const Morphometry& m) {
     Lines out;
     out.add("BV/TV", bvtv(m) + fmt::format(", voxels of {:.4g} mm", m.voxelSize));
     addMeasures(out, m);
+    if (m.largestComponent)
+        out.add("connected", fmt::format("{:.4g} % of the solid is its largest component",
+                                         100 * *m.largestComponent));
     addBorder(out, m);
     for (const RegionMorphometry& r : m.regions) {
         out.add(fmt::format("region {}", r.label), "BV/TV " + bvtv(r));
