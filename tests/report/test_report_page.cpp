@@ -196,11 +196,12 @@ TEST_CASE("a solid gets a page with its morphometry", "[report]") {
     page.morphometry.emplace();
     page.morphometry->solidFraction = 0.1538;
     page.morphometry->thickness = LengthStatistics{0.2048, 0.104, 0.5742};
+    page.morphometry->structureModelIndex = 1.234;
     page.morphometry->largestComponent = 0.9876;
     const std::string html = htmlOf(page);
     checkPage(html);
     CHECK_THAT(html, Catch::Contains("0.1538") && Catch::Contains("Tb.Th") &&
-                         Catch::Contains("0.2048 mm") &&
+                         Catch::Contains("0.2048 mm") && Catch::Contains("1.234") &&
                          Catch::Contains("98.76 %") && !Catch::Contains("<svg"));
 }
 

@@ -151,6 +151,9 @@ void addSolid(Keys& keys, const Morphometry& m) {
     length("Tb.Th", m.thickness);
     length("Tb.Sp", m.separation);
     if (m.number) keys.add("Tb.N, 1/mm", fmt::format("{:.4g}", *m.number));
+    if (m.structureModelIndex)
+        keys.add("SMI", fmt::format("{:.4g}", *m.structureModelIndex),
+                 "0: plates, 3: rods, 4: balls");
     keys.add("Conn.D, 1/mm³", fmt::format("{:.4g}", m.connectivityDensity),
              fmt::format("Euler number {:.6g}", m.eulerNumber));
     if (m.largestComponent)

@@ -376,6 +376,7 @@ TEST_CASE("mirrored and turned solids measure the same", "[morphometry]") {
     REQUIRE(other.solidFraction == m.solidFraction);
     REQUIRE(other.eulerNumber == m.eulerNumber);
     REQUIRE(other.deltaEuler == m.deltaEuler);
+    REQUIRE(other.structureModelIndex.value() == within(m.structureModelIndex.value(), 1e-4));
     REQUIRE(other.largestComponent == m.largestComponent);
     REQUIRE(other.solidSurface == within(m.solidSurface, 1e-6));
     REQUIRE(other.thickness.value().mean == within(m.thickness.value().mean, 2e-3));
@@ -406,6 +407,7 @@ TEST_CASE("lengths scale with the voxel size", "[morphometry]") {
     REQUIRE(s.separation.value().max == within(m.separation.value().max * scale, 1e-4));
     REQUIRE(s.number.value() == within(m.number.value() / scale, 1e-4));
     REQUIRE(s.thickness->quantile(25) == within(m.thickness->quantile(25) * scale, 1e-3));
+    REQUIRE(s.structureModelIndex.value() == within(m.structureModelIndex.value(), 1e-4));
     REQUIRE(s.largestComponent == m.largestComponent);
     REQUIRE(s.deltaEuler == m.deltaEuler);
     REQUIRE(s.connectivityDensity == Approx(m.connectivityDensity / (scale * scale * scale)));
@@ -428,6 +430,7 @@ TEST_CASE("solids without a surface have volumes but no thickness", "[morphometr
     REQUIRE_FALSE(m.thickness);
     REQUIRE_FALSE(m.separation);
     REQUIRE_FALSE(m.number);
+    REQUIRE_FALSE(m.structureModelIndex);
     REQUIRE_FALSE(m.anisotropy);
     REQUIRE(m.eulerNumber == (full ? 1 : 0));
     // A piece of a solid without end.
@@ -514,10 +517,10 @@ TEST_CASE("the summary fits a terminal and the report has the symbols", "[morpho
         REQUIRE(columns(line) <= 80);
     }
     // The whole, its border, and two regions, one of them without a surface.
-    REQUIRE(count == 13 + 2 + 12 + 8);
+    REQUIRE(count == 14 + 2 + 13 + 9);
     const auto json = toJson(m);
     for (const char* key :
-         {"TV", "BV", "BV/TV", "BS", "Tb.N", "Conn.D", "connectivity", "largestComponent"})
+         {"TV", "BV", "BV/TV", "BS", "Tb.N", "SMI", "Conn.D", "connectivity", "largestComponent"})
         REQUIRE(json[key].is_number());
     REQUIRE(json["Tb.Th"]["mean"] == m.thickness.value().mean);
     REQUIRE(json["Tb.Sp"]["p50"] == m.separation.value().quantile(50));

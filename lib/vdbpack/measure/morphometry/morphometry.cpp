@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/measure/morphometry/border.h"
 #include "vdbpack/measure/morphometry/components.h"
+#include "vdbpack/measure/morphometry/curvature.h"
 #include "vdbpack/measure/morphometry/euler.h"
 #include "vdbpack/measure/morphometry/local_thickness.h"
 #include "vdbpack/measure/morphometry/mean_intercept.h"
@@ -163,6 +164,19 @@ void setSurface(SolidMeasures& part, const VoxelImage& image, const SurfaceDista
         fitAnisotropy(few, voxelCrossingRates(image, few, label), image.voxelSize);
 }
 
+/// Sets the structure model index; volume and surface must be set.
+/// @param curvature  of `curvatureIntegrals`.
+void setStructureModel(SolidMeasures& part, const std::vector<double>& curvature, double voxelSize,
+                       int label) {
+    part.structureModelIndex.reset();
+    const double area = part.solidSurface;
+    if (curvature.empty() || !(area > 0)) return;
+    double growth = 0;
+    for (std::size_t l = 1; l < curvature.size(); ++l)
+        if (label == kAllLabels || label == static_cast<int>(l)) growth += curvature[l];
+    part.structureModelIndex = 6 * part.solidVolume * (growth * voxelSize) / (area * area);
+}
+
 }  // namespace
 
 Morphometry measureMorphometry(const VoxelImage& image) {
@@ -191,6 +205,8 @@ Morphometry measureMorphometry(const VoxelImage& image) {
             image.voxels()));
     setPhases(m, all, m.voxelSize);
     setSurface(m, image, surface, kAllLabels);
+    const std::vector<double> curvature = curvatureIntegrals(image);
+    setStructureModel(m, curvature, m.voxelSize, kAllLabels);
     setEuler(m, eulerNumbers(image));
     m.largestComponent = largestComponentShare(image);
     for (std::size_t label = 1; label < phases.size(); ++label) {
@@ -201,6 +217,7 @@ Morphometry measureMorphometry(const VoxelImage& image) {
         if (present > 1) {
             setPhases(region, phases[label], m.voxelSize);
             setSurface(region, image, surface, region.label);
+            setStructureModel(region, curvature, m.voxelSize, region.label);
             setEuler(region, eulerNumbers(image, region.label));
         }
         m.regions.push_back(region);

@@ -50,6 +50,10 @@ struct SolidMeasures {
     /// Tb.N, 1/mm: (BV/TV) / Tb.Th, the plates of thickness Tb.Th that a line across them would
     /// meet (parallel plate model with the directly measured thickness).
     std::optional<double> number;
+    /// SMI, structure model index: 6 BV S' / BS², S' the rate at which BS grows if the surface
+    /// moves outward. 0 for ideal plates, 3 for rods, 4 for balls, negative where concave surfaces
+    /// prevail (closed pores). Absent without solid or surface, and below three voxels.
+    std::optional<double> structureModelIndex;
     double eulerNumber = 0;  ///< of the solid in the part as an isolated body
     /// Its share in the Euler number of the solid that it was cut from.
     double deltaEuler = 0;
@@ -105,6 +109,16 @@ struct Morphometry : SolidMeasures {
 ///
 /// Tensor: 500 directions on a spherical Fibonacci lattice; crossings are the areas of the surface
 /// projected along each (the limit of infinitely many lines), without random error.
+///
+/// Structure model index: Hildebrand, Rueegsegger (1997), doi:10.1080/01495739708936692, with S'
+/// from the angles between neighboring pieces of the surface instead of a triangle mesh moved by a
+/// small distance. Balls and rods with a radius of ten voxels or more are measured within 2 %,
+/// slabs within 0.001, in any orientation; in binary images (no distances) balls and rods get about
+/// 10 % less, since the steps of the voxels increase BS. Known bias: concave surfaces count as
+/// negative, and all networks of plates and rods have some, so that SMI falls as BV/TV rises, and
+/// does not separate plates from rods in bone (Salmon et al. 2015, doi:10.3389/fendo.2015.00162).
+/// Compare samples of like BV/TV. Where the total volume cuts the solid, the cut does not count as
+/// surface.
 ///
 /// @throws ParameterError if the arrays do not fit the size or the voxel size is not positive;
 /// InputError for a distance that is not finite, or labels that leave no total volume;

@@ -55,6 +55,7 @@ void add(Json& out, const SolidMeasures& m) {
     out["Tb.Th"] = json(m.thickness);
     out["Tb.Sp"] = json(m.separation);
     out["Tb.N"] = orNull(m.number);
+    out["SMI"] = orNull(m.structureModelIndex);
     out["euler"] = {{"whole", m.eulerNumber}, {"delta", m.deltaEuler}};
     out["connectivity"] = m.connectivity;
     out["Conn.D"] = m.connectivityDensity;
@@ -113,6 +114,10 @@ void addMeasures(Lines& out, const SolidMeasures& m) {
     addLengths(out, "Tb.Sp", m.separation);
     out.add("Tb.N",
             m.number ? fmt::format("{:.4g} /mm (BV/TV divided by Tb.Th)", *m.number) : "none");
+    out.add("SMI", m.structureModelIndex
+                       ? fmt::format("{:.4g} (0 plates, 3 rods, 4 balls, below 0 concave)",
+                                     *m.structureModelIndex)
+                       : "none");
     out.add("Conn.D", fmt::format("{:.5g} /mm³ (Euler number {:.8g}, {})", m.connectivityDensity,
                                   m.eulerNumber,
                                   m.deltaEuler == m.eulerNumber
