@@ -510,11 +510,13 @@ void VoidOptions::addTargets() const {
            "grey values of that image at BV/TV 0 (marrow) and 1 (bone); linear between them",
            "MARROW,BONE")
         ->check(notEmpty());
-    option(
-        "--target-tbth", voids.targetTbth,
-        "with --target-bvtv: mean thickness Tb.Th to reach by the size of the voids, mm (boolean, "
-        "foam)",
-        "T");
+    option("--target-tbth", voids.targetTbth,
+           "mean thickness Tb.Th of trabeculae to reach, mm (foam; boolean with --target-bvtv)", "T");
+    option("--target-tbsp", voids.targetTbsp, "mean spacing Tb.Sp to reach, mm (foam)", "T");
+    option("--target-da", voids.targetDa,
+           "degree of anisotropy to reach, 1 - (short / long)² as measure prints it (foam)", "D");
+    option("--target-connd", voids.targetConnd,
+           "connectivity density Conn.D to reach, 1/mm³ (foam)", "C");
     option("--void-voxel", voids.voxelSize, "voxel size of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());
@@ -543,6 +545,12 @@ void VoidOptions::addShapes() const {
            "foam: largest displacement of a void, in its radii, 0 to 1; 0 leaves walls with many "
            "small holes, 1 thick struts that may be loose",
            "J [0.25]");
+    option("--void-strut", voids.strut,
+           "thickness of the struts that remain between voids that overlap, along the lines where "
+           "three of them (2D: two) are equally near, mm",
+           "T [0; foam 0.2 of the mean b]");
+    option("--void-strut-share", voids.strutShare, "share of these lines that have a strut, 0 to 1",
+           "P [1]");
     option(
         "--void-count", voids.count,
         "number of voids. boolean: mean number with centers deeper than the shell; voids of the "

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Ellipsoid {
     double a = 0;     ///< half-axis along `axis`, mm
     double b = 0;     ///< half-axes across it, mm; may be larger than `a`
     Vec<Dim> axis;    ///< of length one; its sign means nothing
+    std::uint32_t id = 0;  ///< a number of its own; with those of others it decides on their struts
 
     /// Volume (2D: area), mm^Dim.
     double volume() const { return a * std::pow(b, Dim - 1) * Measure<Dim>::ball(1); }

@@ -16,6 +16,14 @@
 namespace vdbpack {
 
 /// The voids and the shell in a report.
+/// A number of a structure that was asked for.
+struct TargetReport {
+    std::string name;  ///< of the parameter, such as targetTbth
+    double asked = 0, reached = 0;
+    /// Standard deviation over specimens of other seeds; absent: not measured
+    std::optional<double> scatter;
+};
+
 struct VoidReport {
     std::string method;          ///< as requested; empty: only a shell
     std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
@@ -30,6 +38,9 @@ struct VoidReport {
     std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
     std::string radius;                   ///< SPEC of b that gave the target thickness, mm
     std::optional<double> thickness;      ///< Tb.Th if a target was set, mm
+    std::vector<TargetReport> targets;    ///< of a structure, as found in a specimen
+    double specimen = 0;                  ///< shortest side of that specimen, mm; 0: none
+    std::string parameters;               ///< of the foam that was found for them
     std::optional<double> solidAttached;  ///< share connected to the shell
     std::uint64_t solidPieces = 0;
     std::uint64_t culled = 0;               ///< spheres that the voids removed

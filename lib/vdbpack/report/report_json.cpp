@@ -80,6 +80,14 @@ Json voidsJson(const Report& r) {
     json["reachedShare"] = orNull(v.reachedShare);
     json["radius"] = v.radius.empty() ? Json() : Json(v.radius);
     json["tbth"] = orNull(v.thickness);
+    if (!v.targets.empty()) {
+        json["targets"] = Json::object();
+        for (const TargetReport& t : v.targets)
+            json["targets"][t.name] = {
+                {"asked", t.asked}, {"reached", t.reached}, {"scatter", orNull(t.scatter)}};
+        json["specimen"] = v.specimen;
+        json["parameters"] = v.parameters;
+    }
     json["solidAttached"] = orNull(v.solidAttached);
     json["solidPieces"] = v.solidPieces;
     json["spheresAttached"] = orNull(v.spheresAttached);

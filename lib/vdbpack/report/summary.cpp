@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 
 #include <cstddef>
+#include <sstream>
+#include <string>
 #include <utility>
 
 namespace vdbpack {
@@ -161,6 +163,34 @@ std::string voidsText(const Report& r, const Words& words) {
     return text;
 }
 
+/// What a structure was asked to have, and has.
+void addTargets(Summary& out, const VoidReport& v) {
+    if (v.targets.empty()) return;
+    constexpr std::pair<const char*, const char*> kNames[] = {{"targetTbth", "Tb.Th"},
+                                                              {"targetTbsp", "Tb.Sp"},
+                                                              {"targetDa", "DA"},
+                                                              {"targetConnd", "Conn.D"}};
+    for (const TargetReport& t : v.targets)
+        for (const auto& [name, symbol] : kNames)
+            if (t.name == name)
+                out.line("", fmt::format("{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
+                                         t.scatter ? fmt::format(", differs by {:.2g} between seeds",
+                                                                 *t.scatter)
+                                                   : std::string()));
+    out.line("", fmt::format("measured in a specimen of {:.4g} mm; the same without targets:",
+                             v.specimen));
+    std::string line;
+    std::istringstream words(v.parameters);
+    for (std::string option, value; words >> option >> value;) {
+        if (line.size() + option.size() + value.size() > 64) {
+            out.line("", line);
+            line.clear();
+        }
+        line += (line.empty() ? "" : " ") + option + " " + value;
+    }
+    if (!line.empty()) out.line("", line);
+}
+
 void addVoids(Summary& out, const Report& r, const Words& words) {
     const VoidReport& v = *r.voids;
     const char* root = v.shell > 0 ? "connected to the shell" : "in the largest component";
@@ -168,6 +198,7 @@ void addVoids(Summary& out, const Report& r, const Words& words) {
         out.line("voids", voidsText(r, words));
         if (v.thickness)
             out.line("", fmt::format("Tb.Th {:.4g} mm with void radii {}", *v.thickness, v.radius));
+        addTargets(out, v);
         if (v.voxelSize > 0)
             out.line("", fmt::format("level set in voxels of {:.4g} mm", v.voxelSize));
         if (v.solidAttached)

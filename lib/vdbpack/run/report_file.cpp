@@ -105,7 +105,9 @@ public:
         add("--void-radius", voids.radius);
         add("--void-aspect", voids.aspect);
         if (voids.blend) add("--void-blend", fmt::format("{} mm", *voids.blend));
-        if (methodOf(voids) == VoidMethod::foam) add("--void-jitter", voids.jitter);
+        if (voids.strut) add("--void-strut", fmt::format("{} mm", *voids.strut));
+        if (voids.strutShare) add("--void-strut-share", *voids.strutShare);
+        if (voids.jitter) add("--void-jitter", *voids.jitter);
         add("--void-count", voids.count.value_or(0));
         if (voids.probability) add("--void-probability", fmt::format("{}", *voids.probability));
         add("--delete-fraction", voids.deleteFraction.value_or(0));

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
 #include "vdbpack/pack/largest_ball.h"
+#include "vdbpack/run/structure_fit.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/void_list.h"
@@ -38,7 +39,7 @@ constexpr int kThicknessRounds = 6;  // the last repeats the nearest of the othe
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
 /// Of the half-axis b: voids of a foam then leave what looks like bone.
-constexpr double kFoamBlend = 0.1;
+constexpr double kFoamBlend = 0.1, kFoamStrut = 0.2;
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
@@ -52,12 +53,36 @@ std::string timesSpec(const std::string& spec, double f, int dim) {
     return SizeDistribution::parse(spec, dim).scaled(f).spec();
 }
 
-/// As StampOptions::blend.
+/// How the voids of a setting join.
 template <int Dim>
-double blendOf(const VoidSetting<Dim>& s) {
-    if (s.recipe.blend) return *s.recipe.blend;
-    if (methodOf(s.recipe) != VoidMethod::foam) return 0;
-    return kFoamBlend * SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim).mean();
+VoidJoin joinOf(const VoidSetting<Dim>& s) {
+    VoidJoin join;
+    double blend = 0, strut = 0;
+    if (methodOf(s.recipe) == VoidMethod::foam && !(s.recipe.blend && s.recipe.strut)) {
+        const double mean =
+            SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim).mean() * s.recipe.radiusScale;
+        blend = kFoamBlend * mean;
+        strut = kFoamStrut * mean;
+    }
+    join.blend = s.recipe.blend.value_or(blend);
+    join.strut = 0.5 * s.recipe.strut.value_or(strut);
+    join.strutShare = s.recipe.strutShare.value_or(1);
+    return join;
+}
+
+/// The volume that voids are cut into, mm^Dim. In a box, as voxels fill it whose centers lie in it:
+/// the voids are counted so as well, and at a low BV/TV the difference to the box would matter.
+template <int Dim>
+double totalVolume(const VoidSetting<Dim>& s, double voxelSize) {
+    const std::string& kind = s.domain.facts().kind;
+    if (s.recipe.shell > 0 || !(kind == "box" || kind == "rect")) return regionOf(s).volume();
+    const Box<Dim> box = s.domain.bounds();
+    const Vec<Dim> origin = latticeOf(s, voxelSize);
+    double volume = 1;
+    for (int d = 0; d < Dim; ++d)
+        volume *= voxelSize * (std::floor((box.hi[d] - origin[d]) / voxelSize) -
+                               std::ceil((box.lo[d] - origin[d]) / voxelSize) + 1);
+    return volume;
 }
 
 /// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
@@ -67,12 +92,12 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     options.voxelSize = voxelSize;
     options.origin = latticeOf(s, voxelSize);
     options.shell = s.recipe.shell;
-    options.blend = blendOf(s);
+    options.join = joinOf(s);
     if (s.recipe.cull == Cull::touch) options.reach = s.largestRadius + 2 * voxelSize;
     made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
-    made.report.totalVolume = regionOf(s).volume();
+    made.report.totalVolume = totalVolume(s, voxelSize);
     made.report.bvtv = std::max(0.0, 1 - made.stamped->volume() / made.report.totalVolume);
 }
 
@@ -263,11 +288,41 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
         const auto list = method == VoidMethod::grid ? voidFamily(s, 0.5, nullptr).list(1)
                                                      : readVoidList<Dim>(listFile(s.recipe));
         for (const auto& e : list) half = std::max({half, e.a, e.b});
-    } else {
+    } else if (!(hasStructureTargets(s.recipe) && s.recipe.radius.empty())) {
         half = voidShapeOf(s).reach();
     }
     requireFitting(s, half);
 }
+
+namespace {
+
+/// Replaces the targets of a structure by the parameters of a foam that has it.
+void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, VoidReport& report) {
+    VoidSetting<3> setting{recipe,          s.domain,    s.sliceHeight, s.seed,
+                           s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+    const StructureFit fit = fitStructure(setting, packs);
+    recipe = fit.recipe;
+    report.targets = fit.targets;
+    report.specimen = fit.specimen;
+    const SizeDistribution radius =
+        SizeDistribution::parse(recipe.radius, 3).scaled(recipe.radiusScale);
+    report.radius = radius.spec();
+    report.parameters = fmt::format(
+        "--void-radius {} --void-aspect {} --void-jitter {:.4g} --void-blend {:.4g} --void-strut "
+        "{:.4g} --void-strut-share {:.4g}",
+        radius.spec(), recipe.aspect, *recipe.jitter, *recipe.blend, *recipe.strut,
+        *recipe.strutShare);
+}
+void fitTo(const VoidSetting<2>&, FoamPacks<2>&, VoidRecipe& recipe, VoidReport&) {
+    for (const auto& [name, target] : {std::pair{"targetTbsp", recipe.targetTbsp},
+                                       std::pair{"targetDa", recipe.targetDa},
+                                       std::pair{"targetConnd", recipe.targetConnd}})
+        if (target)
+            throw ParameterError(
+                fmt::format("`{}` {:g}: is measured in space; leave it out in a plane", name, *target));
+}
+
+}  // namespace
 
 template <int Dim>
 MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
@@ -306,6 +361,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                 method == VoidMethod::foam ? "voids dilated to" : "as many voids as make",
                 kDefaultBvtv));
         }
+        FoamPacks<Dim> ownPacks;
+        FoamPacks<Dim>* const packs = s.packs ? s.packs : &ownPacks;
+        if (hasStructureTargets(r)) fitTo(s, *packs, decided, made.report);
         bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {
             const VoidRecipe& asked = setting.recipe;
@@ -325,9 +383,10 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
                                                        : asked.probability.value_or(1));
         };
-        const VoidSetting<Dim> setting{decided,         s.domain,    s.sliceHeight, s.seed,
-                                       s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
-        if (r.targetTbth)
+        VoidSetting<Dim> setting{decided,         s.domain,    s.sliceHeight, s.seed,
+                                 s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+        setting.packs = packs;
+        if (decided.targetTbth)
             solveThickness(setting, made, solve);
         else
             solve(setting, made);

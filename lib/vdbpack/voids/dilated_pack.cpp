@@ -6,6 +6,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -17,6 +18,9 @@ namespace {
 constexpr std::uint64_t kFoam = std::uint64_t{5} << 56;
 /// Solid fractions that densifying reaches soon and without order, in the plane and in space.
 constexpr double kFraction[2] = {0.83, 0.64};
+/// Around the box that is asked for: mean radii, and largest radii.
+constexpr double kMargin[2] = {4, 2};
+constexpr double kExtentStep = 0.06;
 
 /// `x` with its part along `along` times `factor`.
 template <int Dim>
@@ -48,17 +52,31 @@ Vec<Dim> inBall(RandomStream& random) {
 
 }  // namespace
 
+namespace {
+
+/// Of the spheres, in mean b: those that are packed as they lie have the volume of their
+/// ellipsoids.
 template <int Dim>
-std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
-                                      const FoamOptions<Dim>& options, const Callbacks& callbacks) {
-    const double stretch = shape.aspect.mean();
-    // Of the spheres, in b: those that are packed as they lie have the volume of their ellipsoids.
-    const double radius = options.along ? 1 : std::pow(stretch, 1.0 / Dim);
-    PackOptions front(shape.radius.scaled(radius));
-    front.seed = options.seed;
-    // The layers along the walls of the box, where spheres are in order, lie outside of the domain.
-    const Box<Dim> box =
-        stretched(region.domain.bounds(), options.along, 1 / stretch).grown(4 * front.sizes.max());
+double meanRadius(const VoidShape<Dim>& shape, const FoamOptions<Dim>& options) {
+    return shape.radius.mean() *
+           (options.along ? 1 : std::pow(shape.aspect.mean(), 1.0 / Dim));
+}
+
+}  // namespace
+
+template <int Dim>
+FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std::uint64_t seed,
+                       const Callbacks& callbacks) {
+    FoamPack<Dim> pack;
+    PackOptions front(sizes.scaled(1 / sizes.mean()));
+    front.seed = seed;
+    Box<Dim> box;
+    for (int d = 0; d < Dim; ++d) {
+        pack.half[d] = std::exp(kExtentStep * std::ceil(std::log(half[d]) / kExtentStep));
+        // The layers along the walls of the box, where spheres are in order, lie outside.
+        box.hi[d] = pack.half[d] + kMargin[0] + kMargin[1] * front.sizes.max();
+        box.lo[d] = -box.hi[d];
+    }
     const auto room = boxDomain(box);
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;
@@ -67,20 +85,42 @@ std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const VoidS
     DensifyOptions denser;
     denser.fraction = kFraction[Dim - 2];
     denser.sizes = front.sizes;
-    denser.seed = options.seed;
+    denser.seed = seed;
     auto dense = densify(*room, packed.pack.spheres, denser, quiet);
     if (dense.interrupted) throw Interrupted();
-    std::vector<Ellipsoid<Dim>> voids(dense.spheres.size());
-    for (std::size_t i = 0; i < voids.size(); ++i) {
+    pack.spheres = std::move(dense.spheres);
+    return pack;
+}
+
+template <int Dim>
+Vec<Dim> foamExtent(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
+                    const FoamOptions<Dim>& options) {
+    const Box<Dim> box =
+        stretched(region.domain.bounds(), options.along, 1 / shape.aspect.mean());
+    return box.size() * (0.5 / meanRadius(shape, options));
+}
+
+template <int Dim>
+std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const FoamPack<Dim>& pack,
+                                      const VoidShape<Dim>& shape,
+                                      const FoamOptions<Dim>& options) {
+    const double stretch = shape.aspect.mean(), scale = meanRadius(shape, options);
+    const Box<Dim> bounds = region.domain.bounds();
+    std::vector<Ellipsoid<Dim>> voids;
+    voids.reserve(pack.spheres.size());
+    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
         RandomStream random(options.seed, kFoam + i);
-        const Sphere<Dim>& s = dense.spheres[i];
+        const Sphere<Dim> s{pack.spheres[i].center * scale, pack.spheres[i].radius * scale};
         const Vec<Dim> moved = s.center + inBall<Dim>(random) * (options.jitter * s.radius);
-        Ellipsoid<Dim>& e = voids[i];
-        e.center = stretched(moved, options.along, stretch);
+        Ellipsoid<Dim> e;
+        e.center = bounds.center() + stretched(moved, options.along, stretch);
         const double aspect = shape.aspect.quantile(random.uniform());
         e.b = options.along ? s.radius : s.radius / std::pow(aspect, 1.0 / Dim);
         e.a = e.b * aspect;
+        e.id = static_cast<std::uint32_t>(i);
+        if (!bounds.grown(kMostDilation * std::max(e.a, e.b)).contains(e.center)) continue;
         e.axis = shape.orientation->axis(e.center, random);
+        voids.push_back(e);
     }
     return voids;
 }
@@ -96,10 +136,14 @@ std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
     return voids;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                  \
-    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const VoidShape<Dim>&, \
-                                                   const FoamOptions<Dim>&, const Callbacks&);    \
-    template std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>&,                          \
+#define VDBPACK_INSTANTIATE(Dim)                                                                   \
+    template FoamPack<Dim> foamPack(const SizeDistribution&, const Vec<Dim>&, std::uint64_t,       \
+                                    const Callbacks&);                                             \
+    template Vec<Dim> foamExtent(const VoidRegion<Dim>&, const VoidShape<Dim>&,                    \
+                                 const FoamOptions<Dim>&);                                         \
+    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const FoamPack<Dim>&,   \
+                                                   const VoidShape<Dim>&, const FoamOptions<Dim>&); \
+    template std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>&,                           \
                                                  std::vector<Ellipsoid<Dim>>, double);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

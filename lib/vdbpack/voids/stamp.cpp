@@ -19,6 +19,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace vdbpack {
 
@@ -190,7 +191,16 @@ double outsideOf(const StampOptions<Dim>& options) {
 /// How far voids matter, mm.
 template <int Dim>
 double reachOf(const StampOptions<Dim>& options) {
-    return std::max(outsideOf(options), kBlendReach * options.blend);
+    return std::max(outsideOf(options), options.join.reach(options.voxelSize));
+}
+
+/// Whether struts may lie in a tile whose points are no farther than `upper` from one of its voids.
+template <int Dim>
+bool hasStrut(const Entry* entries, std::size_t count, double upper,
+              const StampOptions<Dim>& options) {
+    return options.join.strut > 0 && count >= Dim &&
+           static_cast<double>(entries[Dim - 1].lower) <
+               upper + options.join.strutReach(options.voxelSize);
 }
 
 /// Stamps one tile with the voids of its entries.
@@ -213,15 +223,17 @@ Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries
     bool filled = false;
     for (std::size_t i = 0; i < count && !filled; ++i) {
         const auto& e = voids[entries[i].ellipsoid];
-        filled =
-            std::min(e.a, e.b) > inside + radius && boundsAt(e, middle, radius).upper < -inside;
+        if (std::min(e.a, e.b) > inside + radius) {
+            const double upper = boundsAt(e, middle, radius).upper;
+            filled = upper < -inside && !hasStrut(entries, count, upper, options);
+        }
         near.push_back({&e, static_cast<double>(entries[i].lower)});
     }
     if (filled)
         tile.fillInside();
     else
         tile.stamp(near);
-    if (!filled && options.blend > 0) tile.blend(near, options.blend);
+    if (!filled && !options.join.isNone()) tile.join(near, options.join);
     if (cut)
         result.voxels = cutAtCore(tile, core, options.shell > 0);
     else
@@ -240,8 +252,11 @@ void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim
             fmt::format("`voids.voxelSize` {} mm must be positive", options.voxelSize));
     if (!(options.shell >= 0 && std::isfinite(options.shell)))
         throw ParameterError(fmt::format("`voids.shell` {} mm must be 0 or more", options.shell));
-    if (!(options.blend >= 0 && std::isfinite(options.blend)))
-        throw ParameterError(fmt::format("`voids.blend` {} mm must be 0 or more", options.blend));
+    for (const auto& [name, value] : {std::pair{"blend", options.join.blend},
+                                      std::pair{"strut", options.join.strut},
+                                      std::pair{"strutShare", options.join.strutShare}})
+        if (!(value >= 0 && std::isfinite(value)))
+            throw ParameterError(fmt::format("`voids.{}` {} must be 0 or more", name, value));
     for (std::size_t i = 0; i < voids.size(); ++i) {
         const auto& e = voids[i];
         if (!(e.a > 0 && e.b > 0 && std::isfinite(e.a) && std::isfinite(e.b)) ||
@@ -263,7 +278,7 @@ struct StampedVoids<Dim>::Impl {
     double voxelSize = 0;
     double volume = 0;
     double inside = 0, outside = 0;  // widths of the band, mm
-    double blend = 0;                // as in the options
+    VoidJoin join;                   // as in the options
     std::optional<TileLattice<Dim>> lattice;
     std::vector<std::uint64_t> tiles;  // tiles that voids reach into, sorted
     std::vector<std::size_t> starts;   // start of each in `ellipsoids`, and the end
@@ -298,7 +313,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     const double h = options.voxelSize;
     impl.voxelSize = h;
     impl.origin = options.origin;
-    impl.blend = options.blend;
+    impl.join = options.join;
     impl.inside = kStampBand * h;
     impl.outside = outsideOf(options);
     const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
@@ -330,7 +345,7 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     for (std::size_t n = 0; n < tiles; ++n) {
         // A point may lie half a voxel beyond the centers of its tile.
         for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
-            if (static_cast<double>(entries[i].lower) < std::max(h, kBlendReach * options.blend))
+            if (static_cast<double>(entries[i].lower) < std::max(h, options.join.reach(h)))
                 impl.ellipsoids.push_back(entries[i].ellipsoid);
         if (impl.ellipsoids.size() == impl.starts.back()) continue;
         impl.tiles.push_back(entries[starts[n]].tile);
@@ -361,23 +376,32 @@ bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec
     const auto found = std::lower_bound(impl_->tiles.begin(), impl_->tiles.end(), tile);
     if (found == impl_->tiles.end() || *found != tile) return false;
     const auto n = static_cast<std::size_t>(found - impl_->tiles.begin());
-    std::vector<double> distances;
+    std::vector<const Ellipsoid<Dim>*> near;
     for (std::size_t i = impl_->starts[n]; i < impl_->starts[n + 1]; ++i) {
         const Ellipsoid<Dim>& e = voids[impl_->ellipsoids[i]];
-        if (e.contains(x)) return true;
-        if (impl_->blend > 0) distances.push_back(e.signedDistance(x));
+        if (!(impl_->join.strut > 0) && e.contains(x)) return true;
+        near.push_back(&e);
     }
-    return impl_->blend > 0 && blendedDistance(distances, impl_->blend) < 0;
+    return !impl_->join.isNone() && joinedDistance(near, x, impl_->join) < 0;
 }
 
-double blendedDistance(const std::vector<double>& distances, double length) {
-    const double reach = kBlendReach * length;
-    double sum = 0, nearest = std::numeric_limits<double>::infinity();
-    for (const double d : distances) {
-        sum += std::pow(std::max(0.0, 1 - d / reach), 4);
-        nearest = std::min(nearest, d);
+template <int Dim>
+double joinedDistance(const std::vector<const Ellipsoid<Dim>*>& voids, const Vec<Dim>& x,
+                      const VoidJoin& how) {
+    const double reach = kBlendReach * how.blend;
+    using Nearest = NearestVoids<Dim, double, std::uint32_t>;
+    Nearest nearest;
+    double sum = 0, least = std::numeric_limits<double>::infinity();
+    for (const Ellipsoid<Dim>* e : voids) {
+        const double d = e->signedDistance(x);
+        if (how.blend > 0) sum += std::pow(std::max(0.0, 1 - d / reach), 4);
+        least = std::min(least, d);
+        nearest.add(d, e->id);
     }
-    return sum > 0 ? reach * (1 - std::sqrt(std::sqrt(sum))) : nearest;
+    if (sum > 0) least = std::min(least, reach * (1 - std::sqrt(std::sqrt(sum))));
+    if (!(how.strut > 0) || !(nearest.chance() < Nearest::below(how.strutShare))) return least;
+    return roundedMax(least, how.strut - std::sqrt(nearest.squareFromLine()),
+                      static_cast<float>(how.rounding()));
 }
 
 template <int Dim>
@@ -393,6 +417,10 @@ StampedVoids<Dim>::Sampler::Sampler(const StampedVoids& voids)
     : sample_(*voids.impl_->grid, voids.impl_->origin, voids.impl_->voxelSize,
               voids.impl_->outside) {}
 
+template double joinedDistance(const std::vector<const Ellipsoid<2>*>&, const Vec<2>&,
+                               const VoidJoin&);
+template double joinedDistance(const std::vector<const Ellipsoid<3>*>&, const Vec<3>&,
+                               const VoidJoin&);
 template class StampedVoids<2>;
 template class StampedVoids<3>;
 template std::shared_ptr<const StampedVoids<2>> stampVoids(const std::vector<Ellipsoid<2>>&,

@@ -5,6 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/field/linear_sampler.h"
+#include "vdbpack/voids/void_join.h"
 
 #include <cstdint>
 #include <memory>
@@ -20,24 +21,30 @@ struct StampOptions {
     Vec<Dim> origin;       ///< center of a voxel, mm; positions the lattice
     /// Distances outside of voids are computed up to this, mm; at least three voxels.
     double reach = 0;
-    /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
-    /// not. It rounds the edges between them, and opens walls that are thinner.
-    double blend = 0;
+    VoidJoin join;
     /// Thickness of the layer below the wall of the envelope that is kept free of voids, mm; 0:
     /// voids may cut the wall.
     double shell = 0;
 };
 
-/// The distance to blended voids, from those to each: c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), c
-/// four times `length`; to one void alone, that to this.
+/// The distance to joined voids at a point, negative inside, mm.
 ///
-/// Source: the union by p-norms of Ricci (1973), "A constructive geometry for computer graphics",
-/// The Computer Journal 16 (2), 157-160, doi:10.1093/comjnl/16.2.157, of a function that vanishes
-/// at c.
-double blendedDistance(const std::vector<double>& distances, double length);
+/// Blended, it is c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), where d are the distances to each void
+/// and c is four times the blend; to one void alone, that to this. A strut takes away all that is
+/// nearer to its line than its radius.
+///
+/// Source of the blend: the union by p-norms of Ricci (1973), "A constructive geometry for computer
+/// graphics", The Computer Journal 16 (2), 157-160, doi:10.1093/comjnl/16.2.157, of a function that
+/// vanishes at c. The lines of the struts are the edges of the Apollonius diagram of the voids
+/// (Okabe, Boots, Sugihara, Chiu (2000), Spatial Tessellations, 3.2), as the struts of an open-cell
+/// foam are.
+/// @param voids  all within `how.reach` of the point; the others need not be there.
+template <int Dim>
+double joinedDistance(const std::vector<const Ellipsoid<Dim>*>& voids, const Vec<Dim>& x,
+                      const VoidJoin& how);
 
-/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), blended
-/// where the options say so, with a shell limited to the part of the domain below it. Immutable.
+/// Voids as signed distances, negative inside: the union of ellipsoids (2D: ellipses), joined
+/// as the options say, with a shell limited to the part of the domain below it. Immutable.
 template <int Dim>
 class StampedVoids {
 public:
@@ -52,7 +59,7 @@ public:
     double volume() const;
     /// The number of voxels in the band.
     std::uint64_t activeVoxels() const;
-    /// Whether a point lies in one of the ellipsoids, by their inequality, or in their blend. Those
+    /// Whether a point lies in the voids, by the ellipsoids themselves and how they join. Those
     /// near it are listed by tile: this costs about as much as a lookup.
     /// @param voids  the ellipsoids that were stamped.
     bool isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) const;

@@ -131,7 +131,8 @@ struct Tile<Dim>::Stamp {
           b(static_cast<float>(e.b)),
           rounds(a < b || a > kPlainRatio * b ? kLongRounds : kRounds),
           evoluteA((a * a - b * b) / a),
-          evoluteB((b * b - a * a) / b) {
+          evoluteB((b * b - a * a) / b),
+          id(e.id) {
         for (std::size_t d = 0; d < Dim; ++d) {
             start[d] = static_cast<float>(first.c[d] - e.center.c[d]);
             form.axis[d] = static_cast<float>(e.axis.c[d]);
@@ -163,6 +164,20 @@ struct Tile<Dim>::Stamp {
         return choose(far, toFoot(x, y, tx, ty), distance);
     }
 
+    /// Of eight voxels. @param h  edge of a voxel, mm.
+    Position positionOf(std::size_t block, float h) const {
+        const Blocks<Dim>& blocks = Blocks<Dim>::get();
+        std::array<Float8, Dim> x;
+        for (std::size_t d = 0; d < Dim; ++d)
+            x[d] = (load(blocks.lane[d].data()) + blocks.first[d][block]) * h + start[d];
+        return form.position(x);
+    }
+
+    Float8 signedDistance(const Position& p, Int8 far) const {
+        const Float8 d = distance(p, far);
+        return choose(p.f < 1.0f, -d, d);
+    }
+
     void step(const Float8& x, const Float8& y, Float8& tx, Float8& ty) const {
         const float tiny = 1e-12f * a * a;
         const Float8 ex = evoluteA * tx * tx * tx, ey = evoluteB * ty * ty * ty;
@@ -190,6 +205,7 @@ struct Tile<Dim>::Stamp {
     float a, b;
     int rounds;
     float evoluteA, evoluteB;  ///< (evoluteA tx^3, evoluteB ty^3) is the center of curvature
+    std::uint32_t id;
     std::array<float, Dim> start;
 };
 
@@ -331,33 +347,61 @@ void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, s
 }
 
 template <int Dim>
-void Tile<Dim>::blend(const std::vector<NearVoid<Dim>>& voids, double length) {
-    const auto h = static_cast<float>(voxelSize_), reach = static_cast<float>(kBlendReach * length);
+void Tile<Dim>::join(const std::vector<NearVoid<Dim>>& voids, const VoidJoin& how) {
+    const double reach = how.reach(voxelSize_);
     std::vector<Stamp> stamps;
     for (const NearVoid<Dim>& v : voids)
-        if (static_cast<float>(v.lower) < reach) stamps.emplace_back(*v.ellipsoid, first_);
+        if (v.lower < reach) stamps.emplace_back(*v.ellipsoid, first_);
     if (stamps.size() < 2) return;
-    const Blocks<Dim>& blocks = Blocks<Dim>::get();
+    if (how.blend > 0) blend(stamps, how.blend);
+    if (how.strut > 0 && stamps.size() >= Dim) addStruts(stamps, how);
+}
+
+template <int Dim>
+void Tile<Dim>::blend(const std::vector<Stamp>& stamps, double length) {
+    const auto h = static_cast<float>(voxelSize_);
+    const auto reach = static_cast<float>(kBlendReach * length);
     for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
         float* const values = &values_[block * kLanes];
         const Float8 nearest = load(values);
         if (!(largest(nearest) > -inside_)) continue;
         Float8 sum{};
         for (const Stamp& stamp : stamps) {
-            std::array<Float8, Dim> x;
-            for (std::size_t d = 0; d < Dim; ++d)
-                x[d] = (load(blocks.lane[d].data()) + blocks.first[d][block]) * h + stamp.start[d];
-            const auto position = stamp.form.position(x);
+            const auto position = stamp.positionOf(block, h);
             const Float8 lower = stamp.form.lower(position);
             if (noneOf(lower < reach)) continue;
-            const Float8 distance = stamp.distance(position, lower > inside_);
-            const Float8 share = 1.0f - choose(position.f < 1.0f, -distance, distance) / reach;
+            const Float8 share = 1.0f - stamp.signedDistance(position, lower > inside_) / reach;
             const Float8 square = choose(share > 0.0f, share * share, 0.0f);
             sum += square * square;
         }
         const Float8 blended = reach * (1.0f - squareRoot(squareRoot(sum)));
         Float8 value = choose(sum > 0.0f, smaller(nearest, blended), nearest);
         value = choose(value < -inside_, -inside_, value);
+        store(values, value);
+        blockMax_[block] = largest(value);
+    }
+}
+
+template <int Dim>
+void Tile<Dim>::addStruts(const std::vector<Stamp>& stamps, const VoidJoin& how) {
+    const auto h = static_cast<float>(voxelSize_), radius = static_cast<float>(how.strut);
+    const auto rounding = static_cast<float>(how.rounding());
+    using Nearest = NearestVoids<Dim, Float8, Word8>;
+    const std::uint32_t below = Nearest::below(how.strutShare);
+    for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
+        float* const values = &values_[block * kLanes];
+        const Float8 before = load(values);
+        if (!(smallest(before) < inside_)) continue;
+        Nearest found;
+        for (const Stamp& stamp : stamps) {
+            const auto position = stamp.positionOf(block, h);
+            if (noneOf(stamp.form.lower(position) < found.farthest())) continue;
+            found.add(stamp.signedDistance(position, Int8{}), Word8{} + stamp.id);
+        }
+        const Float8 strut = radius - squareRoot(found.squareFromLine());
+        const Int8 kept = bitsAs<Int8>(found.chance() < below);
+        Float8 value = choose(kept, roundedMax(before, strut, rounding), before);
+        value = choose(value > outside_, outside_, choose(value < -inside_, -inside_, value));
         store(values, value);
         blockMax_[block] = largest(value);
     }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/ellipsoid.h"
+#include "vdbpack/voids/void_join.h"
 
 #include <array>
 #include <bitset>
@@ -16,9 +17,6 @@ inline constexpr int kTileSide = 8;
 
 template <int Dim>
 constexpr std::size_t kTileVoxels = Dim == 3 ? 512 : 64;
-
-/// How far apart voids still blend, in lengths of the blend.
-inline constexpr double kBlendReach = 4;
 
 /// Bounds on the signed distances of a tile's points to a void.
 template <int Dim>
@@ -45,10 +43,9 @@ public:
     /// @param voids  sorted by rising lower bound, so that the rest is skipped once no value can
     ///               change.
     void stamp(const std::vector<NearVoid<Dim>>& voids);
-    /// After `stamp`: lets voids run into one another where they come near.
-    /// @param voids  all those whose lower bound is less than `kBlendReach * length`.
-    /// @param length  as that of `blendedDistance`, mm.
-    void blend(const std::vector<NearVoid<Dim>>& voids, double length);
+    /// After `stamp`: joins voids that come near or overlap.
+    /// @param voids  all those whose lower bound is less than `how.reach`.
+    void join(const std::vector<NearVoid<Dim>>& voids, const VoidJoin& how);
     /// Sets all voxels to the inside, deeper than the band.
     void fillInside();
     bool isInside() const;   ///< all values are at the inner limit of the band
@@ -72,6 +69,9 @@ private:
     };
     static constexpr std::size_t kMostPairs = 512;
 
+    void blend(const std::vector<Stamp>& stamps, double length);
+    /// The struts between some voids, and the roundings of them with what is there.
+    void addStruts(const std::vector<Stamp>& stamps, const VoidJoin& how);
     void stamp(const Batch& batch);
     void stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count);
 

@@ -32,6 +32,20 @@ constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 }  // namespace
 
 template <int Dim>
+std::shared_ptr<const typename FoamPacks<Dim>::Entry> FoamPacks<Dim>::get(
+    const SizeDistribution& sizes, const Vec<Dim>& half, std::uint64_t seed,
+    const Callbacks& callbacks) {
+    for (const auto& entry : entries) {
+        bool fits = entry->seed == seed && entry->sizes == sizes.spec();
+        for (int d = 0; d < Dim; ++d) fits = fits && half[d] <= entry->pack.half[d];
+        if (fits) return entry;
+    }
+    entries.push_back(std::make_shared<const Entry>(
+        Entry{sizes.spec(), seed, foamPack(sizes, half, seed, callbacks)}));
+    return entries.back();
+}
+
+template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
     return {s.domain, s.recipe.shell};
 }
@@ -74,7 +88,7 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
             chosen->push_back(method == VoidMethod::foam ? "voids 1.4 times as long as wide"
                                                          : "voids twice as long as wide");
     }
-    return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim),
+    return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim).scaled(s.recipe.radiusScale),
             SizeDistribution::parse(aspect, Dim),
             makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
 }
@@ -83,8 +97,7 @@ namespace {
 
 /// Where less is wanted, voids are as many as leave this share.
 constexpr double kLeastBvtv = 0.005;
-/// The largest factor on the radii of a dense pack.
-constexpr double kMostDilation = 1.6;
+constexpr double kFoamJitter = 0.25;
 /// Points for the mean of a field.
 constexpr int kFieldPoints = 200'000;
 
@@ -155,14 +168,20 @@ template <int Dim>
 VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
                            std::vector<std::string>* chosen) {
     const VoidShape<Dim> shape = voidShapeOf(s, chosen);
-    const auto voids = foamVoids(
-        regionOf(s), shape, FoamOptions<Dim>{commonAxis(s), s.recipe.jitter, s.seed}, s.callbacks);
+    const FoamOptions<Dim> options{commonAxis(s), s.recipe.jitter.value_or(kFoamJitter), s.seed};
+    FoamPacks<Dim> own;
+    FoamPacks<Dim>& packs = s.packs ? *s.packs : own;
+    const auto pack =
+        packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
+                  foamExtent(regionOf(s), shape, options), s.seed, s.callbacks);
+    const auto voids = foamVoids(regionOf(s), pack->pack, shape, options);
     VoidFamily<Dim> family;
     family.most = kMostDilation;
     // Spheres that touch leave 0.36 (2D: 0.17), an eighth more in radius a third of that.
     const double touching = Dim == 3 ? 0.36 : 0.17;
     family.guess = target > touching ? std::pow((1 - target) / (1 - touching), 1.0 / Dim)
                                      : 1 + 0.125 * std::log(touching / target);
+    if (packs.dilation > 0) family.guess = packs.dilation;
     family.remedy = "; take larger voids, or a smaller `voids.jitter`";
     family.leastHalfAxis = leastHalfAxis(voids);
     const auto& setting = s;
@@ -239,6 +258,7 @@ VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                             \
+    template struct FoamPacks<Dim>;                                                          \
     template VoidRegion<Dim> regionOf(const VoidSetting<Dim>&);                              \
     template double meanBvtv(const VoidSetting<Dim>&);                                       \
     template std::string voidRadiusSpec(const VoidSetting<Dim>&, std::vector<std::string>*); \

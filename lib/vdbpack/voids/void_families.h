@@ -4,15 +4,33 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/voids/dilated_pack.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace vdbpack {
+
+/// Dense packs that several foams are made from, and what was found for the last of them.
+template <int Dim>
+struct FoamPacks {
+    struct Entry {
+        std::string sizes;
+        std::uint64_t seed;
+        FoamPack<Dim> pack;
+    };
+    std::vector<std::shared_ptr<const Entry>> entries;
+    double dilation = 0;  ///< of the last foam; 0: unknown
+
+    /// One of those that there are, or a further one. @throws as `foamPack`
+    std::shared_ptr<const Entry> get(const SizeDistribution& sizes, const Vec<Dim>& half,
+                                     std::uint64_t seed, const Callbacks& callbacks);
+};
 
 /// The domain that voids are cut into, and the spheres around them.
 template <int Dim>
@@ -26,6 +44,7 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
+    FoamPacks<Dim>* packs = nullptr;  ///< kept for further foams; null: they are not
 };
 
 /// The part of the domain that voids are cut into: deeper than the shell.

@@ -85,6 +85,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
                                   e.b = shape.radius.quantile(random.uniform());
                                   e.a = e.b * shape.aspect.quantile(random.uniform());
                                   e.axis = shape.orientation->axis(e.center, random);
+                                  e.id = static_cast<std::uint32_t>(first + i);
                                   if (share) kept[i] = random.uniform() < share(e.center);
                               }
                           });
@@ -180,6 +181,7 @@ std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>& region,
                     e.center[d] = lattice.origin[d] +
                                   (static_cast<double>(at[static_cast<std::size_t>(d)]) + 0.5) *
                                       lattice.cell[d];
+                e.id = static_cast<std::uint32_t>(number);
                 voids.push_back(e);
             }
     keepReaching(region, voids);
@@ -198,6 +200,7 @@ std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>& spher
         e.b = inside ? spheres[i].radius / std::max(1.0, aspect) : spheres[i].radius;
         e.a = e.b * aspect;
         e.axis = shape.orientation->axis(e.center, random);
+        e.id = static_cast<std::uint32_t>(i);
     }
     return voids;
 }

@@ -10,13 +10,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
+#include <string>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr const char* kColumns = "x,y,z,a,b,theta_z,theta_x,ux,uy,uz";
+constexpr const char* kColumns = "x,y,z,a,b,theta_z,theta_x,ux,uy,uz,id";
 constexpr double kAngleTolerance = 1e-3;  ///< rad; the precision of tables with four digits
 
 /// The columns that define the axis.
@@ -109,7 +111,17 @@ void appendRow(std::string& text, const Ellipsoid<Dim>& e, double unitLength, do
         appendNumber(text, value);
         text += ',';
     }
-    text.back() = '\n';
+    text += std::to_string(e.id) + '\n';
+}
+
+/// The number of the row's void; without a column for it, that of the row.
+std::uint32_t readId(const NumberTable& table, const std::optional<std::size_t>& column,
+                     std::size_t row) {
+    if (!column) return static_cast<std::uint32_t>(row);
+    const double id = table.number(*column);
+    if (!(id >= 0 && id < 0x1p32 && id == std::floor(id)))
+        table.failRow(fmt::format("id {} is no whole number from 0 to 2^32 - 1; correct it", id));
+    return static_cast<std::uint32_t>(id);
 }
 
 }  // namespace
@@ -123,6 +135,7 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
     if (Dim == 3) center.push_back(table.require({"z"}));
     const std::size_t a = table.require({"a"}), b = table.require({"b"});
     const AxisColumns columns = axisColumns<Dim>(table);
+    const auto id = table.find({"id"});
 
     std::vector<Ellipsoid<Dim>> voids;
     while (table.nextRow()) {
@@ -144,6 +157,7 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
                 table.number(a), table.number(b)));
         e.axis[Dim == 3 ? 2 : 0] = 1;
         if (axis) e.axis = *axis;
+        e.id = readId(table, id, voids.size());
         voids.push_back(e);
     }
     return voids;

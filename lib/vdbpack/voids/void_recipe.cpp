@@ -59,7 +59,9 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
              !r.radius.empty(),
              {M::overlay, M::mixed, M::ellipses, M::boolean, M::foam}},
             {"voids.blend", r.blend.has_value(), stamped},
-            {"voids.jitter", r.jitter != VoidRecipe().jitter, {M::foam}},
+            {"voids.strut", r.strut.has_value(), stamped},
+            {"voids.strutShare", r.strutShare.has_value(), stamped},
+            {"voids.jitter", r.jitter.has_value(), {M::foam}},
             {"voids.aspect", !r.aspect.empty(), shaped},
             {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
             {"voids.probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
@@ -77,6 +79,9 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
             {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
             {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
             {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
+            {"targetTbsp", r.targetTbsp.has_value(), {M::foam}},
+            {"targetDa", r.targetDa.has_value(), {M::foam}},
+            {"targetConnd", r.targetConnd.has_value(), {M::foam}},
             {"keepConnected", r.keepConnected, all},
             {"cull",
              r.cull == Cull::touch,
@@ -121,9 +126,21 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
     requireShare("deleteFraction", r.deleteFraction, "(0, 1]", false, true);
     requireShare("targetBvtv", r.targetBvtv, "(0, 1)", false, false);
     if (r.targetTbth) requireLength("targetTbth", *r.targetTbth);
+    if (r.targetTbsp) requireLength("targetTbsp", *r.targetTbsp);
+    if (r.targetConnd && !(*r.targetConnd > 0 && std::isfinite(*r.targetConnd)))
+        throw ParameterError(
+            fmt::format("`targetConnd` {}: must be above 0, in 1/mm³", *r.targetConnd));
+    if (r.targetDa && !(*r.targetDa >= 0 && *r.targetDa < 1))
+        throw ParameterError(fmt::format(
+            "`targetDa` {}: must lie in [0, 1): 1 - (short / long)² of the mean intercept lengths. "
+            "From a ratio R = long / short of other programs it is 1 - 1 / R²",
+            *r.targetDa));
     if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
-    if (!(r.jitter >= 0 && r.jitter <= 1))
-        throw ParameterError(fmt::format("`voids.jitter` {}: must lie in [0, 1]", r.jitter));
+    requireShare("voids.jitter", r.jitter, "[0, 1]", true, true);
+    requireShare("voids.strutShare", r.strutShare, "[0, 1]", true, true);
+    if (r.strut && !(*r.strut >= 0 && std::isfinite(*r.strut)))
+        throw ParameterError(
+            fmt::format("`voids.strut` {}: must be a thickness in mm, 0 or more", *r.strut));
     if (r.blend && !(*r.blend >= 0 && std::isfinite(*r.blend)))
         throw ParameterError(
             fmt::format("`voids.blend` {}: must be a length in mm, 0 or more", *r.blend));
@@ -144,7 +161,7 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
     if (!r.bvtvField.empty() && r.count)
         throw ParameterError(
             "`voids.count` and `bvtvField` both determine the amount of voids; give one of them");
-    if (r.targetTbth && !r.targetBvtv)
+    if (r.targetTbth && !r.targetBvtv && method != VoidMethod::foam)
         throw ParameterError(
             "`targetTbth` fixes the thickness at a given BV/TV; give `targetBvtv` as well");
     const std::pair<bool, const char*> amounts[] = {
@@ -164,9 +181,11 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
         throw ParameterError("`voids` grid needs `matrix` or `cell`");
     const bool sized =
         isOneOf(method, {VoidMethod::overlay, VoidMethod::boolean, VoidMethod::foam});
-    if (sized && r.radius.empty() && !hasSpheres)
-        throw ParameterError(
-            fmt::format("`voids` {} needs `voids.radius`, the half-axis b in mm", r.method));
+    const bool scaled = method == VoidMethod::foam && (r.targetTbth || r.targetTbsp || r.targetConnd);
+    if (sized && r.radius.empty() && !hasSpheres && !scaled)
+        throw ParameterError(fmt::format(
+            "`voids` {} needs `voids.radius`, the half-axis b in mm{}", r.method,
+            method == VoidMethod::foam ? ", or `targetTbth`, `targetTbsp` or `targetConnd`" : ""));
 }
 
 }  // namespace
@@ -193,6 +212,11 @@ VoidMethod methodOf(const VoidRecipe& recipe) {
 
 std::string listFile(const VoidRecipe& recipe) {
     return methodOf(recipe) == VoidMethod::list ? recipe.method.substr(5) : std::string();
+}
+
+bool hasStructureTargets(const VoidRecipe& r) {
+    return methodOf(r) == VoidMethod::foam &&
+           (r.targetTbth || r.targetTbsp || r.targetDa || r.targetConnd);
 }
 
 bool isThinning(VoidMethod method) {

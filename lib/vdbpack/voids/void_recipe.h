@@ -44,12 +44,24 @@ struct VoidRecipe {
     std::string bvtvField;
     std::string bvtvRange;             ///< "MARROW,BONE": grey values at BV/TV 0 and 1
     std::optional<double> targetTbth;  ///< boolean, foam: mean Tb.Th to reach by the size of voids
+    std::optional<double> targetTbsp;  ///< foam: mean Tb.Sp to reach
+    std::optional<double> targetDa;    ///< foam: DA to reach, 1 - (short / long)^2
+    std::optional<double> targetConnd;  ///< foam: Conn.D to reach, 1/mm^3
+    /// foam: standard deviations of the local thickness and spacing to come near to, in their means;
+    /// those of a sample.
+    std::optional<double> thicknessScatter, separationScatter;
     double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
+    double radiusScale = 1;            ///< factor on these half-axes, as a target needs it
     std::string aspect;                ///< SPEC of a / b; empty: 2
-    double jitter = 0.25;              ///< foam: largest displacement of a void, in its radii
+    /// foam: largest displacement of a void, in its radii; empty: a quarter.
+    std::optional<double> jitter;
     /// Length over which voids run into one another; empty: of foam a tenth of the mean b, else 0.
     std::optional<double> blend;
+    /// Thickness of struts between voids that overlap, mm; empty: of foam a fifth of the mean b,
+    /// else 0.
+    std::optional<double> strut;
+    std::optional<double> strutShare;  ///< of the lines between voids that have one; empty: all
     std::optional<double> count;  ///< boolean, overlay: voids with centers deeper than the shell
     std::optional<double> probability;     ///< grid: of a void in a box; mixed, ellipses: of a hole
     std::optional<double> deleteFraction;  ///< D of concentric and threshold, 0 to 1
@@ -59,6 +71,9 @@ struct VoidRecipe {
 
     bool empty() const { return method.empty(); }
 };
+
+/// Whether the knobs of a foam are to be found for a structure, beside its BV/TV.
+bool hasStructureTargets(const VoidRecipe& recipe);
 
 /// Grey values at BV/TV 0 and 1. @throws ParameterError if they are malformed or equal
 std::pair<double, double> parseBvtvRange(const std::string& text);

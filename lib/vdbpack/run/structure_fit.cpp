@@ -1,0 +1,517 @@
+#include "vdbpack/run/structure_fit.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/run/void_stage.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// What is varied, in units in which a step of one matters.
+enum Knob { kScale, kSpread, kAspect, kJitter, kBlend, kStruts, kKnobs };
+using Knobs = std::array<double, kKnobs>;
+
+struct KnobRule {
+    double usual, width;  ///< where it stays if no target asks for more, and how gladly it leaves
+    double low, high;
+    double step;   ///< of differences
+    double limit;  ///< of one step of the solver
+};
+/// Logarithms but for spread, jitter and struts. The spread is the standard deviation of the
+/// logarithm of the radii; the blend is that in mean b.
+constexpr std::array<KnobRule, kKnobs> kRules{{{0, 100, -3, 3, 0.05, 0.4},
+                                               {0.4, 0.3, 0.05, 0.75, 0.12, 0.2},
+                                               {0.336, 1, 0, 1.2, 0.15, 0.3},
+                                               {0.35, 0.4, 0, 1, 0.2, 0.3},
+                                               {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},
+                                               {0.6, 0.4, 0, 1, -0.25, 0.35}}};
+
+/// BV/TV if no target says it, and of plates a share of what they would have.
+constexpr double kUsualBvtv = 0.2, kShareOfPlates = 0.7;
+/// Mean b in trabecular periods (Tb.Th + Tb.Sp); Conn.D times a period cubed of usual bone.
+constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
+/// Voxels of a trabecula; of a small specimen, and of one that is measured for good.
+constexpr double kCoarseVoxels = 4.5, kFineVoxels = 5;
+/// Trabecular periods along a specimen.
+constexpr double kCoarsePeriods = 5.5, kFinePeriods = 10;
+/// The most voxels that a specimen is measured in.
+constexpr double kMostVoxels = 1.2e8;
+constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4, kScatterSeeds = 3;
+/// Relative error that ends the search; beyond the second a target is warned of, beyond the third
+/// refused.
+constexpr double kCoarseError = 0.02, kFineError = 0.01, kWarnedError = 0.03, kRefusedError = 0.1;
+/// A step of one width away from a usual value weighs as much as this relative error.
+constexpr double kPriorError = 0.01;
+/// Scatters are not numbers that were asked for: an error of them counts this much.
+constexpr double kScatterWeight = 0.15;
+
+struct Target {
+    const char* name;     ///< of the parameter; of a scatter what it is
+    double asked;
+    double weight = 1;
+    double power = 0;  ///< how the value goes with all lengths
+};
+
+/// The numbers of a specimen, in the order of the targets.
+struct Specimen {
+    std::vector<double> values, errors;  ///< errors are relative to what was asked
+    double bvtv = 0;                     ///< as measured
+};
+
+/// Thickness of trabeculae in their spacing, of usual bone.
+double usualSlenderness(double bvtv) {
+    return 0.1 + 0.8 * bvtv;
+}
+
+class Fit {
+public:
+    Fit(const VoidSetting<3>& setting, FoamPacks<3>& packs)
+        : s_(setting), r_(setting.recipe), packs_(packs) {
+        bvtv_ = r_.targetBvtv.value_or(
+            r_.targetTbth && r_.targetTbsp
+                ? kShareOfPlates * *r_.targetTbth / (*r_.targetTbth + *r_.targetTbsp)
+                : kUsualBvtv);
+        const double slender = usualSlenderness(bvtv_);
+        if (r_.targetTbth && r_.targetTbsp)
+            period_ = *r_.targetTbth + *r_.targetTbsp;
+        else if (r_.targetTbth)
+            period_ = *r_.targetTbth * (1 + 1 / slender);
+        else if (r_.targetTbsp)
+            period_ = *r_.targetTbsp * (1 + slender);
+        else if (r_.targetConnd)
+            period_ = std::cbrt(kUsualConnectivity / *r_.targetConnd);
+        else
+            period_ = SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean() *
+                      s_.recipe.radiusScale / kRadiusInPeriods;
+        thickness_ = r_.targetTbth.value_or(period_ * slender / (1 + slender));
+        if (r_.targetTbth) targets_.push_back({"targetTbth", *r_.targetTbth, 1, 1});
+        if (r_.targetTbsp) targets_.push_back({"targetTbsp", *r_.targetTbsp, 1, 1});
+        if (r_.targetDa) targets_.push_back({"targetDa", std::max(*r_.targetDa, 0.05)});
+        if (r_.targetConnd) targets_.push_back({"targetConnd", *r_.targetConnd, 1, -3});
+        if (r_.thicknessScatter)
+            targets_.push_back({"thickness", *r_.thicknessScatter, kScatterWeight});
+        if (r_.separationScatter)
+            targets_.push_back({"separation", *r_.separationScatter, kScatterWeight});
+        free_.fill(true);
+        free_[kScale] = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
+        free_[kSpread] = r_.radius.empty();
+        free_[kAspect] = r_.aspect.empty() && r_.targetDa;
+        free_[kJitter] = !r_.jitter;
+        free_[kBlend] = !r_.blend;
+        free_[kStruts] = !r_.strutShare && !(r_.strut && *r_.strut == 0);
+        for (int k = 0; k < kKnobs; ++k) x_[static_cast<std::size_t>(k)] = kRules[static_cast<std::size_t>(k)].usual;
+        x_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(x_));
+        if (r_.aspect.empty() && !r_.targetDa && !directed()) x_[kAspect] = 0;
+    }
+
+    StructureFit run() {
+        strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
+        const Vec<3> size = s_.domain.bounds().size();
+        const double side = *std::min_element(size.c.begin(), size.c.end());
+        // Small and coarse first.
+        voxel_ = thickness_ / kCoarseVoxels;
+        const double coarseSide = std::min(side, kCoarsePeriods * period_);
+        const auto coarse = boxAbout(Vec<3>{{1, 1, 1}} * coarseSide);
+        domain_ = coarse.get();
+        makeFirst();
+        differences();
+        search(kCoarseRounds, kCoarseError);
+        const Knobs small = best_->first;
+        // Then as it will be.
+        voxel_ = r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels;
+        std::shared_ptr<const Domain<3>> fine;
+        const bool whole = s_.domain.facts().kind == "box" && s_.recipe.shell == 0 && !s_.bvtv &&
+                           r_.orientation.field.empty() &&
+                           s_.domain.volume() / std::pow(voxel_, 3) <= kMostVoxels;
+        double fineSide = side;
+        if (whole) {
+            domain_ = &s_.domain;
+        } else {
+            fineSide = std::min({std::max(side, coarseSide), kFinePeriods * period_,
+                                 std::cbrt(kMostVoxels) * voxel_});
+            fine = boxAbout(Vec<3>{{1, 1, 1}} * fineSide);
+            domain_ = fine.get();
+        }
+        best_.reset();
+        spreadIsKept_ = true;
+        offer(small, measure(small));
+        search(kFineRounds, kFineError);
+        const Specimen found = best_->second;
+        const Knobs knobs = best_->first;
+        refuseMissed(found);
+        StructureFit result;
+        result.recipe = recipeOf(knobs);
+        result.recipe.shell = r_.shell;
+        result.recipe.voxelSize = voxel_;
+        result.recipe.keepConnected = r_.keepConnected;
+        result.recipe.orientation = r_.orientation;
+        if (!directed() && knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
+        result.specimen = fineSide;
+        report(found, knobs, *coarse, result);
+        domain_ = nullptr;
+        return result;
+    }
+
+private:
+    bool directed() const {
+        const OrientationRecipe& o = r_.orientation;
+        return !o.axis.empty() || !o.field.empty() || !o.angles.empty();
+    }
+
+    static std::shared_ptr<const Domain<3>> boxAbout(const Vec<3>& size) {
+        return boxDomain(Box<3>{size * -0.5, size * 0.5});
+    }
+
+    std::string radiusSpec(const Knobs& x) const {
+        if (!free_[kSpread]) return r_.radius;
+        const double sigma = x[kSpread];
+        return fmt::format("lognormal:1,{:.4f},{:.5f},{:.5f}", sigma, std::exp(-2 * sigma),
+                           std::exp(2 * sigma));
+    }
+    double meanRadius(const Knobs& x) const {
+        return SizeDistribution::parse(radiusSpec(x), 3).mean();
+    }
+
+    /// The foam of some knobs, in a box of its own.
+    VoidRecipe recipeOf(const Knobs& x) const {
+        VoidRecipe r = r_;
+        r.targetTbth = r.targetTbsp = r.targetDa = r.targetConnd = std::nullopt;
+        r.thicknessScatter = r.separationScatter = std::nullopt;
+        r.targetBvtv = bvtv_;
+        r.bvtvField.clear();
+        r.bvtvRange.clear();
+        r.shell = 0;
+        r.voxelSize = voxel_;
+        r.radius = radiusSpec(x);
+        r.radiusScale = free_[kScale] || free_[kSpread] ? std::exp(x[kScale]) : r_.radiusScale;
+        const double mean = meanRadius(x) * r.radiusScale;
+        if (r_.aspect.empty()) r.aspect = fmt::format("constant:{:.6g}", std::exp(x[kAspect]));
+        r.jitter = r_.jitter.value_or(x[kJitter]);
+        r.blend = r_.blend.value_or(std::exp(x[kBlend]) * mean);
+        r.strut = r_.strut.value_or(strut_ * mean);
+        r.strutShare = r_.strutShare.value_or(x[kStruts]);
+        if (!r.orientation.field.empty() || !directed()) {
+            r.orientation.field.clear();
+            r.orientation.axis = "0,0,1";
+        }
+        return r;
+    }
+
+    Specimen measure(const Knobs& x) { return measure(x, s_.seed); }
+
+    Specimen measure(const Knobs& x, std::uint64_t seed) {
+        s_.callbacks.stopIfCancelled();
+        s_.callbacks.report("voids", 0, 0);
+        Callbacks quiet;
+        quiet.cancelled = s_.callbacks.cancelled;
+        const VoidRecipe recipe = recipeOf(x);
+        VoidSetting<3> setting{recipe, *domain_, 0, seed, 0, quiet};
+        setting.packs = &packs_;
+        MadeVoids<3> made = makeVoids(setting);
+        packs_.dilation = made.report.amount.value_or(0);
+        measureVoids(setting, 0, static_cast<const Pack<3>*>(nullptr), made);
+        const VoxelImage image = sampleLevelSet(*made.solid.grid, domain_->bounds());
+        const Morphometry m = measureMorphometry(image);
+        if (!m.thickness || !m.separation || !m.anisotropy)
+            throw ParameterError(fmt::format(
+                "`targetBvtv` {}: leaves nothing to measure; give a higher one", bvtv_));
+        Specimen found;
+        found.bvtv = m.solidFraction;
+        if (getenv("FITTRACE")) { fprintf(stderr,"h %.4f n %zu | s %.3f sig %.3f A %.3f J %.3f K %.3f P %.3f | g %.3f bv %.4f th %.4f (%.3f) sp %.4f (%.3f) da %.3f conn %.3f att %.4f\n", voxel_, image.voxels(), x[0],x[1],x[2],x[3],x[4],x[5], packs_.dilation, found.bvtv, m.thickness->mean, m.thickness->sd/m.thickness->mean, m.separation->mean, m.separation->sd/m.separation->mean, m.anisotropy->degree, m.connectivityDensity, m.largestComponent.value_or(0));}
+        for (const Target& t : targets_) {
+            const std::string name = t.name;
+            const double value = name == "targetTbth"    ? m.thickness->mean
+                                 : name == "targetTbsp"  ? m.separation->mean
+                                 : name == "targetDa"    ? m.anisotropy->degree
+                                 : name == "targetConnd" ? m.connectivityDensity
+                                 : name == "thickness"   ? m.thickness->sd / m.thickness->mean
+                                                       : m.separation->sd / m.separation->mean;
+            found.values.push_back(value);
+            found.errors.push_back(value / t.asked - 1);
+        }
+        return found;
+    }
+
+    /// Struts thinner than those that leave too much solid.
+    void makeFirst() {
+        for (int round = 0;; ++round) {
+            try {
+                offer(x_, measure(x_));
+                return;
+            } catch (const ParameterError&) {
+                if (round == 4) throw;
+                strut_ *= 0.7;
+            }
+        }
+    }
+
+    double merit(const Knobs& x, const Specimen& found) const {
+        double sum = 0;
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            sum += std::pow(targets_[i].weight * found.errors[i], 2);
+        for (std::size_t k = 0; k < kKnobs; ++k)
+            if (free_[k]) sum += std::pow(kPriorError * (x[k] - start(k)) / kRules[k].width, 2);
+        return sum;
+    }
+    double start(std::size_t k) const { return k == kScale ? x_[k] : kRules[k].usual; }
+
+    void offer(const Knobs& x, Specimen found) {
+        if (!best_ || merit(x, found) < merit(best_->first, best_->second))
+            best_.emplace(x, std::move(found));
+    }
+
+    void differences() {
+        jacobian_.assign(targets_.size(), Knobs{});
+        const Specimen& at = best_->second;
+        const Knobs from = best_->first;
+        std::vector<std::pair<Knobs, Specimen>> tried;
+        for (std::size_t k = 0; k < kKnobs; ++k) {
+            if (!free_[k]) continue;
+            if (k == kScale) {
+                for (std::size_t i = 0; i < targets_.size(); ++i)
+                    jacobian_[i][k] = targets_[i].power * (1 + at.errors[i]);
+                continue;
+            }
+            Knobs x = from;
+            x[k] += kRules[k].step;
+            Specimen found;
+            try {
+                found = measure(x);
+            } catch (const ParameterError&) {
+                continue;  // no solid of that kind: leave this knob to the others
+            }
+            for (std::size_t i = 0; i < targets_.size(); ++i)
+                jacobian_[i][k] = (found.errors[i] - at.errors[i]) / kRules[k].step;
+            tried.emplace_back(x, std::move(found));
+        }
+        for (auto& [x, found] : tried) offer(x, std::move(found));
+    }
+
+    /// The step from `x` that the linear model says is best, within the limits of the knobs.
+    Knobs step(const Knobs& x, const Specimen& found, double trust) const {
+        std::array<bool, kKnobs> held{};
+        // Another spread is another pack, whose numbers differ by chance.
+        held[kSpread] = spreadIsKept_;
+        Knobs d{};
+        for (int round = 0; round < kKnobs; ++round) {
+            // Normal equations of the free knobs that are not held at a limit.
+            std::vector<std::size_t> at;
+            for (std::size_t k = 0; k < kKnobs; ++k)
+                if (free_[k] && !held[k]) at.push_back(k);
+            const std::size_t n = at.size();
+            std::vector<std::vector<double>> a(n, std::vector<double>(n + 1));
+            for (std::size_t p = 0; p < n; ++p) {
+                for (std::size_t i = 0; i < targets_.size(); ++i) {
+                    const double w = targets_[i].weight * targets_[i].weight;
+                    double rest = found.errors[i];
+                    for (std::size_t k = 0; k < kKnobs; ++k)
+                        if (held[k]) rest += jacobian_[i][k] * d[k];
+                    for (std::size_t q = 0; q < n; ++q)
+                        a[p][q] += w * jacobian_[i][at[p]] * jacobian_[i][at[q]];
+                    a[p][n] -= w * jacobian_[i][at[p]] * rest;
+                }
+                const double prior = std::pow(kPriorError / kRules[at[p]].width, 2);
+                a[p][p] += prior;
+                a[p][n] -= prior * (x[at[p]] - start(at[p]));
+            }
+            const std::vector<double> solved = solve(std::move(a));
+            bool stops = false;
+            for (std::size_t p = 0; p < n; ++p) {
+                const std::size_t k = at[p];
+                const double low = std::max(kRules[k].low - x[k], -trust * kRules[k].limit);
+                const double high = std::min(kRules[k].high - x[k], trust * kRules[k].limit);
+                d[k] = std::clamp(solved[p], std::min(low, 0.0), std::max(high, 0.0));
+                if (d[k] != solved[p]) held[k] = stops = true;
+            }
+            if (!stops) break;
+        }
+        return d;
+    }
+
+    /// Gauss's elimination of a positive definite system, the right side in the last column.
+    static std::vector<double> solve(std::vector<std::vector<double>> a) {
+        const std::size_t n = a.size();
+        for (std::size_t k = 0; k < n; ++k)
+            for (std::size_t i = k + 1; i < n; ++i) {
+                const double f = a[i][k] / a[k][k];
+                for (std::size_t j = k; j <= n; ++j) a[i][j] -= f * a[k][j];
+            }
+        std::vector<double> x(n);
+        for (std::size_t k = n; k-- > 0;) {
+            x[k] = a[k][n];
+            for (std::size_t j = k + 1; j < n; ++j) x[k] -= a[k][j] * x[j];
+            x[k] /= a[k][k];
+        }
+        return x;
+    }
+
+    /// What one specimen more says of the Jacobian.
+    void learn(const Knobs& d, const Specimen& from, const Specimen& to) {
+        double square = 0;
+        for (std::size_t k = 0; k < kKnobs; ++k)
+            square += std::pow(d[k] / kRules[k].step, 2);
+        if (!(square > 1e-4)) return;
+        for (std::size_t i = 0; i < targets_.size(); ++i) {
+            double miss = to.errors[i] - from.errors[i];
+            for (std::size_t k = 0; k < kKnobs; ++k) miss -= jacobian_[i][k] * d[k];
+            for (std::size_t k = 0; k < kKnobs; ++k)
+                jacobian_[i][k] += miss * d[k] / std::pow(kRules[k].step, 2) / square;
+        }
+    }
+
+    double worstError(const Specimen& found) const {
+        double worst = 0;
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (targets_[i].weight == 1) worst = std::max(worst, std::fabs(found.errors[i]));
+        return worst;
+    }
+
+    void search(int rounds, double enough) {
+        double trust = 1;
+        for (int round = 0; round < rounds && worstError(best_->second) > enough; ++round) {
+            if (round == kSpreadRounds) spreadIsKept_ = true;
+            const auto from = *best_;
+            const Knobs d = step(from.first, from.second, trust);
+            Knobs x = from.first;
+            double moved = 0;
+            for (std::size_t k = 0; k < kKnobs; ++k) {
+                x[k] += d[k];
+                moved = std::max(moved, std::fabs(d[k] / kRules[k].step));
+            }
+            if (moved < 1e-3) return;
+            Specimen found;
+            try {
+                found = measure(x);
+            } catch (const ParameterError&) {
+                trust *= 0.4;
+                continue;
+            }
+            learn(d, from.second, found);
+            offer(x, found);
+            trust = best_->first == x ? std::min(1.0, 2 * trust) : 0.5 * trust;
+        }
+    }
+
+    /// @throws ParameterError for a target that is far off, with the range that can be reached.
+    void refuseMissed(const Specimen& found) {
+        std::size_t worst = targets_.size();
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (targets_[i].weight == 1 &&
+                (worst == targets_.size() ||
+                 std::fabs(found.errors[i]) > std::fabs(found.errors[worst])))
+                worst = i;
+        if (worst == targets_.size() || std::fabs(found.errors[worst]) <= kWarnedError) return;
+        const std::string text = fmt::format(
+            "`{}` {:g}: the nearest value found beside the other targets is {:.4g}",
+            targets_[worst].name, targets_[worst].asked, found.values[worst]);
+        if (std::fabs(found.errors[worst]) <= kRefusedError) {
+            s_.callbacks.warn(text);
+            return;
+        }
+        const auto [low, high] = rangeOf(worst);
+        throw ParameterError(fmt::format(
+            "{}; beside them it reaches from {:.3g} to {:.3g}. Give a value in that range, or "
+            "leave another target out",
+            text, low, high));
+    }
+
+    /// The values of a target that can be had while the others are met.
+    std::pair<double, double> rangeOf(std::size_t target) {
+        const auto kept = best_;
+        const Target asked = targets_[target];
+        double low = kept->second.values[target], high = low;
+        const auto saved = jacobian_;
+        for (const double factor : {0.4, 2.5}) {
+            best_ = kept;
+            jacobian_ = saved;
+            targets_[target].asked = factor * kept->second.values[target];
+            targets_[target].weight = 0.3;
+            best_->second.errors[target] = 1 / factor - 1;
+            for (double& j : column(target)) j *= asked.asked / targets_[target].asked;
+            search(kRangeRounds, 0);
+            low = std::min(low, best_->second.values[target]);
+            high = std::max(high, best_->second.values[target]);
+            targets_[target] = asked;
+        }
+        best_ = kept;
+        jacobian_ = saved;
+        return {low, high};
+    }
+    Knobs& column(std::size_t target) { return jacobian_[target]; }
+
+    void report(const Specimen& found, const Knobs& knobs, const Domain<3>& small,
+                StructureFit& result) {
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (targets_[i].weight == 1)
+                result.targets.push_back(
+                    {targets_[i].name, targets_[i].asked, found.values[i], std::nullopt});
+        // How specimens of other seeds differ, from small ones.
+        domain_ = &small;
+        voxel_ = thickness_ / kCoarseVoxels;
+        std::vector<Specimen> others;
+        for (int n = 1; n <= kScatterSeeds; ++n)
+            try {
+                others.push_back(measure(knobs, s_.seed + static_cast<std::uint64_t>(n)));
+            } catch (const ParameterError&) {
+                return;
+            }
+        std::size_t row = 0;
+        for (std::size_t i = 0; i < targets_.size(); ++i) {
+            if (targets_[i].weight != 1) continue;
+            double mean = 0, square = 0;
+            for (const Specimen& o : others) mean += o.values[i] / kScatterSeeds;
+            for (const Specimen& o : others)
+                square += std::pow(o.values[i] - mean, 2) / (kScatterSeeds - 1);
+            result.targets[row++].scatter = std::sqrt(square);
+        }
+    }
+
+    const VoidSetting<3>& s_;
+    const VoidRecipe& r_;
+    FoamPacks<3>& packs_;
+    std::vector<Target> targets_;
+    std::array<bool, kKnobs> free_{};
+    Knobs x_{};  ///< the first
+    double bvtv_ = 0, period_ = 0, thickness_ = 0;
+    bool spreadIsKept_ = false;
+    double strut_ = 0;  ///< thickness of struts in mean b
+    double voxel_ = 0;  ///< of the specimens, mm
+    const Domain<3>* domain_ = nullptr;
+    std::vector<Knobs> jacobian_;  ///< of the errors, a row a target
+    std::optional<std::pair<Knobs, Specimen>> best_;
+};
+
+/// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
+/// Tb.Th and Tb.Sp say: bounds with room to spare.
+constexpr double kMostOfPlates = 1.3, kLeastOfRods = 0.6;
+
+}  // namespace
+
+void requireConsistent(const VoidRecipe& r) {
+    if (!(r.targetBvtv && r.targetTbth && r.targetTbsp)) return;
+    const double share = *r.targetTbth / (*r.targetTbth + *r.targetTbsp);
+    const double most = kMostOfPlates * share, least = kLeastOfRods * share * share;
+    if (*r.targetBvtv <= most && *r.targetBvtv >= least) return;
+    throw ParameterError(fmt::format(
+        "`targetBvtv` {:g} contradicts `targetTbth` {:g} and `targetTbsp` {:g}: rods of that "
+        "thickness and spacing have at least {:.2g}, plates at most {:.2g}; change one of them",
+        *r.targetBvtv, *r.targetTbth, *r.targetTbsp, least, std::min(most, 1.0)));
+}
+
+StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {
+    requireConsistent(setting.recipe);
+    return Fit(setting, packs).run();
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,36 @@
+// Private to runs: a foam with the thickness, spacing, anisotropy and connectivity asked for.
+#pragma once
+
+#include "vdbpack/report/report.h"
+#include "vdbpack/voids/void_families.h"
+#include "vdbpack/voids/void_recipe.h"
+
+#include <vector>
+
+namespace vdbpack {
+
+/// A foam found for the targets of a recipe.
+struct StructureFit {
+    /// As requested, with the parameters of the foam in place of the targets, apart from BV/TV.
+    VoidRecipe recipe;
+    std::vector<TargetReport> targets;
+    double specimen = 0;  ///< side of the cube, or shortest of the box, that was measured, mm
+};
+
+/// Finds radii and their spread, aspect, jitter, blend and struts of a foam, by Gauss-Newton steps
+/// on measured specimens, with a Jacobian from differences that each further specimen corrects
+/// (Broyden (1965), doi:10.1090/S0025-5718-1965-0198670-6): first on a small, coarse one, then on
+/// one as large as ten trabecular periods, or on the domain itself if this is a box of at most that
+/// size. All of them are cut from one pack, so that small changes of the parameters change little
+/// else. What the targets leave open stays near values that look like bone.
+///
+/// @param packs  receives the packs that were made, for the voids themselves.
+/// @throws ParameterError if targets contradict one another, or one is not reachable, with the
+/// range that is; Interrupted, ResourceError
+StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs);
+
+/// A thickness, spacing and BV/TV that no structure has together, before any work.
+/// @throws ParameterError with the values that would be possible.
+void requireConsistent(const VoidRecipe& recipe);
+
+}  // namespace vdbpack

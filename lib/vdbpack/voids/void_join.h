@@ -1,0 +1,107 @@
+// How voids join where they come near or overlap, and the struts that remain between them.
+#pragma once
+
+#include "vdbpack/core/lanes.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+namespace vdbpack {
+
+/// How far apart voids still blend, in lengths of the blend.
+inline constexpr double kBlendReach = 4;
+
+struct VoidJoin {
+    /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
+    /// not. It rounds the edges between them, and opens walls that are thinner.
+    double blend = 0;
+    /// Radius of the struts that remain along the lines where three voids (2D: two) are nearest and
+    /// equally near, however far these overlap, mm; 0: there are none.
+    double strut = 0;
+    double strutShare = 1;  ///< of those lines that have a strut, chosen at random by the voids' ids
+
+    bool isNone() const { return !(blend > 0 || strut > 0); }
+    /// How far a void may lie from a point and still change the level set there, mm.
+    double reach(double voxelSize) const {
+        const double ofStruts = strut > 0 ? blend + strutReach(voxelSize) : 0;
+        return std::max(kBlendReach * blend, ofStruts);
+    }
+    /// Where struts meet the solid, they are rounded over this length, mm.
+    double rounding() const { return 2 * blend; }
+    /// The most by which the distances to the voids of a strut differ, up to three voxels beyond
+    /// its surface, mm.
+    double strutReach(double voxelSize) const { return 2 * (strut + 3 * voxelSize); }
+};
+
+/// The voids that are nearest to a point (one number) or to eight: three in space, two in a plane.
+template <int Dim, class Number, class Word>
+class NearestVoids {
+public:
+    NearestVoids() {
+        for (Number& d : distance_) d = Number{} + std::numeric_limits<float>::max();
+    }
+
+    VDBPACK_INLINE void add(Number distance, Word id) {
+        for (std::size_t k = 0; k < Dim; ++k) {
+            const auto nearer = distance < distance_[k];
+            const Number d = nearer ? distance_[k] : distance;
+            const Word i = nearer ? ids_[k] : id;
+            distance_[k] = nearer ? distance : distance_[k];
+            ids_[k] = nearer ? id : ids_[k];
+            distance = d;
+            id = i;
+        }
+    }
+
+    /// The distance to the last of them.
+    VDBPACK_INLINE Number farthest() const { return distance_[Dim - 1]; }
+
+    /// Square of the distance to the line where all of them are equally near: exact for planes at
+    /// equal angles about it, as those of a foam are.
+    VDBPACK_INLINE Number squareFromLine() const {
+        Number mean{}, sum{};
+        for (const Number& d : distance_) mean += d * (1.0f / Dim);
+        for (const Number& d : distance_) sum += (d - mean) * (d - mean);
+        return sum * (Dim == 3 ? 2.0f / 3 : 0.5f);
+    }
+
+    /// From 0 to 1, the same along all of that line.
+    VDBPACK_INLINE Word chance() const {
+        Word sum{};
+        for (const Word& id : ids_) sum += mixed(id);
+        return mixed(sum) >> 8;
+    }
+    /// `chance` of which a share of the lines lies below.
+    static std::uint32_t below(double share) {
+        return static_cast<std::uint32_t>(std::clamp(share, 0.0, 1.0) * (1u << 24));
+    }
+
+private:
+    /// The finalizer of MurmurHash3 (Appleby 2011): a bijection whose bits all depend on all.
+    VDBPACK_INLINE static Word mixed(Word x) {
+        x ^= x >> 16;
+        x *= 0x85ebca6bu;
+        x ^= x >> 13;
+        x *= 0xc2b2ae35u;
+        x ^= x >> 16;
+        return x;
+    }
+
+    std::array<Number, Dim> distance_;
+    std::array<Word, Dim> ids_{};
+};
+
+/// The larger of both, rounded where they differ by less than `width`.
+template <class Number>
+VDBPACK_INLINE Number roundedMax(Number a, Number b, float width) {
+    const Number most = a > b ? a : b;
+    if (!(width > 0)) return most;
+    const Number apart = a > b ? a - b : b - a;
+    const Number near = width - apart;
+    return most + (near > 0.0f ? near * near * (0.25f / width) : Number{});
+}
+
+}  // namespace vdbpack
