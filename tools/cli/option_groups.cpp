@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/run/recipe.h"
+#include "vdbpack/voids/trabecular_presets.h"
 
 #include <algorithm>
 #include <charconv>
@@ -517,6 +518,24 @@ void VoidOptions::addTargets() const {
            "degree of anisotropy to reach, 1 - (short / long)² as measure prints it (foam)", "D");
     option("--target-connd", voids.targetConnd,
            "connectivity density Conn.D to reach, 1/mm³ (foam)", "C");
+    option("--trabecular", voids.trabecular,
+           "targets from published morphometry, for those that are not given (foam); list prints "
+           "the names with their numbers and sources",
+           "NAME|list")
+        ->check(notEmpty())
+        ->each([](const std::string& name) {
+            if (name == "list") throw CLI::CallForVersion(presetTable(), 0);
+        });
+    option("--like", voids.like,
+           "targets and main direction from a specimen: an image, a level set or a mesh (foam)",
+           "SAMPLE")
+        ->check(notEmpty());
+    option("--like-domain", voids.likeDomain,
+           "total volume of that specimen (all of an image, else the box around the solid)",
+           "DOMAIN")
+        ->check(notEmpty());
+    option("--like-threshold", voids.likeThreshold,
+           "of an image: grey values from this on are solid", "V");
     option("--void-voxel", voids.voxelSize, "voxel size of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());

@@ -85,6 +85,8 @@ Json voidsJson(const Report& r) {
         for (const TargetReport& t : v.targets)
             json["targets"][t.name] = {
                 {"asked", t.asked}, {"reached", t.reached}, {"scatter", orNull(t.scatter)}};
+        json["thicknessDistance"] = orNull(v.thicknessDistance);
+        json["separationDistance"] = orNull(v.separationDistance);
         json["specimen"] = v.specimen;
         json["parameters"] = v.parameters;
     }

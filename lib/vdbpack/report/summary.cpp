@@ -177,6 +177,10 @@ void addTargets(Summary& out, const VoidReport& v) {
                                          t.scatter ? fmt::format(", differs by {:.2g} between seeds",
                                                                  *t.scatter)
                                                    : std::string()));
+    if (v.thicknessDistance && v.separationDistance)
+        out.line("", fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
+                                 "the sample's",
+                                 *v.thicknessDistance, *v.separationDistance));
     out.line("", fmt::format("measured in a specimen of {:.4g} mm; the same without targets:",
                              v.specimen));
     std::string line;

@@ -7,6 +7,9 @@
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/run/structure_fit.h"
+#include "vdbpack/run/structure_sample.h"
+#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -149,13 +152,17 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
 
 }  // namespace
 
-DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks) {
+DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
+    PackRecipe recipe = asked;
+    recipe.voids = withPreset(std::move(recipe.voids));
     checkRecipe(recipe);
     if (!recipe.parts.empty())
         throw ParameterError(
             "a dry run predicts one part; leave out `partsFile`, and name the domain of one");
     return withThreads(recipe.threads, [&] {
         Clock clock;
+        // A foam of usual bone costs about as much as the one that will be found.
+        recipe.voids = usualFoam(withSample(recipe.voids, callbacks));
         const DomainSource source(recipe.domain, callbacks);
         const double mesh = clock.lap();
         DryRun run = predict(recipe, source, callbacks);

@@ -1,13 +1,17 @@
 // The run that cuts voids into a pack that was read: `vdb_pack carve`.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/run/structure_sample.h"
+#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <numeric>
 #include <optional>
+#include <utility>
 
 namespace vdbpack {
 
@@ -65,7 +69,9 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
 
 }  // namespace
 
-RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
+RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
+    CarveRecipe recipe = asked;
+    recipe.voids = withPreset(std::move(recipe.voids));
     checkVoids(recipe.voids, true, false);
     if (recipe.voids.empty() && !(recipe.voids.shell > 0))
         throw ParameterError(
@@ -76,6 +82,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks) {
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);
+    recipe.voids = withThreads(recipe.threads, [&] { return withSample(recipe.voids, callbacks); });
     return runOnInputPack(recipe, "carve", recipe.voids, callbacks,
                           [&](auto& run) { return carve(run, recipe); });
 }

@@ -15,7 +15,9 @@
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/run_parts.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 
@@ -367,8 +369,16 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
     return part;
 }
 
-void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
+void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
+    std::vector<PackRecipe> recipes = asked;
+    const auto forEachVoids = [&recipes](const auto& work) {
+        for (PackRecipe& r : recipes) {
+            work(r.voids);
+            for (PackRecipe& part : r.parts) work(part.voids);
+        }
+    };
+    forEachVoids([](VoidRecipe& voids) { voids = withPreset(std::move(voids)); });
     const PackRecipe& recipe = recipes.front();
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);
@@ -377,6 +387,11 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& caller,
     Report report = begunReport(recipe, "pack", recipe.domain.source);
     const auto work = [&] {
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+        const VoidRecipe sampled = withSample(recipe.voids, heard);
+        for (PackRecipe& r : recipes) {
+            r.voids = sampled;
+            for (PackRecipe& part : r.parts) part.voids = withSample(part.voids, heard);
+        }
         if (const auto parts = partsOf(recipe, heard); !parts.empty()) {
             report.seconds.mesh = clock.lap();
             if (recipes.size() > 1)

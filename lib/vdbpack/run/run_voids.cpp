@@ -5,6 +5,8 @@
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/run/structure_sample.h"
+#include "vdbpack/voids/trabecular_presets.h"
 
 #include <utility>
 
@@ -38,8 +40,10 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
 
 }  // namespace
 
-void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& caller,
+void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
                const std::function<bool(RunResult&&)>& done) {
+    std::vector<VoidsRecipe> recipes = asked;
+    for (VoidsRecipe& r : recipes) r.voids = withPreset(std::move(r.voids));
     const VoidsRecipe& first = recipes.front();
     checkVoids(first.voids, false, false);
     if (first.voids.empty())
@@ -53,6 +57,8 @@ void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& caller,
     withThreads(first.threads, [&] {
         Clock clock;
         const Callbacks heard = keepingWarnings(callbacks, report.warnings);
+        const VoidRecipe sampled = withSample(first.voids, heard);
+        for (VoidsRecipe& r : recipes) r.voids = sampled;
         const DomainSource source(first.domain, heard);
         report.seconds.mesh = clock.lap();
         beginOn({&source}, first, report, heard);

@@ -30,7 +30,7 @@ struct KnobRule {
 };
 /// Logarithms but for spread, jitter and struts. The spread is the standard deviation of the
 /// logarithm of the radii; the blend is that in mean b.
-constexpr std::array<KnobRule, kKnobs> kRules{{{0, 100, -3, 3, 0.05, 0.4},
+constexpr std::array<KnobRule, kKnobs> kRules{{{0, 100, -40, 40, 0.05, 0.4},
                                                {0.4, 0.3, 0.05, 0.75, 0.12, 0.2},
                                                {0.336, 1, 0, 1.2, 0.15, 0.3},
                                                {0.35, 0.4, 0, 1, 0.2, 0.3},
@@ -44,7 +44,7 @@ constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
 /// Voxels of a trabecula; of a small specimen, and of one that is measured for good.
 constexpr double kCoarseVoxels = 4.5, kFineVoxels = 5;
 /// Trabecular periods along a specimen.
-constexpr double kCoarsePeriods = 5.5, kFinePeriods = 10;
+constexpr double kCoarsePeriods = 5.5, kFinePeriods = 10, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4, kScatterSeeds = 3;
@@ -55,17 +55,22 @@ constexpr double kCoarseError = 0.02, kFineError = 0.01, kWarnedError = 0.03, kR
 constexpr double kPriorError = 0.01;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
 constexpr double kScatterWeight = 0.15;
+/// Of a target that cannot be met, while the others are; of one whose range is looked for.
+constexpr double kYieldingWeight = 0.03, kPushingWeight = 0.1;
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 struct Target {
     const char* name;     ///< of the parameter; of a scatter what it is
     double asked;
     double weight = 1;
-    double power = 0;  ///< how the value goes with all lengths
+    double power = 0;      ///< how the value goes with all lengths
+    bool isNumber = true;  ///< was asked for; else it is a scatter to come near to
 };
 
 /// The numbers of a specimen, in the order of the targets.
 struct Specimen {
     std::vector<double> values, errors;  ///< errors are relative to what was asked
+    LengthStatistics thickness, separation;
     double bvtv = 0;                     ///< as measured
 };
 
@@ -74,35 +79,61 @@ double usualSlenderness(double bvtv) {
     return 0.1 + 0.8 * bvtv;
 }
 
+VoidRecipe withoutTargets(VoidRecipe r) {
+    r.targetTbth = r.targetTbsp = r.targetDa = r.targetConnd = std::nullopt;
+    r.thicknessScatter = r.separationScatter = std::nullopt;
+    r.thicknessQuantiles.clear();
+    r.separationQuantiles.clear();
+    return r;
+}
+
+/// What usual bone has where the targets leave it open, mm.
+struct Guess {
+    double bvtv = 0, period = 0, thickness = 0;
+};
+
+/// @param radius  mean b if no target is a length, mm.
+Guess guessOf(const VoidRecipe& r, double radius) {
+    Guess g;
+    g.bvtv =
+        r.targetBvtv.value_or(r.targetTbth && r.targetTbsp
+                                  ? kShareOfPlates * *r.targetTbth / (*r.targetTbth + *r.targetTbsp)
+                                  : kUsualBvtv);
+    const double slender = usualSlenderness(g.bvtv);
+    g.period = r.targetTbth && r.targetTbsp ? *r.targetTbth + *r.targetTbsp
+               : r.targetTbth               ? *r.targetTbth * (1 + 1 / slender)
+               : r.targetTbsp               ? *r.targetTbsp * (1 + slender)
+               : r.targetConnd              ? std::cbrt(kUsualConnectivity / *r.targetConnd)
+                                            : radius * r.radiusScale / kRadiusInPeriods;
+    g.thickness = r.targetTbth.value_or(g.period * slender / (1 + slender));
+    return g;
+}
+
+/// Lognormal radii about 1.
+std::string spreadRadii(double sigma) {
+    return fmt::format("lognormal:1,{:.4f},{:.5f},{:.5f}", sigma, std::exp(-2 * sigma),
+                       std::exp(2 * sigma));
+}
+
 class Fit {
 public:
     Fit(const VoidSetting<3>& setting, FoamPacks<3>& packs)
         : s_(setting), r_(setting.recipe), packs_(packs) {
-        bvtv_ = r_.targetBvtv.value_or(
-            r_.targetTbth && r_.targetTbsp
-                ? kShareOfPlates * *r_.targetTbth / (*r_.targetTbth + *r_.targetTbsp)
-                : kUsualBvtv);
-        const double slender = usualSlenderness(bvtv_);
-        if (r_.targetTbth && r_.targetTbsp)
-            period_ = *r_.targetTbth + *r_.targetTbsp;
-        else if (r_.targetTbth)
-            period_ = *r_.targetTbth * (1 + 1 / slender);
-        else if (r_.targetTbsp)
-            period_ = *r_.targetTbsp * (1 + slender);
-        else if (r_.targetConnd)
-            period_ = std::cbrt(kUsualConnectivity / *r_.targetConnd);
-        else
-            period_ = SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean() *
-                      s_.recipe.radiusScale / kRadiusInPeriods;
-        thickness_ = r_.targetTbth.value_or(period_ * slender / (1 + slender));
+        const Guess guess = guessOf(
+            r_, r_.radius.empty() && s_.largestRadius == 0
+                    ? 0
+                    : SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean());
+        bvtv_ = guess.bvtv;
+        period_ = guess.period;
+        thickness_ = guess.thickness;
         if (r_.targetTbth) targets_.push_back({"targetTbth", *r_.targetTbth, 1, 1});
         if (r_.targetTbsp) targets_.push_back({"targetTbsp", *r_.targetTbsp, 1, 1});
         if (r_.targetDa) targets_.push_back({"targetDa", std::max(*r_.targetDa, 0.05)});
         if (r_.targetConnd) targets_.push_back({"targetConnd", *r_.targetConnd, 1, -3});
         if (r_.thicknessScatter)
-            targets_.push_back({"thickness", *r_.thicknessScatter, kScatterWeight});
+            targets_.push_back({"thickness", *r_.thicknessScatter, kScatterWeight, 0, false});
         if (r_.separationScatter)
-            targets_.push_back({"separation", *r_.separationScatter, kScatterWeight});
+            targets_.push_back({"separation", *r_.separationScatter, kScatterWeight, 0, false});
         free_.fill(true);
         free_[kScale] = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
         free_[kSpread] = r_.radius.empty();
@@ -117,12 +148,9 @@ public:
 
     StructureFit run() {
         strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
-        const Vec<3> size = s_.domain.bounds().size();
-        const double side = *std::min_element(size.c.begin(), size.c.end());
         // Small and coarse first.
         voxel_ = thickness_ / kCoarseVoxels;
-        const double coarseSide = std::min(side, kCoarsePeriods * period_);
-        const auto coarse = boxAbout(Vec<3>{{1, 1, 1}} * coarseSide);
+        const auto coarse = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
         domain_ = coarse.get();
         makeFirst();
         differences();
@@ -131,25 +159,25 @@ public:
         // Then as it will be.
         voxel_ = r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels;
         std::shared_ptr<const Domain<3>> fine;
+        const Vec<3> size = s_.domain.bounds().size();
+        double side = *std::min_element(size.c.begin(), size.c.end());
         const bool whole = s_.domain.facts().kind == "box" && s_.recipe.shell == 0 && !s_.bvtv &&
-                           r_.orientation.field.empty() &&
+                           r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
                            s_.domain.volume() / std::pow(voxel_, 3) <= kMostVoxels;
-        double fineSide = side;
         if (whole) {
             domain_ = &s_.domain;
         } else {
-            fineSide = std::min({std::max(side, coarseSide), kFinePeriods * period_,
-                                 std::cbrt(kMostVoxels) * voxel_});
-            fine = boxAbout(Vec<3>{{1, 1, 1}} * fineSide);
+            side = std::min(kFinePeriods * period_, std::cbrt(kMostVoxels) * voxel_);
+            fine = boxAbout(Vec<3>{{1, 1, 1}} * side);
             domain_ = fine.get();
         }
         best_.reset();
         spreadIsKept_ = true;
         offer(small, measure(small));
         search(kFineRounds, kFineError);
+        judgeMissed();
         const Specimen found = best_->second;
         const Knobs knobs = best_->first;
-        refuseMissed(found);
         StructureFit result;
         result.recipe = recipeOf(knobs);
         result.recipe.shell = r_.shell;
@@ -157,7 +185,7 @@ public:
         result.recipe.keepConnected = r_.keepConnected;
         result.recipe.orientation = r_.orientation;
         if (!directed() && knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
-        result.specimen = fineSide;
+        result.specimen = side;
         report(found, knobs, *coarse, result);
         domain_ = nullptr;
         return result;
@@ -175,9 +203,7 @@ private:
 
     std::string radiusSpec(const Knobs& x) const {
         if (!free_[kSpread]) return r_.radius;
-        const double sigma = x[kSpread];
-        return fmt::format("lognormal:1,{:.4f},{:.5f},{:.5f}", sigma, std::exp(-2 * sigma),
-                           std::exp(2 * sigma));
+        return spreadRadii(x[kSpread]);
     }
     double meanRadius(const Knobs& x) const {
         return SizeDistribution::parse(radiusSpec(x), 3).mean();
@@ -185,9 +211,7 @@ private:
 
     /// The foam of some knobs, in a box of its own.
     VoidRecipe recipeOf(const Knobs& x) const {
-        VoidRecipe r = r_;
-        r.targetTbth = r.targetTbsp = r.targetDa = r.targetConnd = std::nullopt;
-        r.thicknessScatter = r.separationScatter = std::nullopt;
+        VoidRecipe r = withoutTargets(r_);
         r.targetBvtv = bvtv_;
         r.bvtvField.clear();
         r.bvtvRange.clear();
@@ -228,6 +252,8 @@ private:
                 "`targetBvtv` {}: leaves nothing to measure; give a higher one", bvtv_));
         Specimen found;
         found.bvtv = m.solidFraction;
+        found.thickness = *m.thickness;
+        found.separation = *m.separation;
         if (getenv("FITTRACE")) { fprintf(stderr,"h %.4f n %zu | s %.3f sig %.3f A %.3f J %.3f K %.3f P %.3f | g %.3f bv %.4f th %.4f (%.3f) sp %.4f (%.3f) da %.3f conn %.3f att %.4f\n", voxel_, image.voxels(), x[0],x[1],x[2],x[3],x[4],x[5], packs_.dilation, found.bvtv, m.thickness->mean, m.thickness->sd/m.thickness->mean, m.separation->mean, m.separation->sd/m.separation->mean, m.anisotropy->degree, m.connectivityDensity, m.largestComponent.value_or(0));}
         for (const Target& t : targets_) {
             const std::string name = t.name;
@@ -370,16 +396,10 @@ private:
         }
     }
 
-    double worstError(const Specimen& found) const {
-        double worst = 0;
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].weight == 1) worst = std::max(worst, std::fabs(found.errors[i]));
-        return worst;
-    }
-
-    void search(int rounds, double enough) {
+    /// @param left  a target that need not be met.
+    void search(int rounds, double enough, std::size_t left = kNone) {
         double trust = 1;
-        for (int round = 0; round < rounds && worstError(best_->second) > enough; ++round) {
+        for (int round = 0; round < rounds && worstBut(left) > enough; ++round) {
             if (round == kSpreadRounds) spreadIsKept_ = true;
             const auto from = *best_;
             const Knobs d = step(from.first, from.second, trust);
@@ -398,64 +418,105 @@ private:
                 continue;
             }
             learn(d, from.second, found);
+            seen_.push_back(found);
             offer(x, found);
             trust = best_->first == x ? std::min(1.0, 2 * trust) : 0.5 * trust;
         }
     }
 
-    /// @throws ParameterError for a target that is far off, with the range that can be reached.
-    void refuseMissed(const Specimen& found) {
-        std::size_t worst = targets_.size();
+    /// The target that is missed most.
+    std::size_t worstTarget() const {
+        std::size_t worst = 0;
         for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].weight == 1 &&
-                (worst == targets_.size() ||
-                 std::fabs(found.errors[i]) > std::fabs(found.errors[worst])))
-                worst = i;
-        if (worst == targets_.size() || std::fabs(found.errors[worst]) <= kWarnedError) return;
-        const std::string text = fmt::format(
-            "`{}` {:g}: the nearest value found beside the other targets is {:.4g}",
-            targets_[worst].name, targets_[worst].asked, found.values[worst]);
-        if (std::fabs(found.errors[worst]) <= kRefusedError) {
-            s_.callbacks.warn(text);
-            return;
+            if (targets_[i].isNumber && errorOf(i) > errorOf(worst)) worst = i;
+        return worst;
+    }
+    double errorOf(std::size_t i) const { return std::fabs(best_->second.errors[i]); }
+
+    /// Names a target that is missed, with the range that can be reached beside the others.
+    /// @throws ParameterError with it if the target is far off and was asked for by itself.
+    void judgeMissed() {
+        if (worstBut(kNone) <= kWarnedError) return;
+        // The others first: mostly the connectivity is what foams of that kind do not have.
+        std::size_t missed = worstTarget();
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (std::string(targets_[i].name) == "targetConnd") missed = i;
+        const auto before = best_;
+        const double weight = targets_[missed].weight;
+        targets_[missed].weight = kYieldingWeight;
+        search(kRangeRounds, kFineError, missed);
+        if (worstBut(missed) > kWarnedError) {  // it is not that one
+            targets_[missed].weight = weight;
+            best_ = before;
+            missed = worstTarget();
+            targets_[missed].weight = kYieldingWeight;
         }
-        const auto [low, high] = rangeOf(worst);
-        throw ParameterError(fmt::format(
-            "{}; beside them it reaches from {:.3g} to {:.3g}. Give a value in that range, or "
-            "leave another target out",
-            text, low, high));
+        const auto found = best_;
+        const auto [low, high] = rangeOf(missed);
+        best_ = found;
+        const double error = errorOf(missed);
+        const std::string text = fmt::format(
+            "`{}` {:.4g}: beside the other targets, values from {:.3g} to {:.3g} were found",
+            targets_[missed].name, targets_[missed].asked, low, high);
+        const bool ofBone = !r_.thicknessQuantiles.empty() || !r_.trabecular.empty();
+        if (error > kRefusedError && !ofBone)
+            throw ParameterError(text + "; give one of these, or leave another target out");
+        s_.callbacks.warn(
+            fmt::format("{}; this structure has {:.4g}", text, found->second.values[missed]));
     }
 
-    /// The values of a target that can be had while the others are met.
+    double worstBut(std::size_t left) const {
+        double worst = 0;
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (targets_[i].isNumber && i != left) worst = std::max(worst, errorOf(i));
+        return worst;
+    }
+
+    /// The values of a target that were found while the others were nearly met.
     std::pair<double, double> rangeOf(std::size_t target) {
         const auto kept = best_;
         const Target asked = targets_[target];
         double low = kept->second.values[target], high = low;
         const auto saved = jacobian_;
-        for (const double factor : {0.4, 2.5}) {
+        const double enough = std::max(kWarnedError, 1.5 * worstBut(target));
+        for (const double factor : {0.5, 2.0}) {
             best_ = kept;
             jacobian_ = saved;
             targets_[target].asked = factor * kept->second.values[target];
-            targets_[target].weight = 0.3;
+            targets_[target].weight = kPushingWeight;
             best_->second.errors[target] = 1 / factor - 1;
-            for (double& j : column(target)) j *= asked.asked / targets_[target].asked;
+            for (double& j : jacobian_[target]) j *= asked.asked / targets_[target].asked;
+            seen_.clear();
             search(kRangeRounds, 0);
-            low = std::min(low, best_->second.values[target]);
-            high = std::max(high, best_->second.values[target]);
+            for (const Specimen& s : seen_) {
+                double others = 0;
+                for (std::size_t i = 0; i < targets_.size(); ++i)
+                    if (targets_[i].isNumber && i != target)
+                        others = std::max(others, std::fabs(s.errors[i]));
+                if (others > enough) continue;
+                low = std::min(low, s.values[target]);
+                high = std::max(high, s.values[target]);
+            }
             targets_[target] = asked;
         }
         best_ = kept;
         jacobian_ = saved;
         return {low, high};
     }
-    Knobs& column(std::size_t target) { return jacobian_[target]; }
 
     void report(const Specimen& found, const Knobs& knobs, const Domain<3>& small,
                 StructureFit& result) {
         for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].weight == 1)
+            if (targets_[i].isNumber)
                 result.targets.push_back(
                     {targets_[i].name, targets_[i].asked, found.values[i], std::nullopt});
+        const auto toSample = [](const LengthStatistics& have, const std::vector<double>& sample) {
+            LengthStatistics other;
+            other.quantiles = sample;
+            return sample.empty() ? std::nullopt : std::optional(ksDistance(have, other));
+        };
+        result.thicknessDistance = toSample(found.thickness, r_.thicknessQuantiles);
+        result.separationDistance = toSample(found.separation, r_.separationQuantiles);
         // How specimens of other seeds differ, from small ones.
         domain_ = &small;
         voxel_ = thickness_ / kCoarseVoxels;
@@ -468,7 +529,7 @@ private:
             }
         std::size_t row = 0;
         for (std::size_t i = 0; i < targets_.size(); ++i) {
-            if (targets_[i].weight != 1) continue;
+            if (!targets_[i].isNumber) continue;
             double mean = 0, square = 0;
             for (const Specimen& o : others) mean += o.values[i] / kScatterSeeds;
             for (const Specimen& o : others)
@@ -490,6 +551,7 @@ private:
     const Domain<3>* domain_ = nullptr;
     std::vector<Knobs> jacobian_;  ///< of the errors, a row a target
     std::optional<std::pair<Knobs, Specimen>> best_;
+    std::vector<Specimen> seen_;  ///< by the searches so far
 };
 
 /// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
@@ -497,6 +559,21 @@ private:
 constexpr double kMostOfPlates = 1.3, kLeastOfRods = 0.6;
 
 }  // namespace
+
+VoidRecipe usualFoam(const VoidRecipe& asked) {
+    if (!hasStructureTargets(asked)) return asked;
+    VoidRecipe r = withoutTargets(asked);
+    const bool scaled = asked.targetTbth || asked.targetTbsp || asked.targetConnd;
+    if (!scaled) return r;
+    const Guess guess = guessOf(asked, 0);
+    r.targetBvtv = guess.bvtv;
+    const std::string radius =
+        r.radius.empty() ? spreadRadii(kRules[kSpread].usual) : asked.radius;
+    const SizeDistribution sizes = SizeDistribution::parse(radius, 3);
+    r.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean()).spec();
+    if (!(r.voxelSize > 0)) r.voxelSize = guess.thickness / kFineVoxels;
+    return r;
+}
 
 void requireConsistent(const VoidRecipe& r) {
     if (!(r.targetBvtv && r.targetTbth && r.targetTbsp)) return;

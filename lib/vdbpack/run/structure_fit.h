@@ -5,6 +5,7 @@
 #include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_recipe.h"
 
+#include <optional>
 #include <vector>
 
 namespace vdbpack {
@@ -14,6 +15,9 @@ struct StructureFit {
     /// As requested, with the parameters of the foam in place of the targets, apart from BV/TV.
     VoidRecipe recipe;
     std::vector<TargetReport> targets;
+    /// Kolmogorov-Smirnov distances of local thickness and spacing to those of the sample; absent:
+    /// there is none.
+    std::optional<double> thicknessDistance, separationDistance;
     double specimen = 0;  ///< side of the cube, or shortest of the box, that was measured, mm
 };
 
@@ -28,6 +32,10 @@ struct StructureFit {
 /// @throws ParameterError if targets contradict one another, or one is not reachable, with the
 /// range that is; Interrupted, ResourceError
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs);
+
+/// The recipe with a foam that usual bone with about those targets has, in place of the targets
+/// but BV/TV; unchanged without such targets. For predictions.
+VoidRecipe usualFoam(const VoidRecipe& recipe);
 
 /// A thickness, spacing and BV/TV that no structure has together, before any work.
 /// @throws ParameterError with the values that would be possible.

@@ -4,6 +4,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/run/memory_estimate.h"
+#include "vdbpack/run/structure_fit.h"
 #include "vdbpack/run/void_stage.h"
 #include "vdbpack/voids/tile_lattice.h"
 #include "vdbpack/voids/void_list.h"
@@ -101,7 +102,8 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
 
 }  // namespace
 
-VoidExtent planVoids(const VoidRecipe& r, const Extent& e, double largestRadius) {
+VoidExtent planVoids(const VoidRecipe& asked, const Extent& e, double largestRadius) {
+    const VoidRecipe r = usualFoam(asked);
     const VoidMethod method = methodOf(r);
     if (method == VoidMethod::none || isThinning(method) || !(e.volume > 0)) return {};
     VoidExtent plan;

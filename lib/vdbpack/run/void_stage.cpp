@@ -304,6 +304,8 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
     recipe = fit.recipe;
     report.targets = fit.targets;
     report.specimen = fit.specimen;
+    report.thicknessDistance = fit.thicknessDistance;
+    report.separationDistance = fit.separationDistance;
     const SizeDistribution radius =
         SizeDistribution::parse(recipe.radius, 3).scaled(recipe.radiusScale);
     report.radius = radius.spec();

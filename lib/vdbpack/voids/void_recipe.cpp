@@ -76,6 +76,8 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
              r.targetBvtv.has_value(),
              {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean,
               M::foam}},
+            {"like", !r.like.empty(), {M::foam}},
+            {"trabecular", !r.trabecular.empty(), {M::foam}},
             {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
             {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
             {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
@@ -181,7 +183,7 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
         throw ParameterError("`voids` grid needs `matrix` or `cell`");
     const bool sized =
         isOneOf(method, {VoidMethod::overlay, VoidMethod::boolean, VoidMethod::foam});
-    const bool scaled = method == VoidMethod::foam && (r.targetTbth || r.targetTbsp || r.targetConnd);
+    const bool scaled = method == VoidMethod::foam && (r.targetTbth || r.targetTbsp || r.targetConnd || !r.like.empty());
     if (sized && r.radius.empty() && !hasSpheres && !scaled)
         throw ParameterError(fmt::format(
             "`voids` {} needs `voids.radius`, the half-axis b in mm{}", r.method,

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -50,6 +51,13 @@ struct VoidRecipe {
     /// foam: standard deviations of the local thickness and spacing to come near to, in their means;
     /// those of a sample.
     std::optional<double> thicknessScatter, separationScatter;
+    /// Quantiles of these distributions in the sample, 0 to 100 %, mm; empty: there is none.
+    std::vector<double> thicknessQuantiles, separationQuantiles;
+    /// An image, level set or mesh of a specimen, whose structure is the target; empty: none.
+    std::string like;
+    std::string likeDomain;  ///< its total volume; empty: all of the image, or the box around it
+    std::optional<double> likeThreshold;  ///< of an image: solid from this grey value on
+    std::string trabecular;  ///< name of a preset whose numbers are the targets; empty: none
     double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
     double radiusScale = 1;            ///< factor on these half-axes, as a target needs it
