@@ -501,13 +501,16 @@ void VoidOptions::addTargets() const {
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
                ")" + orElse(spheres, " or D (concentric, threshold)", ""),
            "F");
-    option("--bvtv-field", voids.bvtvField,
-           "BV/TV by place, from the grey values of an image such as a CT (boolean); without "
-           "--target-bvtv, its mean is the target",
-           "IMAGE")
+    option(
+        "--bvtv-field", voids.bvtvField,
+        "BV/TV by place (boolean): the grey values of an image such as a CT, a .vdb grid of "
+        "floats, or a .csv (x, y, z, value), in mm; without --target-bvtv, its mean is the "
+        "target",
+        "FILE")
         ->check(notEmpty());
     option("--bvtv-range", voids.bvtvRange,
-           "grey values of that image at BV/TV 0 (marrow) and 1 (bone); linear between them",
+           "values of that field at BV/TV 0 (marrow) and 1 (bone), linear between them; needed for "
+           "an image, 0,1 for others",
            "MARROW,BONE")
         ->check(notEmpty());
     option(

@@ -39,7 +39,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
     for (auto& file : checkGrey(settings)) all.push_back(std::move(file));
-    if (!voids.bvtvField.empty()) requireGreyImage("`bvtvField`", voids.bvtvField);
+    requireVoidFields(voids);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
     requireContactTolerance(settings.contactTolerance);

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/voids/scalar_field.h"
 
 #include <fmt/format.h>
 
@@ -134,12 +135,13 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
 
 /// Refuses two parameters that both determine the amount of voids, or none.
 void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
-    if (r.bvtvField.empty() != r.bvtvRange.empty())
+    if (r.bvtvField.empty() && !r.bvtvRange.empty())
+        throw ParameterError("`bvtvRange` " + r.bvtvRange +
+                             ": says what grey values mean; set `bvtvField`");
+    if (!r.bvtvField.empty() && r.bvtvRange.empty() && !namesScalarField(r.bvtvField))
         throw ParameterError(
-            r.bvtvField.empty()
-                ? "`bvtvRange` " + r.bvtvRange + ": says what grey values mean; set `bvtvField`"
-                : "`bvtvField` " + r.bvtvField +
-                      ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
+            "`bvtvField` " + r.bvtvField +
+            ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
     if (!r.bvtvRange.empty()) parseBvtvRange(r.bvtvRange);
     if (!r.bvtvField.empty() && r.count)
         throw ParameterError(

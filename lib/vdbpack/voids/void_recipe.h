@@ -40,9 +40,12 @@ struct VoidRecipe {
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
     std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1
-    /// boolean: an image whose grey values say how BV/TV varies by place; empty: it does not.
+    /// boolean: how BV/TV varies by place: an image, or a file that `readScalarField` reads;
+    /// empty: it does not.
     std::string bvtvField;
-    std::string bvtvRange;             ///< "MARROW,BONE": grey values at BV/TV 0 and 1
+    /// "MARROW,BONE": grey values, or numbers of the file, at BV/TV 0 and 1; empty: a file holds
+    /// BV/TV itself (an image needs it).
+    std::string bvtvRange;
     std::optional<double> targetTbth;  ///< boolean, foam: mean Tb.Th to reach by the size of voids
     double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
     std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
