@@ -503,7 +503,7 @@ void VoidOptions::addTargets() const {
            "F");
     option(
         "--bvtv-field", voids.bvtvField,
-        "BV/TV by place (boolean): the grey values of an image such as a CT, a .vdb grid of "
+        "BV/TV by place (boolean, foam): the grey values of an image such as a CT, a .vdb grid of "
         "floats, or a .csv (x, y, z, value), in mm; without --target-bvtv, its mean is the "
         "target",
         "FILE")

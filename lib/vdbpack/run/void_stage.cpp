@@ -60,16 +60,21 @@ double blendOf(const VoidSetting<Dim>& s) {
     return kFoamBlend * SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim).mean();
 }
 
-/// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
 template <int Dim>
-void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
+StampOptions<Dim> stampOptions(const VoidSetting<Dim>& s, double voxelSize) {
     StampOptions<Dim> options;
     options.voxelSize = voxelSize;
     options.origin = latticeOf(s, voxelSize);
     options.shell = s.recipe.shell;
     options.blend = blendOf(s);
     if (s.recipe.cull == Cull::touch) options.reach = s.largestRadius + 2 * voxelSize;
-    made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
+    return options;
+}
+
+/// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
+template <int Dim>
+void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
+    made.stamped = stampVoids(made.list, s.domain, stampOptions(s, voxelSize), s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
     made.report.totalVolume = regionOf(s).volume();
@@ -298,7 +303,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                     r.bvtvField, mean, r.bvtvRange));
             decided.targetBvtv = mean;
             chosen.push_back(fmt::format(
-                "as many voids as make BV/TV {:.4f}, the mean that {} says", mean, r.bvtvField));
+                "{} BV/TV {:.4f}, the mean that {} says",
+                method == VoidMethod::foam ? "voids dilated to" : "as many voids as make", mean,
+                r.bvtvField));
         } else if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
             chosen.push_back(fmt::format(
@@ -313,6 +320,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                                            told ? nullptr : &chosen);
             told = true;
             const double voxel = voidVoxelFor(asked, family.leastHalfAxis);
+            if (family.follow) family.follow(stampOptions(setting, voxel));
             const auto bvtvAt = [&](double amount) {
                 result.list = family.list(amount);
                 return bvtvOf(setting, voxel, result);

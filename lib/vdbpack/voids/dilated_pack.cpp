@@ -87,11 +87,17 @@ std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const VoidS
 
 template <int Dim>
 std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
-                                    std::vector<Ellipsoid<Dim>> voids, double factor) {
-    for (Ellipsoid<Dim>& e : voids) {
-        e.a *= factor;
-        e.b *= factor;
+                                    std::vector<Ellipsoid<Dim>> voids, double factor,
+                                    const std::vector<double>& local) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        const double by = factor * (local.empty() ? 1 : local[i]);
+        if (!local.empty() && local[i] == 0) continue;
+        Ellipsoid<Dim>& e = voids[kept++] = voids[i];
+        e.a *= by;
+        e.b *= by;
     }
+    voids.resize(kept);
     keepReaching(region, voids);
     return voids;
 }
@@ -99,8 +105,8 @@ std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
 #define VDBPACK_INSTANTIATE(Dim)                                                                  \
     template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const VoidShape<Dim>&, \
                                                    const FoamOptions<Dim>&, const Callbacks&);    \
-    template std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>&,                          \
-                                                 std::vector<Ellipsoid<Dim>>, double);
+    template std::vector<Ellipsoid<Dim>> dilated(                                                 \
+        const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>, double, const std::vector<double>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

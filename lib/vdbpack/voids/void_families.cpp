@@ -4,6 +4,7 @@
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/dilated_pack.h"
+#include "vdbpack/voids/local_dilation.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"
@@ -166,8 +167,18 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
     family.remedy = "; take larger voids, or a smaller `voids.jitter`";
     family.leastHalfAxis = leastHalfAxis(voids);
     const auto& setting = s;
-    family.list = [&setting, voids](double factor) {
-        return dilated(regionOf(setting), voids, factor);
+    const auto local = std::make_shared<std::vector<double>>();
+    family.list = [&setting, voids, local](double factor) {
+        return dilated(regionOf(setting), voids, factor, *local);
+    };
+    if (!s.bvtv) return family;
+    family.guess = 1;
+    family.follow = [&setting, voids, local, target](const StampOptions<Dim>& stamp) {
+        const double mean = meanBvtv(setting), share = mean > 0 ? target / mean : 1;
+        const auto wanted = [&setting, share](const Vec<Dim>& x) {
+            return std::clamp(share * setting.bvtv(x), 0.0, 1.0);
+        };
+        *local = localDilation<Dim>(regionOf(setting), voids, wanted, stamp, setting.callbacks);
     };
     return family;
 }

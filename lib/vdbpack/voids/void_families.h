@@ -4,6 +4,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -59,6 +60,9 @@ struct VoidFamily {
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
+    /// Makes further lists follow BV/TV by place, for voids that are stamped as the options say;
+    /// empty: they do already, or it is the same everywhere. @throws as `localDilation`
+    std::function<void(const StampOptions<Dim>& stamp)> follow{};
 };
 
 /// @param setting  must outlive the family.

@@ -40,7 +40,7 @@ struct VoidRecipe {
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
     std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1
-    /// boolean: how BV/TV varies by place: an image, or a file that `readScalarField` reads;
+    /// boolean, foam: how BV/TV varies by place: an image, or a file that `readScalarField` reads;
     /// empty: it does not.
     std::string bvtvField;
     /// "MARROW,BONE": grey values, or numbers of the file, at BV/TV 0 and 1; empty: a file holds
