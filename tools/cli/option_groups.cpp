@@ -479,6 +479,11 @@ void VoidOptions::addMethod() const {
                orElse(spheres, "; without --voids it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
+    option("--shell-field", voids.shellField,
+           "the same by place, in place of --shell: a .csv (x, y, z, value) or a .vdb grid of "
+           "floats, in mm",
+           "FILE")
+        ->check(notEmpty());
     addShellFrom(command, domain, "Voids");
     auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
                            "spheres that voids remove. centre: those with centers in a void; "

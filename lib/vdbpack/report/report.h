@@ -17,13 +17,14 @@ namespace vdbpack {
 
 /// The voids and the shell in a report.
 struct VoidReport {
-    std::string method;          ///< as requested; empty: only a shell
-    std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
-    double shell = 0;            ///< mm
-    double voxelSize = 0;        ///< of the level set, mm; 0: none
-    double totalVolume = 0;      ///< of the domain deeper than the shell, mm^dim
-    std::optional<double> bvtv;  ///< BV/TV there, of the solid
-    bool ofSpheres = false;      ///< `bvtv` is the remaining share of the spheres' volume instead
+    std::string method;                ///< as requested; empty: only a shell
+    std::uint64_t count = 0;           ///< ellipsoids (2D: ellipses)
+    double shell = 0;                  ///< mm, the largest thickness
+    std::optional<double> leastShell;  ///< where it varies: the smallest, mm
+    double voxelSize = 0;              ///< of the level set, mm; 0: none
+    double totalVolume = 0;            ///< of the domain deeper than the shell, mm^dim
+    std::optional<double> bvtv;        ///< BV/TV there, of the solid
+    bool ofSpheres = false;  ///< `bvtv` is the remaining share of the spheres' volume instead
     /// Found by a target or given: voids per mm^dim (boolean), their number (overlay), probability
     /// (grid, mixed, ellipses) or D (concentric, threshold).
     std::optional<double> amount;

@@ -182,11 +182,12 @@ void addVoids(Summary& out, const Report& r, const Words& words) {
                                          : std::string()));
     }
     if (v.shell > 0 && r.count > 0)
-        out.line(
-            "shell",
-            fmt::format("{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), words.spheres,
-                        v.across ? fmt::format("; {:.3g} {} across", *v.across, words.spheres)
-                                 : std::string()));
+        out.line("shell",
+                 fmt::format("{}{:g} mm, {} {} cortical{}",
+                             v.leastShell ? fmt::format("{:g} to ", *v.leastShell) : std::string(),
+                             v.shell, grouped(v.cortical), words.spheres,
+                             v.across ? fmt::format("; {:.3g} {} across", *v.across, words.spheres)
+                                      : std::string()));
 }
 
 /// "none", apart from what the input pack had; or nothing if this run found more than that.

@@ -98,6 +98,12 @@ void requireGreyImage(const std::string& setting, const std::string& file) {
 }
 
 void requireVoidFields(const VoidRecipe& voids) {
+    if (!voids.shellField.empty()) {
+        if (!namesScalarField(voids.shellField))
+            throw ParameterError("`shellField`: " + voids.shellField +
+                                 " is no field by its name; give a .vdb or a .csv");
+        requireThere(voids.shellField);
+    }
     if (voids.bvtvField.empty()) return;
     if (!namesScalarField(voids.bvtvField) && !namesImage(voids.bvtvField))
         throw ParameterError("`bvtvField`: " + voids.bvtvField +

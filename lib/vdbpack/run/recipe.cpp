@@ -96,8 +96,8 @@ double parseDensify(const std::string& text) {
 }
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe), recipe.matrix, recipe.orientation.field,
-            recipe.radius,    recipe.aspect, recipe.bvtvField};
+    return {listFile(recipe), recipe.matrix,    recipe.orientation.field, recipe.radius,
+            recipe.aspect,    recipe.bvtvField, recipe.shellField};
 }
 
 namespace {

@@ -6,6 +6,7 @@
 #include "vdbpack/measure/morphometry/trabeculae.h"
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -65,7 +66,7 @@ StampOptions<Dim> stampOptions(const VoidSetting<Dim>& s, double voxelSize) {
     StampOptions<Dim> options;
     options.voxelSize = voxelSize;
     options.origin = latticeOf(s, voxelSize);
-    options.shell = s.recipe.shell;
+    options.shell = shellOf(s);
     options.blend = blendOf(s);
     if (s.recipe.cull == Cull::touch) options.reach = s.largestRadius + 2 * voxelSize;
     return options;
@@ -77,7 +78,7 @@ void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
     made.stamped = stampVoids(made.list, s.domain, stampOptions(s, voxelSize), s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
-    made.report.totalVolume = regionOf(s).volume();
+    if (!(made.report.totalVolume > 0)) made.report.totalVolume = regionOf(s).volume();
     made.report.bvtv = std::max(0.0, 1 - made.stamped->volume() / made.report.totalVolume);
 }
 
@@ -90,14 +91,13 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
     s.callbacks.stopIfCancelled();
     made.voids = made.stamped->grid();
     const Domain<3>& envelope = s.domain.envelope();
+    const ShellThickness shell = shellOf(s);
     std::function<bool(const Vec<3>&)> inShell;
-    if (&envelope != &s.domain)
+    if (&envelope != &s.domain || !shell.isUniform())
         inShell = [sampler = std::shared_ptr<DomainSampler<3>>(envelope.sampler()),
-                   shell = s.recipe.shell](const Vec<3>& x) {
-            return sampler->signedDistance(x) > -shell;
-        };
+                   shell](const Vec<3>& x) { return sampler->signedDistance(x) > -shell.at(x); };
     made.solid =
-        cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected, inShell);
+        cutVoids(*made.surface, *made.voids, shell.most(), s.recipe.keepConnected, inShell);
     made.report.solidAttached = made.solid.attached;
     made.report.solidPieces = made.solid.components;
     made.report.bvtv =
@@ -141,8 +141,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     double least = std::numeric_limits<double>::infinity();  // miss of a round
     std::string nearest;                                     // radii of that round
     for (int round = 0;; ++round) {
-        const VoidSetting<3> setting{recipe,          s.domain,    s.sliceHeight, s.seed,
-                                     s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+        const VoidSetting<3> setting = withRecipe(s, recipe);
         made.surface.reset();
         solve(setting, made);
         cut(setting, made);
@@ -150,8 +149,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         const double edge = kThicknessVoxels * made.report.voxelSize;
         const Box<3> sample = intersection(
             s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * edge));
-        const auto thickness =
-            trabecularThickness(*made.solid.grid, sample, s.domain, s.recipe.shell);
+        const auto thickness = trabecularThickness(*made.solid.grid, sample, s.domain, shellOf(s));
         if (!thickness)
             throw InputError(fmt::format(
                 "`targetTbth` {}: no solid is left to measure; give a higher `targetBvtv`",
@@ -223,7 +221,8 @@ double plannedVoxel(const VoidRecipe& recipe, int dim) {
 }
 
 double depthForShell(const VoidRecipe& recipe, double voxel) {
-    return recipe.shell > 0 ? 1.1 * recipe.shell + 10 * voxel : 0;
+    const double thickest = shellRange(recipe).second;
+    return thickest > 0 ? 1.1 * thickest + 10 * voxel : 0;
 }
 
 namespace {
@@ -248,10 +247,11 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = regionOf(s).volume();
     if (!(core > 1e-9 * s.domain.volume()))
         throw InputError(
-            fmt::format("`shell` {} mm: no part of the domain lies deeper than the shell; its "
+            fmt::format("`{}` {} mm: no part of the domain lies deeper than the shell; its "
                         "deepest point lies "
                         "{:.4g} mm below the wall; give a thinner shell",
-                        s.recipe.shell, largestBall(s.domain).radius));
+                        s.localShell.isUniform() ? "shell" : "shellField", shellOf(s).most(),
+                        largestBall(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
     const Vec<Dim> size = s.domain.bounds().size();
@@ -280,7 +280,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     const VoidMethod method = methodOf(r);
     MadeVoids<Dim> made;
     made.report.method = r.method;
-    made.report.shell = r.shell;
+    noteShell(s, made.report);
     if (method == VoidMethod::none || isThinning(method)) return made;
     if (method == VoidMethod::list) {
         made.list = readVoidList<Dim>(listFile(r));
@@ -333,8 +333,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
                                                        : asked.probability.value_or(1));
         };
-        const VoidSetting<Dim> setting{decided,         s.domain,    s.sliceHeight, s.seed,
-                                       s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+        const VoidSetting<Dim> setting = withRecipe(s, decided);
         if (r.targetTbth)
             solveThickness(setting, made, solve);
         else

@@ -73,7 +73,7 @@ Relation measuredRelation(const Box<Dim>& bounds, double cell,
     std::vector<Ellipsoid<Dim>> near;
     for (const auto& e : voids)
         if (box.grown(kFactors.back() * std::max(e.a, e.b)).contains(e.center)) near.push_back(e);
-    stamp.shell = 0;
+    stamp.shell = {};
     Relation relation;
     for (const double factor : kFactors) {
         const auto stamped = stampVoids(dilated(region, near, factor), *domain, stamp, quiet);
@@ -210,7 +210,7 @@ private:
                               const auto inner =
                                   &envelope == &region_.domain ? nullptr : region_.domain.sampler();
                               const auto isInside = [&](const Vec<Dim>& x) {
-                                  return outer->signedDistance(x) < -region_.shell &&
+                                  return region_.shell.isDeeper(x, -outer->signedDistance(x)) &&
                                          (!inner || inner->signedDistance(x) < 0);
                               };
                               for (std::size_t i = range.begin(); i < range.end(); ++i)

@@ -4,6 +4,7 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/shell_thickness.h"
 #include "vdbpack/field/linear_sampler.h"
 
 #include <cstdint>
@@ -23,9 +24,10 @@ struct StampOptions {
     /// Voids whose surfaces come nearer than four times this run into one another, mm; 0: they do
     /// not. It rounds the edges between them, and opens walls that are thinner.
     double blend = 0;
-    /// Thickness of the layer below the wall of the envelope that is kept free of voids, mm; 0:
-    /// voids may cut the wall.
-    double shell = 0;
+    /// Layer below the wall of the envelope that is kept free of voids; 0: voids may cut the wall.
+    /// Where its thickness varies, the level set crosses zero where the shell ends; next to it the
+    /// distances are off by the slope of the thickness.
+    ShellThickness shell{};
 };
 
 /// The distance to blended voids, from those to each: c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), c

@@ -34,7 +34,7 @@ constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 
 template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
-    return {s.domain, s.recipe.shell};
+    return {s.domain, shellOf(s)};
 }
 
 std::string defaultVoidRadius(double largestSphere) {
@@ -212,13 +212,14 @@ double meanBvtv(const VoidSetting<Dim>& s) {
     constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     const Box<Dim> box = s.domain.bounds();
     const auto envelope = s.domain.envelope().sampler(), inside = s.domain.sampler();
+    const ShellThickness shell = shellOf(s);
     double sum = 0;
     int count = 0;
     for (int k = 0; k < kFieldPoints; ++k) {
         Vec<Dim> x;
         for (int d = 0; d < Dim; ++d)
             x[d] = box.lo[d] + std::fmod((k + 0.5) * kSteps[d], 1.0) * box.size()[d];
-        if (!(envelope->signedDistance(x) < -s.recipe.shell && inside->signedDistance(x) < 0))
+        if (!(shell.isDeeper(x, -envelope->signedDistance(x)) && inside->signedDistance(x) < 0))
             continue;
         sum += s.bvtv(x);
         ++count;

@@ -27,7 +27,22 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
+    /// Thickness by place, where the recipe has a field of it; uniform: that of the recipe.
+    ShellThickness localShell{};
 };
+
+/// The same with another recipe, which must outlive it.
+template <int Dim>
+VoidSetting<Dim> withRecipe(const VoidSetting<Dim>& s, const VoidRecipe& recipe) {
+    return {recipe,      s.domain, s.sliceHeight, s.seed,      s.largestRadius,
+            s.callbacks, s.ranks,  s.bvtv,        s.localShell};
+}
+
+/// The shell that no void is cut into.
+template <int Dim>
+ShellThickness shellOf(const VoidSetting<Dim>& s) {
+    return s.localShell.isUniform() ? ShellThickness(s.recipe.shell) : s.localShell;
+}
 
 /// The part of the domain that voids are cut into: deeper than the shell.
 template <int Dim>

@@ -210,6 +210,14 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
     if (!(r.shell >= 0) || !std::isfinite(r.shell))
         throw ParameterError(
             fmt::format("`voids.shell` {}: must be a thickness in mm, 0 or more", r.shell));
+    if (!r.shellField.empty() && r.shell > 0)
+        throw ParameterError(
+            "`voids.shell` and `shellField` both set the thickness of the shell; "
+            "give one of them");
+    if (!r.shellField.empty() && (method == VoidMethod::overlay || needsFront(method)))
+        throw ParameterError("`shellField`: `voids` " + r.method +
+                             " need a shell of one thickness; use `shell`, or voids that are cut "
+                             "afterwards, such as boolean");
     if (method != VoidMethod::none) requireInput(r, method, hasSpheres, hasFront);
     requireUse(r, method);
     if (method == VoidMethod::none) return;

@@ -36,6 +36,9 @@ enum class Fill {
 struct VoidRecipe {
     std::string method;  ///< name as in VoidMethod, or list:FILE; empty: none
     double shell = 0;    ///< thickness of the layer along the wall that is kept free of voids
+    /// The same by place, in place of `shell`: a file that `readScalarField` reads, in mm; empty:
+    /// it is the same everywhere.
+    std::string shellField;
     Fill fill = Fill::domain;
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
@@ -61,6 +64,7 @@ struct VoidRecipe {
     OrientationRecipe orientation;
 
     bool empty() const { return method.empty(); }
+    bool hasShell() const { return shell > 0 || !shellField.empty(); }
 };
 
 /// Grey values at BV/TV 0 and 1. @throws ParameterError if they are malformed or equal
