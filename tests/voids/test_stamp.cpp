@@ -289,11 +289,13 @@ ShellFlaws<Dim> flawsOf(const Domain<Dim>& domain, const StampedVoids<Dim>& stam
         WallPoint<Dim> wall;
         if (d < 0) {
             ++flaws.voids;
-            flaws.within += sampler->nearestWall(x, options.shell, wall) || !sampler->contains(x);
+            flaws.within +=
+                sampler->nearestWall(x, options.shell.at(x), wall) || !sampler->contains(x);
         }
         if (!sampler->contains(x)) return;
-        flaws.missing += d >= 0 && !sampler->isWallCloser(x, options.shell + slack);
-        flaws.shallow += d > -2.99 * h && !sampler->isWallCloser(x, options.shell + 3 * h + error);
+        flaws.missing += d >= 0 && !sampler->isWallCloser(x, options.shell.at(x) + slack);
+        flaws.shallow +=
+            d > -2.99 * h && !sampler->isWallCloser(x, options.shell.at(x) + 3 * h + error);
     });
     return flaws;
 }

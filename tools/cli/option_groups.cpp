@@ -480,6 +480,11 @@ void VoidOptions::addMethod() const {
                orElse(spheres, "; without --voids it only sets the region of each sphere", ""),
            "T [0]")
         ->check(notNegative());
+    option("--shell-field", voids.shellField,
+           "the same by place, in place of --shell: a .csv (x, y, z, value) or a .vdb grid of "
+           "floats, in mm",
+           "FILE")
+        ->check(notEmpty());
     addShellFrom(command, domain, "Voids");
     auto* cull = addChoice(command, "--cull", voids.cull, kCulls,
                            "spheres that voids remove. centre: those with centers in a void; "
@@ -502,17 +507,21 @@ void VoidOptions::addTargets() const {
                orElse(spheres, ", the probability (grid", " or the probability (grid") + packed +
                ")" + orElse(spheres, " or D (concentric, threshold)", ""),
            "F");
-    option("--bvtv-field", voids.bvtvField,
-           "BV/TV by place, from the grey values of an image such as a CT (boolean); without "
-           "--target-bvtv, its mean is the target",
-           "IMAGE")
+    option(
+        "--bvtv-field", voids.bvtvField,
+        "BV/TV by place (boolean, foam): the grey values of an image such as a CT, a .vdb grid of "
+        "floats, or a .csv (x, y, z, value), in mm; without --target-bvtv, its mean is the "
+        "target",
+        "FILE")
         ->check(notEmpty());
     option("--bvtv-range", voids.bvtvRange,
-           "grey values of that image at BV/TV 0 (marrow) and 1 (bone); linear between them",
+           "values of that field at BV/TV 0 (marrow) and 1 (bone), linear between them; needed for "
+           "an image, 0,1 for others",
            "MARROW,BONE")
         ->check(notEmpty());
     option("--target-tbth", voids.targetTbth,
-           "mean thickness Tb.Th of trabeculae to reach, mm (foam; boolean with --target-bvtv)", "T");
+           "mean thickness Tb.Th of trabeculae to reach, mm (foam; boolean with --target-bvtv)",
+           "T");
     option("--target-tbsp", voids.targetTbsp, "mean spacing Tb.Sp to reach, mm (foam)", "T");
     option("--target-da", voids.targetDa,
            "degree of anisotropy to reach, 1 - (short / long)² as measure prints it (foam)", "D");

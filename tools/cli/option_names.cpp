@@ -54,6 +54,7 @@ constexpr OptionName kOptionNames[] = {
     {"scale", "--scale"},
     {"seed", "--seed"},
     {"shell", "--shell"},
+    {"shellField", "--shell-field"},
     {"shellFrom", "--shell-from"},
     {"slice", "--slice"},
     {"sphereMorphometry", "--morphometry"},

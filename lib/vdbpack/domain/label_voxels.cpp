@@ -7,7 +7,8 @@
 
 namespace vdbpack {
 
-void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool walled) {
+void labelVoxels(VoxelImage& image, const Domain<3>& domain, const ShellThickness& shell,
+                 bool walled) {
     if (image.label.empty()) image.label.assign(image.voxels(), 1);
     if (walled) image.depth.assign(image.voxels(), 0.0f);
     const double deepest = 3 * image.voxelSize;
@@ -16,7 +17,7 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool 
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
         const auto sampler = domain.sampler();
         const auto envelope =
-            shell > 0 && &domain.envelope() != &domain ? domain.envelope().sampler() : nullptr;
+            shell.any() && &domain.envelope() != &domain ? domain.envelope().sampler() : nullptr;
         for (std::size_t r = block.begin(); r < block.end(); ++r)
             for (std::size_t i = 0; i < row; ++i) {
                 std::uint8_t& label = image.label[r * row + i];
@@ -32,7 +33,7 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, double shell, bool 
                         static_cast<float>(std::clamp(depth, -deepest, deepest));
                 if (label == 0) continue;
                 const double below = envelope ? -envelope->signedDistance(x) : depth;
-                label = depth <= 0 ? 0 : below >= shell && shell > 0 ? 2 : 1;
+                label = depth <= 0 ? 0 : shell.any() && below >= shell.at(x) ? 2 : 1;
             }
     });
 }

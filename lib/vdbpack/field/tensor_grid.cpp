@@ -1,8 +1,8 @@
 #include "vdbpack/field/tensor_grid.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/either_grid.h"
 #include "vdbpack/field/read_vdb.h"
-#include "vdbpack/field/vdb_grid.h"
 
 #include <fmt/format.h>
 
@@ -19,8 +19,6 @@ namespace {
 
 using openvdb::Coord;
 
-constexpr double kFarthest = 1e9;  ///< from the origin, mm
-
 bool isFiniteValue(float v) {
     return std::isfinite(v);
 }
@@ -28,52 +26,6 @@ bool isFiniteValue(const openvdb::Vec3s& v) {
     return v.isFinite();
 }
 
-Vec<3> toVec(const openvdb::Vec3d& v) {
-    return {{v[0], v[1], v[2]}};
-}
-
-/// A grid of single or double precision; all values are rounded to single precision. No grid of
-/// these types is constructed here, which spares compiling their virtual functions.
-template <class Single, class Double>
-class EitherGrid {
-public:
-    using Value = typename Single::ValueType;
-
-    static bool isOne(const openvdb::GridBase& grid) {
-        return grid.isType<Single>() || grid.isType<Double>();
-    }
-    explicit EitherGrid(const openvdb::GridBase::Ptr& grid)
-        : base_(grid),
-          single_(openvdb::gridPtrCast<Single>(grid)),
-          double_(openvdb::gridPtrCast<Double>(grid)) {}
-
-    const openvdb::GridBase& base() const { return *base_; }
-    /// @return whether the voxel is active.
-    bool probe(const Coord& voxel, Value& value) const {
-        if (single_) return single_->tree().probeValue(voxel, value);
-        typename Double::ValueType unrounded;
-        const bool isActive = double_->tree().probeValue(voxel, unrounded);
-        value = Value(unrounded);
-        return isActive;
-    }
-    /// Calls `visit(value, its box, whether it is a tile)` for all active values.
-    template <class Visit>
-    void forEachOn(const Visit& visit) const {
-        const auto visitAll = [&](const auto& grid) {
-            for (auto value = grid.cbeginValueOn(); value; ++value)
-                visit(Value(*value), value.getBoundingBox(), value.isTileValue());
-        };
-        if (single_)
-            visitAll(*single_);
-        else
-            visitAll(*double_);
-    }
-
-private:
-    openvdb::GridBase::Ptr base_;
-    typename Single::Ptr single_;  ///< one of the two
-    typename Double::Ptr double_;
-};
 using VectorGrid = EitherGrid<openvdb::Vec3SGrid, openvdb::Vec3DGrid>;
 using ScalarGrid = EitherGrid<openvdb::FloatGrid, openvdb::DoubleGrid>;
 
@@ -257,18 +209,9 @@ void TensorGrid::Impl::read(const std::string& file) {
     samples.reserve(chosen.size());
     for (const Coord& voxel : chosen) {
         samples.push_back({toVec(grids.transform().indexToWorld(voxel)) * scale, grids.at(voxel)});
-        const Vec<3>& x = samples.back().x;
-        if (!(std::fabs(x[0]) <= kFarthest && std::fabs(x[1]) <= kFarthest &&
-              std::fabs(x[2]) <= kFarthest))
-            throw InputError(
-                fmt::format("{}: voxel ({}, {}, {}) lies more than 1e9 mm from the origin; correct "
-                            "the transform",
-                            file, voxel.x(), voxel.y(), voxel.z()));
+        requireNear(file, voxel, samples.back().x);
     }
-    openvdb::BBoxd box(voxels.min().asVec3d(), voxels.max().asVec3d());
-    box.expand(1.0);
-    const auto world = grids.transform().indexToWorld(box);
-    bounds = {toVec(world.min()) * scale, toVec(world.max()) * scale};
+    bounds = boxAround(voxels, grids.transform(), scale);
 }
 
 TensorGrid::TensorGrid(const std::string& file, double scale) : impl_(std::make_unique<Impl>()) {

@@ -25,20 +25,21 @@ struct TargetReport {
 };
 
 struct VoidReport {
-    std::string method;          ///< as requested; empty: only a shell
-    std::uint64_t count = 0;     ///< ellipsoids (2D: ellipses)
-    double shell = 0;            ///< mm
-    double voxelSize = 0;        ///< of the level set, mm; 0: none
-    double totalVolume = 0;      ///< of the domain deeper than the shell, mm^dim
-    std::optional<double> bvtv;  ///< BV/TV there, of the solid
-    bool ofSpheres = false;      ///< `bvtv` is the remaining share of the spheres' volume instead
+    std::string method;                ///< as requested; empty: only a shell
+    std::uint64_t count = 0;           ///< ellipsoids (2D: ellipses)
+    double shell = 0;                  ///< mm, the largest thickness
+    std::optional<double> leastShell;  ///< where it varies: the smallest, mm
+    double voxelSize = 0;              ///< of the level set, mm; 0: none
+    double totalVolume = 0;            ///< of the domain deeper than the shell, mm^dim
+    std::optional<double> bvtv;        ///< BV/TV there, of the solid
+    bool ofSpheres = false;  ///< `bvtv` is the remaining share of the spheres' volume instead
     /// Found by a target or given: voids per mm^dim (boolean), their number (overlay), probability
     /// (grid, mixed, ellipses) or D (concentric, threshold).
     std::optional<double> amount;
-    std::optional<double> reachedShare;   ///< holes among the spheres deeper than the shell
-    std::string radius;                   ///< SPEC of b that gave the target thickness, mm
-    std::optional<double> thickness;      ///< Tb.Th if a target was set, mm
-    std::vector<TargetReport> targets;    ///< of a structure, as found in a specimen
+    std::optional<double> reachedShare;  ///< holes among the spheres deeper than the shell
+    std::string radius;                  ///< SPEC of b that gave the target thickness, mm
+    std::optional<double> thickness;     ///< Tb.Th if a target was set, mm
+    std::vector<TargetReport> targets;   ///< of a structure, as found in a specimen
     /// Kolmogorov-Smirnov distances of local thickness and spacing to those of a sample.
     std::optional<double> thicknessDistance, separationDistance;
     double specimen = 0;                  ///< shortest side of that specimen, mm; 0: none

@@ -73,6 +73,7 @@ Json voidsJson(const Report& r) {
     if (!r.voids) return json;
     json["method"] = v.method.empty() ? Json() : Json(v.method);
     json["shell"] = v.shell;
+    if (v.leastShell) json["leastShell"] = *v.leastShell;
     json["voxelSize"] = v.voxelSize > 0 ? Json(v.voxelSize) : Json();
     json["totalVolume"] = v.totalVolume;
     json["bvtvOf"] = v.ofSpheres ? "spheres" : "solid";

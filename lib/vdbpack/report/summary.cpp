@@ -173,14 +173,16 @@ void addTargets(Summary& out, const VoidReport& v) {
     for (const TargetReport& t : v.targets)
         for (const auto& [name, symbol] : kNames)
             if (t.name == name)
-                out.line("", fmt::format("{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
-                                         t.scatter ? fmt::format(", differs by {:.2g} between seeds",
-                                                                 *t.scatter)
-                                                   : std::string()));
+                out.line(
+                    "", fmt::format(
+                            "{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
+                            t.scatter ? fmt::format(", differs by {:.2g} between seeds", *t.scatter)
+                                      : std::string()));
     if (v.thicknessDistance && v.separationDistance)
-        out.line("", fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
-                                 "the sample's",
-                                 *v.thicknessDistance, *v.separationDistance));
+        out.line("",
+                 fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
+                             "the sample's",
+                             *v.thicknessDistance, *v.separationDistance));
     out.line("", fmt::format("measured in a specimen of {:.4g} mm; the same without targets:",
                              v.specimen));
     std::string line;
@@ -217,11 +219,12 @@ void addVoids(Summary& out, const Report& r, const Words& words) {
                                          : std::string()));
     }
     if (v.shell > 0 && r.count > 0)
-        out.line(
-            "shell",
-            fmt::format("{:g} mm, {} {} cortical{}", v.shell, grouped(v.cortical), words.spheres,
-                        v.across ? fmt::format("; {:.3g} {} across", *v.across, words.spheres)
-                                 : std::string()));
+        out.line("shell",
+                 fmt::format("{}{:g} mm, {} {} cortical{}",
+                             v.leastShell ? fmt::format("{:g} to ", *v.leastShell) : std::string(),
+                             v.shell, grouped(v.cortical), words.spheres,
+                             v.across ? fmt::format("; {:.3g} {} across", *v.across, words.spheres)
+                                      : std::string()));
 }
 
 /// "none", apart from what the input pack had; or nothing if this run found more than that.

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/image/image_file.h"
+#include "vdbpack/voids/scalar_field.h"
 
 #include <fmt/format.h>
 
@@ -78,14 +79,37 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     return image;
 }
 
+namespace {
+
+void requireThere(const std::string& file) {
+    std::error_code ignored;
+    if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
+        throw IoError(file + ": there is no such file");
+}
+
+}  // namespace
+
 void requireGreyImage(const std::string& setting, const std::string& file) {
     if (!namesImage(file))
         throw ParameterError(fmt::format(
             "{}: {} is no image by its name; give .nii, .nii.gz, .nrrd, .mha or a folder of DICOM",
             setting, file));
-    std::error_code ignored;
-    if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
-        throw IoError(file + ": there is no such file");
+    requireThere(file);
+}
+
+void requireVoidFields(const VoidRecipe& voids) {
+    if (!voids.shellField.empty()) {
+        if (!namesScalarField(voids.shellField))
+            throw ParameterError("`shellField`: " + voids.shellField +
+                                 " is no field by its name; give a .vdb or a .csv");
+        requireThere(voids.shellField);
+    }
+    if (voids.bvtvField.empty()) return;
+    if (!namesScalarField(voids.bvtvField) && !namesImage(voids.bvtvField))
+        throw ParameterError("`bvtvField`: " + voids.bvtvField +
+                             " is no field by its name; give an image (.nii, .nii.gz, .nrrd, .mha "
+                             "or a folder of DICOM), a .vdb or a .csv");
+    requireThere(voids.bvtvField);
 }
 
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,
@@ -130,6 +154,29 @@ void requireCovered(const ImageGrid& grid, const Box<Dim>& domain, double sliceH
         }
 }
 
+/// BV/TV itself, or numbers mapped to it.
+template <int Dim>
+std::function<double(const Vec<Dim>&)> bvtvTable(const VoidRecipe& voids, const Box<Dim>& bounds,
+                                                 double sliceHeight) {
+    ScalarMeaning meaning{"BV/TV", {"value", "bvtv"}, {}};
+    const bool mapped = !voids.bvtvRange.empty();
+    if (!mapped)
+        meaning.fault = [](double v) {
+            if (v >= 0 && v <= 1) return std::string();
+            return fmt::format(
+                "BV/TV {:g} must lie between 0 and 1; of other values, such as grey values, "
+                "`bvtvRange` says which are 0 and 1",
+                v);
+        };
+    auto at = valuesOver<Dim>(readScalarField(voids.bvtvField, meaning), voids.bvtvField, meaning,
+                              bounds, sliceHeight);
+    if (!mapped) return at;
+    const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
+    return [at = std::move(at), low = marrow, range = bone - marrow](const Vec<Dim>& x) {
+        return std::clamp((at(x) - low) / range, 0.0, 1.0);
+    };
+}
+
 }  // namespace
 
 template <int Dim>
@@ -137,6 +184,7 @@ std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
                                                  const DomainRecipe& domain, const Box<Dim>& bounds,
                                                  double sliceHeight, const Callbacks& callbacks) {
     if (voids.bvtvField.empty()) return {};
+    if (namesScalarField(voids.bvtvField)) return bvtvTable(voids, bounds, sliceHeight);
     const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
     const auto image =
         std::make_shared<const Image>(readGreyImage(voids.bvtvField, domain, callbacks));

@@ -20,15 +20,20 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks);
 /// @param setting  for messages. @throws ParameterError, IoError
 void requireGreyImage(const std::string& setting, const std::string& file);
 
+/// Refuses, before the work, fields of voids whose files are of no known type or are not there.
+/// @throws ParameterError, IoError
+void requireVoidFields(const VoidRecipe& voids);
+
 /// An image of one layer whose grey values are looked up, in the world of a domain.
 /// @throws as `readImage`; InputError for one of several layers
 Image readGreyImage(const std::string& file, const DomainRecipe& domain,
                     const Callbacks& callbacks);
 
 /// BV/TV by place as a recipe of voids says; empty: the same everywhere.
-/// @param domain  whose world the image lies in; in the plane at `sliceHeight`, mm.
-/// @param bounds  of the domain. Warns where it reaches beyond the image.
-/// @throws as `readImage`; InputError for an image of several layers, or one that lies elsewhere
+/// @param domain  whose world an image lies in; in the plane at `sliceHeight`, mm.
+/// @param bounds  of the domain. Warns where it reaches beyond an image.
+/// @throws as `readImage` and `readScalarField`; InputError for an image of several layers or one
+///         that lies elsewhere, and for another field that does not cover `bounds`
 template <int Dim>
 std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
                                                  const DomainRecipe& domain, const Box<Dim>& bounds,

@@ -1,6 +1,7 @@
 #include "vdbpack/run/kept_count.h"
 
 #include "vdbpack/core/sphere.h"
+#include "vdbpack/voids/shell_field.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,9 @@ bool serveAll(const VoidRecipe& recipe) {
 
 double keptShare(const VoidRecipe& voids, const Extent& extent) {
     if (voids.empty() || !(extent.volume > 0)) return 1;
+    const auto [least, most] = shellRange(voids);
     const double shell =
-        std::clamp(voids.shell * extent.area / extent.volume, 0.0, 1 - kLeastShare);
+        std::clamp(0.5 * (least + most) * extent.area / extent.volume, 0.0, 1 - kLeastShare);
     const double bvtv = voids.targetBvtv.value_or(voids.deleteFraction ? 1 - *voids.deleteFraction
                                                                        : extent.voids.left);
     const double share = std::max(shell + (1 - shell) * bvtv, kLeastShare);
@@ -41,9 +43,15 @@ double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double 
     if (recipe.empty() || (run_.solid && !recipe.keepConnected)) return placed;
     Callbacks quiet;
     if (!run_.ranks()) quiet.cancelled = run_.callbacks.cancelled;
-    const VoidSetting<Dim> setting{
-        recipe,  run_.domain(), run_.built.sliceHeight, run_.settings.seed, largest, quiet,
-        nullptr, run_.bvtv};
+    const VoidSetting<Dim> setting{recipe,
+                                   run_.domain(),
+                                   run_.built.sliceHeight,
+                                   run_.settings.seed,
+                                   largest,
+                                   quiet,
+                                   nullptr,
+                                   run_.bvtv,
+                                   run_.shell};
     MadeVoids<Dim> made;
     if (voids_)
         made = std::move(*voids_);

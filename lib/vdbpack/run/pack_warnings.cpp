@@ -52,7 +52,7 @@ void warnOfLooseSpheres(const Run<Dim>& run) {
                 "only {} of the {} are connected to the {} by contacts. Set `keepConnected` to "
                 "remove the others, or give larger voids or smaller radii",
                 percent(*attached), spheres,
-                run.voidRecipe->shell > 0 ? "shell" : "largest component"));
+                run.voidRecipe->hasShell() ? "shell" : "largest component"));
         return;
     }
     // Contacts are reported at a tolerance at which densified spheres hardly touch.

@@ -96,8 +96,8 @@ double parseDensify(const std::string& text) {
 }
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe), recipe.matrix, recipe.orientation.field,
-            recipe.radius,    recipe.aspect, recipe.bvtvField};
+    return {listFile(recipe), recipe.matrix,    recipe.orientation.field, recipe.radius,
+            recipe.aspect,    recipe.bvtvField, recipe.shellField};
 }
 
 namespace {
@@ -140,7 +140,7 @@ void checkPacking(const PackRecipe& recipe) {
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
     checkVoids(recipe.voids, true, true);
-    if (!recipe.voids.bvtvField.empty()) requireGreyImage("`bvtvField`", recipe.voids.bvtvField);
+    requireVoidFields(recipe.voids);
 }
 
 void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {

@@ -95,6 +95,7 @@ public:
     void add(const VoidRecipe& voids) {
         add("--voids", voids.method);
         add("--shell", voids.shell, " mm");
+        add("--shell-field", voids.shellField);
         if (voids.cull == Cull::touch) add("--cull", "touch");
         if (voids.keepConnected) add("--keep-connected", "yes");
         add("--target-bvtv", voids.targetBvtv.value_or(0));
@@ -216,7 +217,8 @@ PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSo
                         const Report& report, const Callbacks& callbacks, const SphereRows& rows) {
     PageDetails details;
     details.radii = histogramOf(pack, fixed, &sizes, rows.ranks);
-    const double shell = report.voids ? report.voids->shell : 0;
+    // Its layers are those of one thickness.
+    const double shell = report.voids && !report.voids->leastShell ? report.voids->shell : 0;
     const double depth = structureDepth(report.radius, shell);
     if (report.count == 0 || domain.fieldDepth() >= depth) {
         details.structure = measureStructure(pack, &domain, report, shell, callbacks, rows);

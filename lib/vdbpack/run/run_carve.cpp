@@ -51,7 +51,7 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     run.sizes = sizes ? &*sizes : nullptr;
     run.voidRecipe = &recipe.voids;
     // Without a shell there are no regions but those of the input pack.
-    if (!(recipe.voids.shell > 0)) run.labelled = run.pack.region.size();
+    if (!recipe.voids.hasShell()) run.labelled = run.pack.region.size();
     keepNames(run.pack);
     run.largestRadius = radius.max;
     const double detail = fieldDetail(radius.min, radius.mean);
@@ -73,7 +73,7 @@ RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
     CarveRecipe recipe = asked;
     recipe.voids = withPreset(std::move(recipe.voids));
     checkVoids(recipe.voids, true, false);
-    if (recipe.voids.empty() && !(recipe.voids.shell > 0))
+    if (recipe.voids.empty() && !recipe.voids.hasShell())
         throw ParameterError(
             "there is nothing to cut; set how `voids` are made (grid, overlay, concentric, "
             "threshold, boolean or list:FILE)");

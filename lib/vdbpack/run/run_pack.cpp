@@ -17,6 +17,7 @@
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
@@ -40,7 +41,8 @@ struct Prepared {
     DomainSource::Built built;
     Pack<Dim> existing;
     std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
-    std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
+    std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
+    ShellThickness shell{};                         ///< by place; uniform: that of the recipe
 };
 
 /// Reads the spheres to pack around, and counts what is wrong with them already.
@@ -73,7 +75,7 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
 template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
-    requireShell(recipe.voids.shell, source);
+    requireShell(shellRange(recipe.voids).first, source);
     PackPlan plan = planPack(recipe, source);
     Extent share = plan.extent;
     if (recipe.ranks) share.count /= recipe.ranks->count();
@@ -87,9 +89,17 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
     const double largest = prepared.requested.sizes.max() * radii.scale;
-    if (recipe.voids.shell > 0 || !recipe.voids.empty())
-        checkRoom(VoidSetting<Dim>{recipe.voids, domain, prepared.built.sliceHeight, recipe.seed,
-                                   largest, callbacks},
+    prepared.shell = shellOver(recipe.voids, domain.bounds(), prepared.built.sliceHeight);
+    if (recipe.voids.hasShell() || !recipe.voids.empty())
+        checkRoom(VoidSetting<Dim>{recipe.voids,
+                                   domain,
+                                   prepared.built.sliceHeight,
+                                   recipe.seed,
+                                   largest,
+                                   callbacks,
+                                   nullptr,
+                                   {},
+                                   prepared.shell},
                   true);
     prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
                                    prepared.built.sliceHeight, callbacks);
@@ -211,6 +221,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     run->built = prepared.built;
     run->voidRecipe = &recipe.voids;
     run->bvtv = prepared.bvtv;
+    run->shell = prepared.shell;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
     run->report.requestedGap = recipe.gap;

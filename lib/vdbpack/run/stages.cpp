@@ -14,6 +14,7 @@
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/sphere_density.h"
+#include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
@@ -39,7 +40,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
     for (auto& file : checkGrey(settings)) all.push_back(std::move(file));
-    if (!voids.bvtvField.empty()) requireGreyImage("`bvtvField`", voids.bvtvField);
+    requireVoidFields(voids);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
     requireContactTolerance(settings.contactTolerance);
@@ -99,11 +100,13 @@ void requireShell(double shell, const DomainSource& source) {
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize) {
-    if (run.voidRecipe) requireShell(run.voidRecipe->shell, run.source);
+    if (run.voidRecipe) requireShell(shellRange(*run.voidRecipe).first, run.source);
     requireResources(extent, run.settings);
     run.built = run.source.build(detail, reach, run.callbacks, voxelSize);
     run.report.seconds.domain = run.clock.lap();
     run.callbacks.stopIfCancelled();
+    if (run.voidRecipe)
+        run.shell = shellOver(*run.voidRecipe, run.domain().bounds(), run.built.sliceHeight);
     if (run.cuts()) checkRoom(run.voidSetting(), false);
     if (run.voidRecipe)
         run.bvtv = bvtvField<Dim>(*run.voidRecipe, run.source.recipe(), run.domain().bounds(),

@@ -76,6 +76,7 @@ struct Run {
     const VoidRecipe* voidRecipe = nullptr;       ///< null: none are cut
     double largestRadius = 0;                     ///< of the spheres there are or will be, mm
     std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
+    ShellThickness shell;                         ///< by place; uniform: that of the recipe
     MadeVoids<Dim> voids;
     std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
 
@@ -100,7 +101,7 @@ struct Run {
     /// What the spheres fill, and where it comes from.
     const Domain<Dim>& filled() const { return solid ? *solid->space : domain(); }
     const DomainSource& filledSource() const { return solid ? solid->source : source; }
-    bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->shell > 0); }
+    bool cuts() const { return voidRecipe && (!voidRecipe->empty() || voidRecipe->hasShell()); }
     /// Gap up to which spheres count as connected, as a share of the smaller radius: those that
     /// were densified nearly touch.
     double connectionTolerance() const {
@@ -111,7 +112,7 @@ struct Run {
     VoidSetting<Dim> voidSetting() const {
         return {*voidRecipe,   domain(),      built.sliceHeight,
                 settings.seed, largestRadius, ranks() ? uncancelled : callbacks,
-                ranks(),       bvtv};
+                ranks(),       bvtv,          shell};
     }
     /// Whether to continue with stages that an interrupted run skips. @throws Interrupted
     bool goesOn() {

@@ -47,7 +47,8 @@ constexpr double kCoarseVoxels = 4.5, kFineVoxels = 5;
 constexpr double kCoarsePeriods = 5.5, kFinePeriods = 10, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
-constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4, kScatterSeeds = 3;
+constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4,
+              kScatterSeeds = 3;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
 /// refused.
 constexpr double kCoarseError = 0.02, kFineError = 0.01, kWarnedError = 0.03, kRefusedError = 0.1;
@@ -60,7 +61,7 @@ constexpr double kYieldingWeight = 0.03, kPushingWeight = 0.1;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 struct Target {
-    const char* name;     ///< of the parameter; of a scatter what it is
+    const char* name;  ///< of the parameter; of a scatter what it is
     double asked;
     double weight = 1;
     double power = 0;      ///< how the value goes with all lengths
@@ -71,7 +72,7 @@ struct Target {
 struct Specimen {
     std::vector<double> values, errors;  ///< errors are relative to what was asked
     LengthStatistics thickness, separation;
-    double bvtv = 0;                     ///< as measured
+    double bvtv = 0;  ///< as measured
 };
 
 /// Thickness of trabeculae in their spacing, of usual bone.
@@ -119,10 +120,10 @@ class Fit {
 public:
     Fit(const VoidSetting<3>& setting, FoamPacks<3>& packs)
         : s_(setting), r_(setting.recipe), packs_(packs) {
-        const Guess guess = guessOf(
-            r_, r_.radius.empty() && s_.largestRadius == 0
-                    ? 0
-                    : SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean());
+        const Guess guess =
+            guessOf(r_, r_.radius.empty() && s_.largestRadius == 0
+                            ? 0
+                            : SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean());
         bvtv_ = guess.bvtv;
         period_ = guess.period;
         thickness_ = guess.thickness;
@@ -141,7 +142,8 @@ public:
         free_[kJitter] = !r_.jitter;
         free_[kBlend] = !r_.blend;
         free_[kStruts] = !r_.strutShare && !(r_.strut && *r_.strut == 0);
-        for (int k = 0; k < kKnobs; ++k) x_[static_cast<std::size_t>(k)] = kRules[static_cast<std::size_t>(k)].usual;
+        for (int k = 0; k < kKnobs; ++k)
+            x_[static_cast<std::size_t>(k)] = kRules[static_cast<std::size_t>(k)].usual;
         x_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(x_));
         if (r_.aspect.empty() && !r_.targetDa && !directed()) x_[kAspect] = 0;
     }
@@ -161,7 +163,7 @@ public:
         std::shared_ptr<const Domain<3>> fine;
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
-        const bool whole = s_.domain.facts().kind == "box" && s_.recipe.shell == 0 && !s_.bvtv &&
+        const bool whole = s_.domain.facts().kind == "box" && !s_.recipe.hasShell() && !s_.bvtv &&
                            r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
                            s_.domain.volume() / std::pow(voxel_, 3) <= kMostVoxels;
         if (whole) {
@@ -181,6 +183,9 @@ public:
         StructureFit result;
         result.recipe = recipeOf(knobs);
         result.recipe.shell = r_.shell;
+        result.recipe.shellField = r_.shellField;
+        result.recipe.bvtvField = r_.bvtvField;
+        result.recipe.bvtvRange = r_.bvtvRange;
         result.recipe.voxelSize = voxel_;
         result.recipe.keepConnected = r_.keepConnected;
         result.recipe.orientation = r_.orientation;
@@ -216,6 +221,7 @@ private:
         r.bvtvField.clear();
         r.bvtvRange.clear();
         r.shell = 0;
+        r.shellField.clear();
         r.voxelSize = voxel_;
         r.radius = radiusSpec(x);
         r.radiusScale = free_[kScale] || free_[kSpread] ? std::exp(x[kScale]) : r_.radiusScale;
@@ -254,7 +260,6 @@ private:
         found.bvtv = m.solidFraction;
         found.thickness = *m.thickness;
         found.separation = *m.separation;
-        if (getenv("FITTRACE")) { fprintf(stderr,"h %.4f n %zu | s %.3f sig %.3f A %.3f J %.3f K %.3f P %.3f | g %.3f bv %.4f th %.4f (%.3f) sp %.4f (%.3f) da %.3f conn %.3f att %.4f\n", voxel_, image.voxels(), x[0],x[1],x[2],x[3],x[4],x[5], packs_.dilation, found.bvtv, m.thickness->mean, m.thickness->sd/m.thickness->mean, m.separation->mean, m.separation->sd/m.separation->mean, m.anisotropy->degree, m.connectivityDensity, m.largestComponent.value_or(0));}
         for (const Target& t : targets_) {
             const std::string name = t.name;
             const double value = name == "targetTbth"    ? m.thickness->mean
@@ -262,7 +267,7 @@ private:
                                  : name == "targetDa"    ? m.anisotropy->degree
                                  : name == "targetConnd" ? m.connectivityDensity
                                  : name == "thickness"   ? m.thickness->sd / m.thickness->mean
-                                                       : m.separation->sd / m.separation->mean;
+                                                         : m.separation->sd / m.separation->mean;
             found.values.push_back(value);
             found.errors.push_back(value / t.asked - 1);
         }
@@ -304,11 +309,7 @@ private:
         std::vector<std::pair<Knobs, Specimen>> tried;
         for (std::size_t k = 0; k < kKnobs; ++k) {
             if (!free_[k]) continue;
-            if (k == kScale) {
-                for (std::size_t i = 0; i < targets_.size(); ++i)
-                    jacobian_[i][k] = targets_[i].power * (1 + at.errors[i]);
-                continue;
-            }
+            if (k == kScale) continue;  // known
             Knobs x = from;
             x[k] += kRules[k].step;
             Specimen found;
@@ -325,7 +326,9 @@ private:
     }
 
     /// The step from `x` that the linear model says is best, within the limits of the knobs.
-    Knobs step(const Knobs& x, const Specimen& found, double trust) const {
+    Knobs step(const Knobs& x, const Specimen& found, double trust) {
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            jacobian_[i][kScale] = targets_[i].power * (1 + found.errors[i]);
         std::array<bool, kKnobs> held{};
         // Another spread is another pack, whose numbers differ by chance.
         held[kSpread] = spreadIsKept_;
@@ -382,17 +385,18 @@ private:
         return x;
     }
 
-    /// What one specimen more says of the Jacobian.
+    /// What one specimen more says of the Jacobian, but for the scale, whose part is known.
     void learn(const Knobs& d, const Specimen& from, const Specimen& to) {
         double square = 0;
-        for (std::size_t k = 0; k < kKnobs; ++k)
+        for (std::size_t k = kScale + 1; k < kKnobs; ++k)
             square += std::pow(d[k] / kRules[k].step, 2);
-        if (!(square > 1e-4)) return;
         for (std::size_t i = 0; i < targets_.size(); ++i) {
-            double miss = to.errors[i] - from.errors[i];
-            for (std::size_t k = 0; k < kKnobs; ++k) miss -= jacobian_[i][k] * d[k];
-            for (std::size_t k = 0; k < kKnobs; ++k)
-                jacobian_[i][k] += miss * d[k] / std::pow(kRules[k].step, 2) / square;
+            const double power = targets_[i].power;
+            double miss = to.errors[i] + 1 - (from.errors[i] + 1) * std::exp(power * d[kScale]);
+            for (std::size_t k = kScale + 1; k < kKnobs; ++k) miss -= jacobian_[i][k] * d[k];
+            if (square > 1e-4)
+                for (std::size_t k = kScale + 1; k < kKnobs; ++k)
+                    jacobian_[i][k] += miss * d[k] / std::pow(kRules[k].step, 2) / square;
         }
     }
 
@@ -521,8 +525,7 @@ private:
         domain_ = &small;
         voxel_ = thickness_ / kCoarseVoxels;
         std::vector<Specimen> others;
-        for (int n = 1; n <= kScatterSeeds; ++n)
-            try {
+        for (int n = 1; n <= kScatterSeeds; ++n) try {
                 others.push_back(measure(knobs, s_.seed + static_cast<std::uint64_t>(n)));
             } catch (const ParameterError&) {
                 return;
@@ -567,8 +570,7 @@ VoidRecipe usualFoam(const VoidRecipe& asked) {
     if (!scaled) return r;
     const Guess guess = guessOf(asked, 0);
     r.targetBvtv = guess.bvtv;
-    const std::string radius =
-        r.radius.empty() ? spreadRadii(kRules[kSpread].usual) : asked.radius;
+    const std::string radius = r.radius.empty() ? spreadRadii(kRules[kSpread].usual) : asked.radius;
     const SizeDistribution sizes = SizeDistribution::parse(radius, 3);
     r.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean()).spec();
     if (!(r.voxelSize > 0)) r.voxelSize = guess.thickness / kFineVoxels;

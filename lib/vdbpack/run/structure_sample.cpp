@@ -54,14 +54,16 @@ Morphometry measuredSample(const VoidRecipe& r, const Callbacks& callbacks) {
     }
     const MeasureResult result = runMeasure(recipe, callbacks);
     if (!result.morphometry)
-        throw InputError(r.like + ": is a pack; `like` needs a solid: an image, a level set, or a "
-                                  "mesh");
+        throw InputError(r.like +
+                         ": is a pack; `like` needs a solid: an image, a level set, or a "
+                         "mesh");
     const Morphometry& m = *result.morphometry;
     if (!m.thickness || !m.separation || !m.anisotropy)
-        throw InputError(fmt::format(
-            "{}: BV/TV is {:g}, so that there is no structure to be like; check what is solid in it "
-            "(`likeThreshold`) and its total volume (`likeDomain`)",
-            r.like, m.solidFraction));
+        throw InputError(
+            fmt::format("{}: BV/TV is {:g}, so that there is no structure to be like; check what "
+                        "is solid in it "
+                        "(`likeThreshold`) and its total volume (`likeDomain`)",
+                        r.like, m.solidFraction));
     return m;
 }
 
@@ -86,8 +88,8 @@ VoidRecipe withSample(VoidRecipe r, const Callbacks& callbacks) {
     if (m.connectivityDensity > 0) {
         fill(r.targetConnd, m.connectivityDensity);
     } else {
-        callbacks.warn(fmt::format(
-            "{}: Conn.D is {:.3g} /mm³, so that it is no target", r.like, m.connectivityDensity));
+        callbacks.warn(fmt::format("{}: Conn.D is {:.3g} /mm³, so that it is no target", r.like,
+                                   m.connectivityDensity));
     }
     fill(r.thicknessScatter, m.thickness->sd / m.thickness->mean);
     fill(r.separationScatter, m.separation->sd / m.separation->mean);

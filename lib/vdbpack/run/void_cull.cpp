@@ -19,7 +19,7 @@ template <int Dim>
 std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>& s, double contactTolerance,
                                           const Pack<Dim>& pack, VoidReport& report) {
     auto attached = attachedSpheres(pack.spheres,
-                                    s.recipe.shell > 0 ? pack.region : std::vector<std::int32_t>{},
+                                    s.recipe.hasShell() ? pack.region : std::vector<std::int32_t>{},
                                     contactTolerance);
     const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
     if (!attached.empty()) report.spheresAttached = held / static_cast<double>(attached.size());
@@ -31,13 +31,14 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
               MadeVoids<Dim>& made, Pack<Dim>& pack) {
     const VoidRecipe& r = s.recipe;
     const VoidMethod method = methodOf(r);
-    if (method == VoidMethod::none && !(r.shell > 0)) {
+    if (method == VoidMethod::none && !r.hasShell()) {
         pack.region.assign(pack.spheres.size(), 0);  // all compact
         return;
     }
     made.report.method = r.method;
-    made.report.shell = r.shell;
-    pack.region = deeperThan(pack.spheres, s.domain, r.shell);
+    const ShellThickness shell = shellOf(s);
+    noteShell(s, made.report);
+    pack.region = deeperThan(pack.spheres, s.domain, shell);
     const std::size_t before = pack.spheres.size();
     std::vector<std::uint8_t> keep;
     if (isThinning(method)) {
@@ -82,24 +83,28 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         keepOnly(pack, stay);
         made.report.dropped = count - pack.spheres.size();
     }
-    if (r.shell > 0 && sumOver(s.ranks, std::uint64_t{pack.spheres.size()}) > 0) {
-        double mean = 0;
+    if (shell.any() && sumOver(s.ranks, std::uint64_t{pack.spheres.size()}) > 0) {
+        double mean = 0, thickness = 0;
         std::uint64_t cortical = 0;
         for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
             if (pack.region[i]) continue;
             mean += pack.spheres[i].radius;
+            thickness += shell.at(pack.spheres[i].center);
             ++cortical;
         }
         mean = sumOver(s.ranks, mean);
+        thickness = sumOver(s.ranks, thickness);
         cortical = sumOver(s.ranks, cortical);
         made.report.cortical = cortical;
         if (cortical > 0) {
-            made.report.across = r.shell / (2 * mean / static_cast<double>(cortical));
+            thickness =
+                shell.isUniform() ? shell.most() : thickness / static_cast<double>(cortical);
+            made.report.across = thickness / (2 * mean / static_cast<double>(cortical));
             if (*made.report.across < 3)
                 s.callbacks.warn(
-                    fmt::format("the shell of {} mm is only {:.2g} {} thick; give smaller "
+                    fmt::format("the shell of {:.4g} mm is only {:.2g} {} thick; give smaller "
                                 "radii or a thicker shell, for a thickness of three or more",
-                                r.shell, *made.report.across, Measure<Dim>::kSpheres));
+                                thickness, *made.report.across, Measure<Dim>::kSpheres));
         }
     }
 }

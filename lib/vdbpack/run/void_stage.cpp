@@ -7,6 +7,7 @@
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/run/structure_fit.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -75,7 +76,7 @@ VoidJoin joinOf(const VoidSetting<Dim>& s) {
 template <int Dim>
 double totalVolume(const VoidSetting<Dim>& s, double voxelSize) {
     const std::string& kind = s.domain.facts().kind;
-    if (s.recipe.shell > 0 || !(kind == "box" || kind == "rect")) return regionOf(s).volume();
+    if (s.recipe.hasShell() || !(kind == "box" || kind == "rect")) return regionOf(s).volume();
     const Box<Dim> box = s.domain.bounds();
     const Vec<Dim> origin = latticeOf(s, voxelSize);
     double volume = 1;
@@ -85,19 +86,24 @@ double totalVolume(const VoidSetting<Dim>& s, double voxelSize) {
     return volume;
 }
 
-/// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
 template <int Dim>
-void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
+StampOptions<Dim> stampOptions(const VoidSetting<Dim>& s, double voxelSize) {
     StampOptions<Dim> options;
     options.voxelSize = voxelSize;
     options.origin = latticeOf(s, voxelSize);
-    options.shell = s.recipe.shell;
+    options.shell = shellOf(s);
     options.join = joinOf(s);
     if (s.recipe.cull == Cull::touch) options.reach = s.largestRadius + 2 * voxelSize;
-    made.stamped = stampVoids(made.list, s.domain, options, s.callbacks);
+    return options;
+}
+
+/// Stamps a list, and cuts it where components are to be removed; sets BV/TV.
+template <int Dim>
+void stamp(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made) {
+    made.stamped = stampVoids(made.list, s.domain, stampOptions(s, voxelSize), s.callbacks);
     made.report.count = made.list.size();
     made.report.voxelSize = voxelSize;
-    made.report.totalVolume = totalVolume(s, voxelSize);
+    if (!(made.report.totalVolume > 0)) made.report.totalVolume = totalVolume(s, voxelSize);
     made.report.bvtv = std::max(0.0, 1 - made.stamped->volume() / made.report.totalVolume);
 }
 
@@ -110,14 +116,13 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
     s.callbacks.stopIfCancelled();
     made.voids = made.stamped->grid();
     const Domain<3>& envelope = s.domain.envelope();
+    const ShellThickness shell = shellOf(s);
     std::function<bool(const Vec<3>&)> inShell;
-    if (&envelope != &s.domain)
+    if (&envelope != &s.domain || !shell.isUniform())
         inShell = [sampler = std::shared_ptr<DomainSampler<3>>(envelope.sampler()),
-                   shell = s.recipe.shell](const Vec<3>& x) {
-            return sampler->signedDistance(x) > -shell;
-        };
+                   shell](const Vec<3>& x) { return sampler->signedDistance(x) > -shell.at(x); };
     made.solid =
-        cutVoids(*made.surface, *made.voids, s.recipe.shell, s.recipe.keepConnected, inShell);
+        cutVoids(*made.surface, *made.voids, shell.most(), s.recipe.keepConnected, inShell);
     made.report.solidAttached = made.solid.attached;
     made.report.solidPieces = made.solid.components;
     made.report.bvtv =
@@ -161,8 +166,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
     double least = std::numeric_limits<double>::infinity();  // miss of a round
     std::string nearest;                                     // radii of that round
     for (int round = 0;; ++round) {
-        const VoidSetting<3> setting{recipe,          s.domain,    s.sliceHeight, s.seed,
-                                     s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+        const VoidSetting<3> setting = withRecipe(s, recipe);
         made.surface.reset();
         solve(setting, made);
         cut(setting, made);
@@ -170,8 +174,7 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
         const double edge = kThicknessVoxels * made.report.voxelSize;
         const Box<3> sample = intersection(
             s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * edge));
-        const auto thickness =
-            trabecularThickness(*made.solid.grid, sample, s.domain, s.recipe.shell);
+        const auto thickness = trabecularThickness(*made.solid.grid, sample, s.domain, shellOf(s));
         if (!thickness)
             throw InputError(fmt::format(
                 "`targetTbth` {}: no solid is left to measure; give a higher `targetBvtv`",
@@ -243,7 +246,8 @@ double plannedVoxel(const VoidRecipe& recipe, int dim) {
 }
 
 double depthForShell(const VoidRecipe& recipe, double voxel) {
-    return recipe.shell > 0 ? 1.1 * recipe.shell + 10 * voxel : 0;
+    const double thickest = shellRange(recipe).second;
+    return thickest > 0 ? 1.1 * thickest + 10 * voxel : 0;
 }
 
 namespace {
@@ -268,10 +272,11 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
     const double core = regionOf(s).volume();
     if (!(core > 1e-9 * s.domain.volume()))
         throw InputError(
-            fmt::format("`shell` {} mm: no part of the domain lies deeper than the shell; its "
+            fmt::format("`{}` {} mm: no part of the domain lies deeper than the shell; its "
                         "deepest point lies "
                         "{:.4g} mm below the wall; give a thinner shell",
-                        s.recipe.shell, largestBall(s.domain).radius));
+                        s.localShell.isUniform() ? "shell" : "shellField", shellOf(s).most(),
+                        largestBall(s.domain).radius));
     const VoidMethod method = methodOf(s.recipe);
     if (method == VoidMethod::none || isThinning(method)) return;
     const Vec<Dim> size = s.domain.bounds().size();
@@ -298,9 +303,7 @@ namespace {
 
 /// Replaces the targets of a structure by the parameters of a foam that has it.
 void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, VoidReport& report) {
-    VoidSetting<3> setting{recipe,          s.domain,    s.sliceHeight, s.seed,
-                           s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
-    const StructureFit fit = fitStructure(setting, packs);
+    const StructureFit fit = fitStructure(withRecipe(s, recipe), packs);
     recipe = fit.recipe;
     report.targets = fit.targets;
     report.specimen = fit.specimen;
@@ -316,12 +319,12 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
         *recipe.strutShare);
 }
 void fitTo(const VoidSetting<2>&, FoamPacks<2>&, VoidRecipe& recipe, VoidReport&) {
-    for (const auto& [name, target] : {std::pair{"targetTbsp", recipe.targetTbsp},
-                                       std::pair{"targetDa", recipe.targetDa},
-                                       std::pair{"targetConnd", recipe.targetConnd}})
+    for (const auto& [name, target] :
+         {std::pair{"targetTbsp", recipe.targetTbsp}, std::pair{"targetDa", recipe.targetDa},
+          std::pair{"targetConnd", recipe.targetConnd}})
         if (target)
-            throw ParameterError(
-                fmt::format("`{}` {:g}: is measured in space; leave it out in a plane", name, *target));
+            throw ParameterError(fmt::format(
+                "`{}` {:g}: is measured in space; leave it out in a plane", name, *target));
 }
 
 }  // namespace
@@ -332,7 +335,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     const VoidMethod method = methodOf(r);
     MadeVoids<Dim> made;
     made.report.method = r.method;
-    made.report.shell = r.shell;
+    noteShell(s, made.report);
     if (method == VoidMethod::none || isThinning(method)) return made;
     if (method == VoidMethod::list) {
         made.list = readVoidList<Dim>(listFile(r));
@@ -355,7 +358,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                     r.bvtvField, mean, r.bvtvRange));
             decided.targetBvtv = mean;
             chosen.push_back(fmt::format(
-                "as many voids as make BV/TV {:.4f}, the mean that {} says", mean, r.bvtvField));
+                "{} BV/TV {:.4f}, the mean that {} says",
+                method == VoidMethod::foam ? "voids dilated to" : "as many voids as make", mean,
+                r.bvtvField));
         } else if (undecided) {
             decided.targetBvtv = kDefaultBvtv;
             chosen.push_back(fmt::format(
@@ -373,6 +378,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                                            told ? nullptr : &chosen);
             told = true;
             const double voxel = voidVoxelFor(asked, family.leastHalfAxis);
+            if (family.follow) family.follow(stampOptions(setting, voxel));
             const auto bvtvAt = [&](double amount) {
                 result.list = family.list(amount);
                 return bvtvOf(setting, voxel, result);
@@ -385,8 +391,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
                                                        : asked.probability.value_or(1));
         };
-        VoidSetting<Dim> setting{decided,         s.domain,    s.sliceHeight, s.seed,
-                                 s.largestRadius, s.callbacks, s.ranks,       s.bvtv};
+        VoidSetting<Dim> setting = withRecipe(s, decided);
         setting.packs = packs;
         if (decided.targetTbth)
             solveThickness(setting, made, solve);

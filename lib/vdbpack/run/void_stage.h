@@ -31,6 +31,14 @@ struct MadeVoids {
     std::vector<std::shared_ptr<const VdbGrid>> levelSets() const;
 };
 
+/// Sets the thickness of the shell.
+template <int Dim>
+void noteShell(const VoidSetting<Dim>& setting, VoidReport& report) {
+    const ShellThickness shell = shellOf(setting);
+    report.shell = shell.most();
+    if (!shell.isUniform()) report.leastShell = shell.least();
+}
+
 /// Tolerance of the target BV/TV: of what is smaller, the solid or the voids, a share.
 double bvtvTolerance(const VoidRecipe& recipe);
 

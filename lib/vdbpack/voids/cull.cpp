@@ -64,20 +64,21 @@ std::vector<std::uint8_t> centersOutside(const std::vector<Sphere<Dim>>& spheres
 
 template <int Dim>
 std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
-                                     const Domain<Dim>& domain, double shell) {
+                                     const Domain<Dim>& domain, const ShellThickness& shell) {
     std::vector<std::int32_t> deep(spheres.size(), 1);
-    if (!(shell > 0)) return deep;
+    if (!shell.any()) return deep;
     const Domain<Dim>& envelope = domain.envelope();
     const double error = envelope.facts().voxelSize;
     forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
         const auto sampler = envelope.sampler();
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const double depth = -sampler->signedDistance(spheres[i].center);
+            const double thickness = shell.at(spheres[i].center);
             WallPoint<Dim> wall;
-            if (error > 0 && depth > 0 && std::fabs(depth - shell) < error)
-                deep[i] = !sampler->nearestWall(spheres[i].center, shell, wall);
+            if (error > 0 && depth > 0 && std::fabs(depth - thickness) < error)
+                deep[i] = !sampler->nearestWall(spheres[i].center, thickness, wall);
             else
-                deep[i] = depth > shell;
+                deep[i] = depth > thickness;
         }
     });
     return deep;
@@ -89,14 +90,14 @@ void keepOnly(Pack<Dim>& pack, const std::vector<std::uint8_t>& keep) {
     keepValues(pack.spheres, keep);
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                       \
-    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&, \
-                                                      const StampedVoids<Dim>&, Cull); \
-    template std::vector<std::uint8_t> centersOutside(                                 \
-        const std::vector<Sphere<Dim>>&, const std::vector<Ellipsoid<Dim>>&,           \
-        const StampedVoids<Dim>&, const std::vector<std::int32_t>&);                   \
-    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,     \
-                                                  const Domain<Dim>&, double);         \
+#define VDBPACK_INSTANTIATE(Dim)                                                              \
+    template std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>&,        \
+                                                      const StampedVoids<Dim>&, Cull);        \
+    template std::vector<std::uint8_t> centersOutside(                                        \
+        const std::vector<Sphere<Dim>>&, const std::vector<Ellipsoid<Dim>>&,                  \
+        const StampedVoids<Dim>&, const std::vector<std::int32_t>&);                          \
+    template std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>&,            \
+                                                  const Domain<Dim>&, const ShellThickness&); \
     template void keepOnly(Pack<Dim>&, const std::vector<std::uint8_t>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

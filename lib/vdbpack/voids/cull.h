@@ -27,12 +27,12 @@ std::vector<std::uint8_t> centersOutside(const std::vector<Sphere<Dim>>& spheres
                                          const StampedVoids<Dim>& stamped,
                                          const std::vector<std::int32_t>& deep);
 
-/// 1 for each sphere whose center lies deeper than `shell` mm below the wall of the envelope: by
+/// 1 for each sphere whose center lies deeper than `shell` below the wall of the envelope: by
 /// the signed distance field, and by the exact distance to the wall where the field is too coarse
 /// to decide.
 template <int Dim>
 std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
-                                     const Domain<Dim>& domain, double shell);
+                                     const Domain<Dim>& domain, const ShellThickness& shell);
 
 /// Removes the spheres with 0 in `keep`, and their attributes, from `pack`. The others keep their
 /// `order`, and their ids if there are ids.

@@ -58,8 +58,7 @@ namespace {
 /// ellipsoids.
 template <int Dim>
 double meanRadius(const VoidShape<Dim>& shape, const FoamOptions<Dim>& options) {
-    return shape.radius.mean() *
-           (options.along ? 1 : std::pow(shape.aspect.mean(), 1.0 / Dim));
+    return shape.radius.mean() * (options.along ? 1 : std::pow(shape.aspect.mean(), 1.0 / Dim));
 }
 
 }  // namespace
@@ -95,8 +94,7 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
 template <int Dim>
 Vec<Dim> foamExtent(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
                     const FoamOptions<Dim>& options) {
-    const Box<Dim> box =
-        stretched(region.domain.bounds(), options.along, 1 / shape.aspect.mean());
+    const Box<Dim> box = stretched(region.domain.bounds(), options.along, 1 / shape.aspect.mean());
     return box.size() * (0.5 / meanRadius(shape, options));
 }
 
@@ -127,24 +125,31 @@ std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const FoamP
 
 template <int Dim>
 std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
-                                    std::vector<Ellipsoid<Dim>> voids, double factor) {
-    for (Ellipsoid<Dim>& e : voids) {
-        e.a *= factor;
-        e.b *= factor;
+                                    std::vector<Ellipsoid<Dim>> voids, double factor,
+                                    const std::vector<double>& local) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        const double by = factor * (local.empty() ? 1 : local[i]);
+        if (!local.empty() && local[i] == 0) continue;
+        Ellipsoid<Dim>& e = voids[kept++] = voids[i];
+        e.a *= by;
+        e.b *= by;
     }
+    voids.resize(kept);
     keepReaching(region, voids);
     return voids;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                   \
-    template FoamPack<Dim> foamPack(const SizeDistribution&, const Vec<Dim>&, std::uint64_t,       \
-                                    const Callbacks&);                                             \
-    template Vec<Dim> foamExtent(const VoidRegion<Dim>&, const VoidShape<Dim>&,                    \
-                                 const FoamOptions<Dim>&);                                         \
-    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const FoamPack<Dim>&,   \
-                                                   const VoidShape<Dim>&, const FoamOptions<Dim>&); \
-    template std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>&,                           \
-                                                 std::vector<Ellipsoid<Dim>>, double);
+#define VDBPACK_INSTANTIATE(Dim)                                                                 \
+    template FoamPack<Dim> foamPack(const SizeDistribution&, const Vec<Dim>&, std::uint64_t,     \
+                                    const Callbacks&);                                           \
+    template Vec<Dim> foamExtent(const VoidRegion<Dim>&, const VoidShape<Dim>&,                  \
+                                 const FoamOptions<Dim>&);                                       \
+    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const FoamPack<Dim>&, \
+                                                   const VoidShape<Dim>&,                        \
+                                                   const FoamOptions<Dim>&);                     \
+    template std::vector<Ellipsoid<Dim>> dilated(                                                \
+        const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>, double, const std::vector<double>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

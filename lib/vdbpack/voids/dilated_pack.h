@@ -56,8 +56,10 @@ std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>& region, const FoamP
                                       const VoidShape<Dim>& shape, const FoamOptions<Dim>& options);
 
 /// All half-axes times a factor; without the voids that do not reach deeper than the shell then.
+/// @param local  further factors, one a void, 0 where the void is left out; empty: 1.
 template <int Dim>
 std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
-                                    std::vector<Ellipsoid<Dim>> voids, double factor);
+                                    std::vector<Ellipsoid<Dim>> voids, double factor,
+                                    const std::vector<double>& local = {});
 
 }  // namespace vdbpack

@@ -4,6 +4,7 @@
 #include "vdbpack/field/tensor_grid.h"
 #include "vdbpack/io/number_table.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/voids/field_points.h"
 #include "vdbpack/voids/tensor_field.h"
 
 #include <fmt/format.h>
@@ -11,7 +12,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -22,7 +22,6 @@ namespace {
 
 constexpr const char* kColumns = "x,y,z and ux,uy,uz or sxx,syy,szz,sxy,syz,sxz";
 
-constexpr double kFarthest = 1e9;         ///< from the origin, mm
 constexpr double kLargestStress = 1e300;  ///< so that sums of several are finite
 
 using Columns = std::vector<std::optional<std::size_t>>;
@@ -88,29 +87,10 @@ private:
     bool planar_;
 };
 
-/// The box that a table covers whose points lie in `points`.
-Box<3> covered(const Box<3>& points, bool planar) {
-    const Vec<3> size = points.size();
-    const double longest = std::max({size[0], size[1], size[2]});
-    Box<3> box = points;
-    for (int d = 0; d < 3; ++d) {
-        const double margin = std::max(0.1 * size[d], 0.01 * longest);
-        box.lo[d] -= margin;
-        box.hi[d] += margin;
-    }
-    if (planar) {
-        box.lo[2] = -std::numeric_limits<double>::infinity();
-        box.hi[2] = std::numeric_limits<double>::infinity();
-    }
-    return box;
-}
-
 std::shared_ptr<const DirectionField> readTable(const std::string& file, double scale) {
     NumberTable table(file, kColumns);
-    Columns place{table.require({"x", "points0", "coord1", "coor1"}),
-                  table.require({"y", "points1", "coord2", "coor2"}),
-                  table.find({"z", "points2", "coord3", "coor3"})};
-    const bool planar = !place[2];
+    const PointColumns place(table);
+    const bool planar = place.planar();
     const Columns direction = directionColumns(table, planar);
     const Columns tensor = tensorColumns(table, planar);
     if (direction.empty() == tensor.empty())
@@ -125,10 +105,7 @@ std::shared_ptr<const DirectionField> readTable(const std::string& file, double 
     double most = 0;
     while (table.nextRow()) {
         PointTensors::Sample s;
-        for (std::size_t d = 0; d < 3; ++d) s.x.c[d] = number(place[d]) * scale;
-        for (const double c : s.x.c)
-            if (!(std::fabs(c) <= kFarthest))
-                table.failRow("the point lies more than 1e9 mm from the origin; check the unit");
+        s.x = place.point(table, scale);
         if (!direction.empty()) {
             const Vec<3> u{{number(direction[0]), number(direction[1]), number(direction[2])}};
             s.tensor = dyad(u);
@@ -146,7 +123,7 @@ std::shared_ptr<const DirectionField> readTable(const std::string& file, double 
         throw InputError(fmt::format("{}: has no rows; give points as {}", file, kColumns));
     if (!(most > 0))
         throw InputError(file + ": all stresses are zero; give those of a loaded bone");
-    return std::make_shared<TableField>(std::move(samples), covered(points, planar), planar);
+    return std::make_shared<TableField>(std::move(samples), coveredBy(points, planar), planar);
 }
 
 /// A field on the voxels of a grid; beyond them, that of the nearest.

@@ -6,6 +6,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/voids/angle_distribution.h"
 #include "vdbpack/voids/direction_field.h"
+#include "vdbpack/voids/field_points.h"
 
 #include <fmt/format.h>
 
@@ -172,30 +173,6 @@ Vec<Dim> parseAxis(const std::string& text) {
     return normalized(result);
 }
 
-std::string describe(const Box<3>& box) {
-    return fmt::format("({:.6g}, {:.6g}, {:.6g}) to ({:.6g}, {:.6g}, {:.6g}) mm", box.lo[0],
-                       box.lo[1], box.lo[2], box.hi[0], box.hi[1], box.hi[2]);
-}
-
-template <int Dim>
-void requireCovered(const std::string& file, const DirectionField& field, const Box<Dim>& bounds,
-                    double sliceHeight) {
-    Box<3> needed{{{0, 0, sliceHeight}}, {{0, 0, sliceHeight}}};
-    for (int d = 0; d < Dim; ++d) {
-        needed.lo[d] = bounds.lo[d];
-        needed.hi[d] = bounds.hi[d];
-    }
-    const Box<3> covered = field.bounds();
-    // Both may be computed from the same numbers in different ways.
-    const double rounding = 1e-9 * length(needed.size());
-    if (covered.grown(rounding).contains(needed.lo) && covered.grown(rounding).contains(needed.hi))
-        return;
-    throw InputError(fmt::format(
-        "{}: the direction field covers {}, but the domain spans {}; check the unit and the origin "
-        "of the field, or extend it over the domain",
-        file, describe(covered), describe(needed)));
-}
-
 }  // namespace
 
 template <int Dim>
@@ -221,7 +198,7 @@ std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe&
         return std::make_shared<AboutAxis<Dim>>(std::move(scatter), parseAxis<Dim>(recipe.axis));
     if (!varying) return std::make_shared<Free<Dim>>(std::move(scatter));
     auto field = readDirectionField(recipe.field, recipe.fieldScale);
-    requireCovered(recipe.field, *field, bounds, sliceHeight);
+    requireCovered(recipe.field + ": the direction field", field->bounds(), bounds, sliceHeight);
     return std::make_shared<AboutField<Dim>>(std::move(scatter), std::move(field), sliceHeight);
 }
 

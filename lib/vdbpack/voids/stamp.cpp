@@ -48,10 +48,12 @@ template <int Dim>
 class Core {
 public:
     Core(const Domain<Dim>& domain, const StampOptions<Dim>& options)
-        : sampler_((options.shell > 0 ? domain.envelope() : domain).sampler()),
-          domain_(options.shell > 0 && &domain.envelope() != &domain ? domain.sampler() : nullptr),
+        : sampler_((options.shell.any() ? domain.envelope() : domain).sampler()),
+          domain_(options.shell.any() && &domain.envelope() != &domain ? domain.sampler()
+                                                                       : nullptr),
           shell_(options.shell),
           h_(options.voxelSize),
+          reach_(std::max(kStampBand * options.voxelSize, options.reach)),
           error_(domain.facts().voxelSize),
           deepest_(-domain.fieldDepth() * (1 - 1e-9)) {}
 
@@ -64,10 +66,10 @@ public:
               bool& cut) {
         const double field = sampler_->signedDistance(middle);
         const bool deep = field <= deepest_;
-        apart = !deep && field + shell_ - radius - error_ > outside;
+        apart = !deep && field + shell_.least() - radius - error_ > outside;
         // Below the field, ask the wall.
-        cut = deep ? sampler_->isWallCloser(middle, shell_ + radius + inside)
-                   : field + shell_ + radius + error_ > -inside;
+        cut = deep ? sampler_->isWallCloser(middle, shell_.most() + radius + inside)
+                   : field + shell_.most() + radius + error_ > -inside;
         if (domain_) cut |= domain_->signedDistance(middle) + radius + error_ > 0;
     }
     /// Whether a point that the shell encloses is in the domain, and not in one of its cavities.
@@ -76,27 +78,32 @@ public:
     /// and where a void may come closer to the wall than the field can resolve.
     double operator()(const Vec<Dim>& x, double toVoid) {
         const double field = sampler_->signedDistance(x);
-        const double outside = field + shell_;
-        if (!(shell_ > 0 && error_ > 0 && toVoid < h_)) return outside;
+        // Where the core's boundary is too far away to matter, any thickness does.
+        const bool far =
+            field + shell_.most() + error_ < toVoid || field + shell_.least() - error_ > reach_;
+        const double shell = far ? shell_.most() : shell_.at(x);
+        const double outside = field + shell;
+        if (!(shell > 0 && error_ > 0 && toVoid < h_)) return outside;
         WallPoint<Dim> wall;
         if (field <= deepest_) {
-            const double reach = shell_ + kStampBand * h_;
-            return shell_ - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
+            const double reach = shell + kStampBand * h_;
+            return shell - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
         }
         // Where the field's lattice is that of the voids, this is the distance itself.
         const DepthRange depth = sampler_->depthRange(x);
-        if (depth.least > shell_ || depth.most < shell_)
-            return std::clamp(outside, shell_ - depth.most, shell_ - depth.least);
+        if (depth.least > shell || depth.most < shell)
+            return std::clamp(outside, shell - depth.most, shell - depth.least);
         if (std::fabs(outside) < error_ && field < 0 &&
-            sampler_->nearestWall(x, shell_ + error_, wall))
-            return shell_ - wall.distance;
+            sampler_->nearestWall(x, shell + error_, wall))
+            return shell - wall.distance;
         return outside;
     }
 
 private:
     std::unique_ptr<DomainSampler<Dim>> sampler_;  // of what the shell is measured in
     std::unique_ptr<DomainSampler<Dim>> domain_;   // null: the same
-    double shell_, h_, error_, deepest_;
+    ShellThickness shell_;
+    double h_, reach_, error_, deepest_;
 };
 
 /// All pairs of voids and tiles that they reach, sorted.
@@ -216,7 +223,7 @@ Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries
     Stamped result;
     bool apart = false, cut = false;
     // Without a shell, the core only decides which voxels are counted.
-    core.look(middle, radius, options.shell > 0 ? inside : 0, outside, apart, cut);
+    core.look(middle, radius, options.shell.any() ? inside : 0, outside, apart, cut);
     if (apart) return result;
     Tile<Dim> tile(lattice.firstCenterOf(at), options.voxelSize, inside, outside);
     near.clear();
@@ -235,7 +242,7 @@ Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries
         tile.stamp(near);
     if (!filled && !options.join.isNone()) tile.join(near, options.join);
     if (cut)
-        result.voxels = cutAtCore(tile, core, options.shell > 0);
+        result.voxels = cutAtCore(tile, core, options.shell.any());
     else
         result.voxels = static_cast<std::uint32_t>(tile.countInside());
     if (tile.isOutside()) return result;
@@ -250,11 +257,12 @@ void checkStamp(const std::vector<Ellipsoid<Dim>>& voids, const StampOptions<Dim
     if (!(options.voxelSize > 0 && std::isfinite(options.voxelSize)))
         throw ParameterError(
             fmt::format("`voids.voxelSize` {} mm must be positive", options.voxelSize));
-    if (!(options.shell >= 0 && std::isfinite(options.shell)))
-        throw ParameterError(fmt::format("`voids.shell` {} mm must be 0 or more", options.shell));
-    for (const auto& [name, value] : {std::pair{"blend", options.join.blend},
-                                      std::pair{"strut", options.join.strut},
-                                      std::pair{"strutShare", options.join.strutShare}})
+    for (const double shell : {options.shell.least(), options.shell.most()})
+        if (!(shell >= 0 && std::isfinite(shell)))
+            throw ParameterError(fmt::format("`voids.shell` {} mm must be 0 or more", shell));
+    for (const auto& [name, value] :
+         {std::pair{"blend", options.join.blend}, std::pair{"strut", options.join.strut},
+          std::pair{"strutShare", options.join.strutShare}})
         if (!(value >= 0 && std::isfinite(value)))
             throw ParameterError(fmt::format("`voids.{}` {} must be 0 or more", name, value));
     for (std::size_t i = 0; i < voids.size(); ++i) {

@@ -4,6 +4,7 @@
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/shell_thickness.h"
 #include "vdbpack/field/linear_sampler.h"
 #include "vdbpack/voids/void_join.h"
 
@@ -22,16 +23,17 @@ struct StampOptions {
     /// Distances outside of voids are computed up to this, mm; at least three voxels.
     double reach = 0;
     VoidJoin join;
-    /// Thickness of the layer below the wall of the envelope that is kept free of voids, mm; 0:
-    /// voids may cut the wall.
-    double shell = 0;
+    /// Layer below the wall of the envelope that is kept free of voids; 0: voids may cut the wall.
+    /// Where its thickness varies, the level set crosses zero where the shell ends; next to it the
+    /// distances are off by the slope of the thickness.
+    ShellThickness shell{};
 };
 
 /// The distance to joined voids at a point, negative inside, mm.
 ///
-/// Blended, it is c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), where d are the distances to each void
-/// and c is four times the blend; to one void alone, that to this. A strut takes away all that is
-/// nearer to its line than its radius.
+/// Blended, it is c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), where d are the distances to each
+/// void and c is four times the blend; to one void alone, that to this. A strut takes away all that
+/// is nearer to its line than its radius.
 ///
 /// Source of the blend: the union by p-norms of Ricci (1973), "A constructive geometry for computer
 /// graphics", The Computer Journal 16 (2), 157-160, doi:10.1093/comjnl/16.2.157, of a function that

@@ -112,14 +112,21 @@ PointTensors::Nearest PointTensors::nearest(const Vec<3>& x) const {
     return found;
 }
 
-Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
+PointTensors::Weighted PointTensors::weightedAt(const Vec<3>& x) const {
     const Nearest found = nearest(x);
     const std::size_t n = found.count;
     const auto first =
         std::min_element(found.near.begin(), found.near.begin() + static_cast<std::ptrdiff_t>(n),
                          [](const Near& a, const Near& b) { return a.square < b.square; });
     const double unit = std::sqrt(first->square);
-    if (!(unit > 0)) return mainAxis(tensors_[first->node]);
+    Weighted result;
+    result.first = first->node;
+    if (!(unit > 0)) {
+        result.node[0] = first->node;
+        result.weight[0] = 1;
+        result.count = 1;
+        return result;
+    }
 
     // The cutoff lies slightly beyond the farthest neighbor: otherwise all weights would vanish
     // where all neighbors are equally far. With fewer points no cutoff is needed.
@@ -154,17 +161,37 @@ Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
                         dot(way, cross(spread[0], spread[1]))}} *
                 (1 / dot(spread[0], across));
     }
-    Tensor sum{};
-    double size = 0;
     for (std::size_t i = 0; i < n; ++i) {
         // Negative weights could give a direction unlike that of any point.
-        const double w = weights[i] * std::max(0.0, 1 + dot(slope, to[i]));
-        const Tensor& t = tensors_[found.near[i].node];
-        addScaled(sum, w, t);
-        size += w * magnitude(t);
+        result.weight[i] = weights[i] * std::max(0.0, 1 + dot(slope, to[i]));
+        result.node[i] = found.near[i].node;
+    }
+    result.count = n;
+    return result;
+}
+
+Vec<3> PointTensors::mainAxisAt(const Vec<3>& x) const {
+    const Weighted near = weightedAt(x);
+    Tensor sum{};
+    double size = 0;
+    for (std::size_t i = 0; i < near.count; ++i) {
+        const Tensor& t = tensors_[near.node[i]];
+        addScaled(sum, near.weight[i], t);
+        size += near.weight[i] * magnitude(t);
     }
     // Tension and compression can cancel.
-    return magnitude(sum) > 1e-12 * size ? mainAxis(sum) : mainAxis(tensors_[first->node]);
+    return magnitude(sum) > 1e-12 * size ? mainAxis(sum) : mainAxis(tensors_[near.first]);
+}
+
+Tensor PointTensors::at(const Vec<3>& x) const {
+    const Weighted near = weightedAt(x);
+    double total = 0;
+    for (std::size_t i = 0; i < near.count; ++i) total += near.weight[i];
+    if (!(total > 0)) return tensors_[near.first];
+    Tensor sum{};
+    for (std::size_t i = 0; i < near.count; ++i)
+        addScaled(sum, near.weight[i] / total, tensors_[near.node[i]]);
+    return sum;
 }
 
 }  // namespace vdbpack

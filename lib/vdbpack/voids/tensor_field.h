@@ -33,6 +33,9 @@ public:
 
     /// The unit main axis of the tensor interpolated at `x`. Thread-safe.
     Vec<3> mainAxisAt(const Vec<3>& x) const;
+    /// The tensor interpolated at `x`; each component lies within those of the samples.
+    /// Thread-safe.
+    Tensor at(const Vec<3>& x) const;
     Nearest nearest(const Vec<3>& x) const;
 
 private:
@@ -41,6 +44,14 @@ private:
         std::uint32_t sample = 0;
         std::uint32_t dimension = 0;  ///< along which it splits its range
     };
+    /// The nodes around a point, with weights that are not negative.
+    struct Weighted {
+        std::array<std::uint32_t, kNeighbors> node;
+        std::array<double, kNeighbors> weight;
+        std::size_t count = 0;
+        std::uint32_t first = 0;  ///< the nearest node
+    };
+    Weighted weightedAt(const Vec<3>& x) const;
     void build(std::size_t first, std::size_t last);
     void search(const Vec<3>& x, std::size_t first, std::size_t last, Nearest& found) const;
     void offer(const Vec<3>& x, std::size_t node, Nearest& found) const;

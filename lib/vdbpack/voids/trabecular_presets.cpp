@@ -23,13 +23,37 @@ const std::vector<TrabecularPreset>& trabecularPresets() {
     static const std::vector<TrabecularPreset> presets{
         {"vertebra", "vertebral cancellous bone, 9 specimens", 0.0675, 0.132, 1.020,
          fromRatio(1.48), 4.84, "PMC3352993, Table 1"},
-        {"iliac-crest", "iliac crest, controls without disease", 0.1539, {}, 0.781, {}, {},
+        {"iliac-crest",
+         "iliac crest, controls without disease",
+         0.1539,
+         {},
+         0.781,
+         {},
+         {},
          "Rubin et al. 2010, doi:10.1016/j.bone.2009.09.020, unmatched controls"},
-        {"iliac-crest-matched", "iliac crest, 25 controls", {}, 0.17, {}, {}, 8.39,
+        {"iliac-crest-matched",
+         "iliac crest, 25 controls",
+         {},
+         0.17,
+         {},
+         {},
+         8.39,
          "Rubin et al. 2010, doi:10.1016/j.bone.2009.09.020, matched controls"},
-        {"jaw-dense", "alveolar bone of the jaw, type D1", {}, 0.30, 0.59, {}, {},
+        {"jaw-dense",
+         "alveolar bone of the jaw, type D1",
+         {},
+         0.30,
+         0.59,
+         {},
+         {},
          "Lee et al. 2017, doi:10.5051/jpis.2017.47.1.20"},
-        {"jaw-sparse", "alveolar bone of the jaw, type D4", {}, 0.22, 1.20, {}, {},
+        {"jaw-sparse",
+         "alveolar bone of the jaw, type D4",
+         {},
+         0.22,
+         1.20,
+         {},
+         {},
          "Lee et al. 2017, doi:10.5051/jpis.2017.47.1.20"}};
     return presets;
 }
@@ -44,9 +68,8 @@ const TrabecularPreset& trabecularPreset(const std::string& name) {
 }
 
 std::string presetTable() {
-    std::string text =
-        fmt::format("{:<20} {:>6} {:>9} {:>9} {:>6} {:>13}\n", "NAME", "BV/TV", "Tb.Th, mm",
-                    "Tb.Sp, mm", "DA", "Conn.D, /mm³");
+    std::string text = fmt::format("{:<20} {:>6} {:>9} {:>9} {:>6} {:>13}\n", "NAME", "BV/TV",
+                                   "Tb.Th, mm", "Tb.Sp, mm", "DA", "Conn.D, /mm³");
     for (const TrabecularPreset& p : trabecularPresets())
         text += fmt::format("{:<20} {:>6} {:>9} {:>9} {:>6} {:>12}\n    {}; {}\n", p.name,
                             cell(p.bvtv, "{:.4f}"), cell(p.tbth, "{:.3f}"), cell(p.tbsp, "{:.3f}"),

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/core_volume.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/voids/dilated_pack.h"
+#include "vdbpack/voids/local_dilation.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/void_list.h"
 #include "vdbpack/voids/void_matrix.h"
@@ -47,7 +48,7 @@ std::shared_ptr<const typename FoamPacks<Dim>::Entry> FoamPacks<Dim>::get(
 
 template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
-    return {s.domain, s.recipe.shell};
+    return {s.domain, shellOf(s)};
 }
 
 std::string defaultVoidRadius(double largestSphere) {
@@ -171,9 +172,8 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
     const FoamOptions<Dim> options{commonAxis(s), s.recipe.jitter.value_or(kFoamJitter), s.seed};
     FoamPacks<Dim> own;
     FoamPacks<Dim>& packs = s.packs ? *s.packs : own;
-    const auto pack =
-        packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
-                  foamExtent(regionOf(s), shape, options), s.seed, s.callbacks);
+    const auto pack = packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
+                                foamExtent(regionOf(s), shape, options), s.seed, s.callbacks);
     const auto voids = foamVoids(regionOf(s), pack->pack, shape, options);
     VoidFamily<Dim> family;
     family.most = kMostDilation;
@@ -185,8 +185,18 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
     family.remedy = "; take larger voids, or a smaller `voids.jitter`";
     family.leastHalfAxis = leastHalfAxis(voids);
     const auto& setting = s;
-    family.list = [&setting, voids](double factor) {
-        return dilated(regionOf(setting), voids, factor);
+    const auto local = std::make_shared<std::vector<double>>();
+    family.list = [&setting, voids, local](double factor) {
+        return dilated(regionOf(setting), voids, factor, *local);
+    };
+    if (!s.bvtv) return family;
+    family.guess = 1;
+    family.follow = [&setting, voids, local, target](const StampOptions<Dim>& stamp) {
+        const double mean = meanBvtv(setting), share = mean > 0 ? target / mean : 1;
+        const auto wanted = [&setting, share](const Vec<Dim>& x) {
+            return std::clamp(share * setting.bvtv(x), 0.0, 1.0);
+        };
+        *local = localDilation<Dim>(regionOf(setting), voids, wanted, stamp, setting.callbacks);
     };
     return family;
 }
@@ -220,13 +230,14 @@ double meanBvtv(const VoidSetting<Dim>& s) {
     constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     const Box<Dim> box = s.domain.bounds();
     const auto envelope = s.domain.envelope().sampler(), inside = s.domain.sampler();
+    const ShellThickness shell = shellOf(s);
     double sum = 0;
     int count = 0;
     for (int k = 0; k < kFieldPoints; ++k) {
         Vec<Dim> x;
         for (int d = 0; d < Dim; ++d)
             x[d] = box.lo[d] + std::fmod((k + 0.5) * kSteps[d], 1.0) * box.size()[d];
-        if (!(envelope->signedDistance(x) < -s.recipe.shell && inside->signedDistance(x) < 0))
+        if (!(shell.isDeeper(x, -envelope->signedDistance(x)) && inside->signedDistance(x) < 0))
             continue;
         sum += s.bvtv(x);
         ++count;

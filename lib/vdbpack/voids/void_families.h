@@ -5,6 +5,7 @@
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/voids/dilated_pack.h"
+#include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -44,8 +45,23 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
+    /// Thickness by place, where the recipe has a field of it; uniform: that of the recipe.
+    ShellThickness localShell{};
     FoamPacks<Dim>* packs = nullptr;  ///< kept for further foams; null: they are not
 };
+
+/// The same with another recipe, which must outlive it.
+template <int Dim>
+VoidSetting<Dim> withRecipe(const VoidSetting<Dim>& s, const VoidRecipe& recipe) {
+    return {recipe,      s.domain, s.sliceHeight, s.seed,       s.largestRadius,
+            s.callbacks, s.ranks,  s.bvtv,        s.localShell, s.packs};
+}
+
+/// The shell that no void is cut into.
+template <int Dim>
+ShellThickness shellOf(const VoidSetting<Dim>& s) {
+    return s.localShell.isUniform() ? ShellThickness(s.recipe.shell) : s.localShell;
+}
 
 /// The part of the domain that voids are cut into: deeper than the shell.
 template <int Dim>
@@ -78,6 +94,9 @@ struct VoidFamily {
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
+    /// Makes further lists follow BV/TV by place, for voids that are stamped as the options say;
+    /// empty: they do already, or it is the same everywhere. @throws as `localDilation`
+    std::function<void(const StampOptions<Dim>& stamp)> follow{};
 };
 
 /// @param setting  must outlive the family.

@@ -42,7 +42,7 @@ void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& vo
                           WallPoint<Dim> wall;
                           for (std::size_t i = range.begin(); i < range.end(); ++i) {
                               const auto& e = voids[i];
-                              const double reach = std::max(e.a, e.b) - region.shell;
+                              const double reach = std::max(e.a, e.b) - region.shell.least();
                               const double outside = sampler->signedDistance(e.center);
                               reaches[i] = outside < reach;
                               // A field ends close to the wall: farther out, ask the wall.

@@ -32,7 +32,7 @@ struct VoidShape {
 template <int Dim>
 struct VoidRegion {
     const Domain<Dim>& domain;
-    double shell = 0;  ///< mm, below the wall of `domain.envelope()`
+    ShellThickness shell{};  ///< below the wall of `domain.envelope()`
     double volume() const { return coreVolume(domain, shell); }
 };
 

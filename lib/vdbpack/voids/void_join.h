@@ -21,7 +21,8 @@ struct VoidJoin {
     /// Radius of the struts that remain along the lines where three voids (2D: two) are nearest and
     /// equally near, however far these overlap, mm; 0: there are none.
     double strut = 0;
-    double strutShare = 1;  ///< of those lines that have a strut, chosen at random by the voids' ids
+    double strutShare =
+        1;  ///< of those lines that have a strut, chosen at random by the voids' ids
 
     bool isNone() const { return !(blend > 0 || strut > 0); }
     /// How far a void may lie from a point and still change the level set there, mm.

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/voids/scalar_field.h"
 
 #include <fmt/format.h>
 
@@ -78,8 +79,8 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
               M::foam}},
             {"like", !r.like.empty(), {M::foam}},
             {"trabecular", !r.trabecular.empty(), {M::foam}},
-            {"bvtvField", !r.bvtvField.empty(), {M::boolean}},
-            {"bvtvRange", !r.bvtvRange.empty(), {M::boolean}},
+            {"bvtvField", !r.bvtvField.empty(), {M::boolean, M::foam}},
+            {"bvtvRange", !r.bvtvRange.empty(), {M::boolean, M::foam}},
             {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
             {"targetTbsp", r.targetTbsp.has_value(), {M::foam}},
             {"targetDa", r.targetDa.has_value(), {M::foam}},
@@ -153,12 +154,13 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
 
 /// Refuses two parameters that both determine the amount of voids, or none.
 void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
-    if (r.bvtvField.empty() != r.bvtvRange.empty())
+    if (r.bvtvField.empty() && !r.bvtvRange.empty())
+        throw ParameterError("`bvtvRange` " + r.bvtvRange +
+                             ": says what grey values mean; set `bvtvField`");
+    if (!r.bvtvField.empty() && r.bvtvRange.empty() && !namesScalarField(r.bvtvField))
         throw ParameterError(
-            r.bvtvField.empty()
-                ? "`bvtvRange` " + r.bvtvRange + ": says what grey values mean; set `bvtvField`"
-                : "`bvtvField` " + r.bvtvField +
-                      ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
+            "`bvtvField` " + r.bvtvField +
+            ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
     if (!r.bvtvRange.empty()) parseBvtvRange(r.bvtvRange);
     if (!r.bvtvField.empty() && r.count)
         throw ParameterError(
@@ -183,7 +185,8 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
         throw ParameterError("`voids` grid needs `matrix` or `cell`");
     const bool sized =
         isOneOf(method, {VoidMethod::overlay, VoidMethod::boolean, VoidMethod::foam});
-    const bool scaled = method == VoidMethod::foam && (r.targetTbth || r.targetTbsp || r.targetConnd || !r.like.empty());
+    const bool scaled = method == VoidMethod::foam &&
+                        (r.targetTbth || r.targetTbsp || r.targetConnd || !r.like.empty());
     if (sized && r.radius.empty() && !hasSpheres && !scaled)
         throw ParameterError(fmt::format(
             "`voids` {} needs `voids.radius`, the half-axis b in mm{}", r.method,
@@ -234,6 +237,14 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
     if (!(r.shell >= 0) || !std::isfinite(r.shell))
         throw ParameterError(
             fmt::format("`voids.shell` {}: must be a thickness in mm, 0 or more", r.shell));
+    if (!r.shellField.empty() && r.shell > 0)
+        throw ParameterError(
+            "`voids.shell` and `shellField` both set the thickness of the shell; "
+            "give one of them");
+    if (!r.shellField.empty() && (method == VoidMethod::overlay || needsFront(method)))
+        throw ParameterError("`shellField`: `voids` " + r.method +
+                             " need a shell of one thickness; use `shell`, or voids that are cut "
+                             "afterwards, such as boolean");
     if (method != VoidMethod::none) requireInput(r, method, hasSpheres, hasFront);
     requireUse(r, method);
     if (method == VoidMethod::none) return;

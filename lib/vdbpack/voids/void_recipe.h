@@ -37,19 +37,25 @@ enum class Fill {
 struct VoidRecipe {
     std::string method;  ///< name as in VoidMethod, or list:FILE; empty: none
     double shell = 0;    ///< thickness of the layer along the wall that is kept free of voids
+    /// The same by place, in place of `shell`: a file that `readScalarField` reads, in mm; empty:
+    /// it is the same everywhere.
+    std::string shellField;
     Fill fill = Fill::domain;
     Cull cull = Cull::center;
     bool keepConnected = false;        ///< remove spheres that are not connected to the shell
     std::optional<double> targetBvtv;  ///< BV/TV to reach deeper than the shell, 0 to 1
-    /// boolean: an image whose grey values say how BV/TV varies by place; empty: it does not.
+    /// boolean, foam: how BV/TV varies by place: an image, or a file that `readScalarField` reads;
+    /// empty: it does not.
     std::string bvtvField;
-    std::string bvtvRange;             ///< "MARROW,BONE": grey values at BV/TV 0 and 1
-    std::optional<double> targetTbth;  ///< boolean, foam: mean Tb.Th to reach by the size of voids
-    std::optional<double> targetTbsp;  ///< foam: mean Tb.Sp to reach
-    std::optional<double> targetDa;    ///< foam: DA to reach, 1 - (short / long)^2
+    /// "MARROW,BONE": grey values, or numbers of the file, at BV/TV 0 and 1; empty: a file holds
+    /// BV/TV itself (an image needs it).
+    std::string bvtvRange;
+    std::optional<double> targetTbth;   ///< boolean, foam: mean Tb.Th to reach by the size of voids
+    std::optional<double> targetTbsp;   ///< foam: mean Tb.Sp to reach
+    std::optional<double> targetDa;     ///< foam: DA to reach, 1 - (short / long)^2
     std::optional<double> targetConnd;  ///< foam: Conn.D to reach, 1/mm^3
-    /// foam: standard deviations of the local thickness and spacing to come near to, in their means;
-    /// those of a sample.
+    /// foam: standard deviations of the local thickness and spacing to come near to, in their
+    /// means; those of a sample.
     std::optional<double> thicknessScatter, separationScatter;
     /// Quantiles of these distributions in the sample, 0 to 100 %, mm; empty: there is none.
     std::vector<double> thicknessQuantiles, separationQuantiles;
@@ -58,10 +64,10 @@ struct VoidRecipe {
     std::string likeDomain;  ///< its total volume; empty: all of the image, or the box around it
     std::optional<double> likeThreshold;  ///< of an image: solid from this grey value on
     std::string trabecular;  ///< name of a preset whose numbers are the targets; empty: none
-    double voxelSize = 0;              ///< of the level sets; 0: chosen by the program
-    std::string radius;                ///< SPEC of the half-axis b; empty: chosen by the program
-    double radiusScale = 1;            ///< factor on these half-axes, as a target needs it
-    std::string aspect;                ///< SPEC of a / b; empty: 2
+    double voxelSize = 0;    ///< of the level sets; 0: chosen by the program
+    std::string radius;      ///< SPEC of the half-axis b; empty: chosen by the program
+    double radiusScale = 1;  ///< factor on these half-axes, as a target needs it
+    std::string aspect;      ///< SPEC of a / b; empty: 2
     /// foam: largest displacement of a void, in its radii; empty: a quarter.
     std::optional<double> jitter;
     /// Length over which voids run into one another; empty: of foam a tenth of the mean b, else 0.
@@ -78,6 +84,7 @@ struct VoidRecipe {
     OrientationRecipe orientation;
 
     bool empty() const { return method.empty(); }
+    bool hasShell() const { return shell > 0 || !shellField.empty(); }
 };
 
 /// Whether the knobs of a foam are to be found for a structure, beside its BV/TV.

@@ -11,7 +11,7 @@
 namespace vdbpack {
 
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,
-                                          const Domain<3>& domain, double shell) {
+                                          const Domain<3>& domain, const ShellThickness& shell) {
     const Vec<3> size = box.size();
     double margin = 0.1 * *std::min_element(size.c.begin(), size.c.end());
     // Where the domain ends with the box the sample was cut: that face stops no ball.
@@ -24,7 +24,7 @@ std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& bo
     std::vector<float> thickness(image.voxels(), 0.0f);
     paintThickness(image, surface, Phase::solid, thickness);
     const auto phases = tallyPhases(image, thickness);
-    const std::size_t core = shell > 0 ? 2 : 1;
+    const std::size_t core = shell.any() ? 2 : 1;
     if (core >= phases.size()) return std::nullopt;
     const auto lengths = phases[core].solid.statistics(image.voxelSize);
     return lengths ? std::optional<double>(lengths->mean) : std::nullopt;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/shell_thickness.h"
 
 #include <optional>
 
@@ -15,6 +16,6 @@ class VdbGrid;
 /// @param shell  mm; 0: all of the domain.
 /// @return nothing if there is no solid in it. @throws as `sampleLevelSet`.
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,
-                                          const Domain<3>& domain, double shell);
+                                          const Domain<3>& domain, const ShellThickness& shell);
 
 }  // namespace vdbpack
