@@ -36,6 +36,7 @@ std::vector<Ellipsoid<Dim>> anyVoids(std::size_t count, const Box<Dim>& box, dou
         e.b = least + (most - least) * random.uniform();
         e.a = e.b * (flat + (lengthy - flat) * random.uniform());
         e.axis = anyDirection<Dim>(random);
+        e.id = static_cast<std::uint32_t>(&e - voids.data());
     }
     return voids;
 }

@@ -61,34 +61,104 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
     CHECK(worst < 2e-3);
 }
 
-TEMPLATE_TEST_CASE_SIG("blended voids run into one another where they come near", "[voids][stamp]",
-                       ((int Dim), Dim), 2, 3) {
+namespace {
+
+template <int Dim>
+std::vector<const Ellipsoid<Dim>*> pointersTo(const std::vector<Ellipsoid<Dim>>& voids) {
+    std::vector<const Ellipsoid<Dim>*> all;
+    for (const auto& e : voids) all.push_back(&e);
+    return all;
+}
+
+/// A ball of radius 1 at `x` along the first axis.
+template <int Dim>
+Ellipsoid<Dim> ballAt(double x, std::uint32_t id = 0) {
+    Ellipsoid<Dim> e;
+    e.center[0] = x;
+    e.a = e.b = 1;
+    e.axis[0] = 1;
+    e.id = id;
+    return e;
+}
+
+}  // namespace
+
+TEMPLATE_TEST_CASE_SIG("voids that come near or overlap are joined as joinedDistance says",
+                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
     Scene<Dim> scene(0.2);
     const double h = scene.options.voxelSize;
-    scene.options.blend = GENERATE(0.05, 0.3);
-    const double length = scene.options.blend;
+    VoidJoin& how = scene.options.join;
+    how = GENERATE(VoidJoin{0.05, 0, 1}, VoidJoin{0.3, 0, 1}, VoidJoin{0, 0.4, 1},
+                   VoidJoin{0.1, 0.3, 0.5});
+    CAPTURE(how.blend, how.strut, how.strutShare);
     const auto stamped = scene.stamp();
     typename StampedVoids<Dim>::Sampler distance(*stamped);
+    const auto voids = pointersTo(scene.voids);
     RandomStream random(6, Dim);
-    std::size_t between = 0;
+    std::size_t between = 0, struts = 0;
     for (int i = 0; i < 20000; ++i) {
         const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(19.8)), scene.options);
-        std::vector<double> distances;
-        for (const auto& e : scene.voids) distances.push_back(e.signedDistance(x));
-        const double exact = blendedDistance(distances, length);
-        const double nearest = *std::min_element(distances.begin(), distances.end());
-        REQUIRE(exact <= nearest + 1e-12);
-        REQUIRE(std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h))) < 4e-3);
-        if (std::fabs(exact) < 1e-3) continue;
+        const double exact = joinedDistance(voids, x, how);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const auto& e : scene.voids) nearest = std::min(nearest, e.signedDistance(x));
+        if (how.strut == 0) REQUIRE(exact <= nearest + 1e-12);
+        // The band cuts off what is rounded between a strut and a void that is deeper.
+        const double rounded = how.strut > 0 ? 0.25 * how.rounding() : 0;
+        const double tolerance = exact < -3 * h + rounded ? 4e-3 + rounded : 4e-3;
+        REQUIRE(std::fabs(distance(x) - std::max(-3 * h, std::min(exact, 3 * h))) < tolerance);
+        if (std::fabs(exact) < 4e-3) continue;
         REQUIRE((distance(x) < 0) == (exact < 0));
         if (std::fabs(exact) < h) REQUIRE(stamped->isIn(scene.voids, x) == (exact < 0));
         between += exact < 0 && nearest > 0;
+        struts += exact > 0 && nearest < 0;
     }
-    CHECK(between > (length > 0.1 ? 100 : 0));
-    // One void alone is what it was; two that touch have merged.
-    CHECK(blendedDistance({0.1}, length) == Approx(0.1));
-    CHECK(blendedDistance({-0.4, 9}, length) == Approx(-0.4));
-    CHECK(blendedDistance({0.02, 0.02}, length) < 0);
+    CHECK(between >= (how.blend > 0.2 ? 100 : how.blend > 0 ? 1 : 0));
+    CHECK((struts > 0) == (how.strut > 0));
+}
+
+TEMPLATE_TEST_CASE_SIG("blended, one void is what it was, and two that touch have merged",
+                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
+    const VoidJoin how{0.2, 0, 1};
+    const auto left = ballAt<Dim>(-1), right = ballAt<Dim>(1), far = ballAt<Dim>(40);
+    Vec<Dim> x;
+    x[0] = -2.1;
+    CHECK(joinedDistance<Dim>({&left}, x, how) == Approx(0.1));
+    CHECK(joinedDistance<Dim>({&left, &far}, x, how) == Approx(0.1));
+    CHECK(joinedDistance<Dim>({&left, &right}, {}, how) < 0);
+}
+
+TEMPLATE_TEST_CASE_SIG("a strut is as thick as asked, and lines have one by their share",
+                       "[voids][stamp]", ((int Dim), Dim), 2, 3) {
+    // Voids at equal angles about a line through the origin, far larger than the strut.
+    const double far = 50, depth = GENERATE(0.5, 5.0);
+    int kept = 0;
+    const int trials = 400;
+    for (int trial = 0; trial < trials; ++trial) {
+        std::vector<Ellipsoid<Dim>> voids;
+        for (int k = 0; k < Dim; ++k) {
+            Ellipsoid<Dim> e = ballAt<Dim>(0, static_cast<std::uint32_t>(trial * Dim + k));
+            const double angle = 2 * kPi * k / Dim;
+            e.center[0] = far * std::cos(angle);
+            e.center[1] = far * std::sin(angle);
+            e.a = e.b = far + depth;
+            voids.push_back(e);
+        }
+        const auto all = pointersTo(voids);
+        VoidJoin how{0, 0.4, 0.3};
+        kept += joinedDistance<Dim>(all, {}, how) > 0;
+        how.strutShare = 1;
+        for (const double angle : {0.1, 1.0, 2.5}) {
+            // 2D: across the line where both are equally near.
+            Vec<Dim> across;
+            across[0] = Dim == 2 ? 1 : std::cos(angle);
+            across[1] = Dim == 2 ? 0 : std::sin(angle);
+            CHECK(joinedDistance<Dim>(all, across * 0.38, how) > 0);
+            CHECK(joinedDistance<Dim>(all, across * 0.42, how) < 0);
+        }
+        how.strutShare = 0;
+        CHECK(joinedDistance<Dim>(all, {}, how) == Approx(-depth));
+    }
+    CHECK(kept == Approx(0.3 * trials).margin(40));
 }
 
 TEMPLATE_TEST_CASE_SIG("between voxels the error of distances is quadratic in the voxel size",

@@ -91,7 +91,7 @@ TEMPLATE_TEST_CASE_SIG("angles in a void list give the axis, in the plane too", 
                        ((int Dim), Dim), 2, 3) {
     const auto voids = randomVoids<Dim>(100, 4);
     const std::string text = voidListText(voids, Unit::millimeter, 12.5);
-    REQUIRE_THAT(text, StartsWith("x,y,z,a,b,theta_z,theta_x,ux,uy,uz\n"));
+    REQUIRE_THAT(text, StartsWith("x,y,z,a,b,theta_z,theta_x,ux,uy,uz,id\n"));
     const auto rows = rowsOf(text);
     REQUIRE(rows.size() == voids.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {

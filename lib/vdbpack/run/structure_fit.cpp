@@ -41,10 +41,12 @@ constexpr std::array<KnobRule, kKnobs> kRules{{{0, 100, -40, 40, 0.05, 0.4},
 constexpr double kUsualBvtv = 0.2, kShareOfPlates = 0.7;
 /// Mean b in trabecular periods (Tb.Th + Tb.Sp); Conn.D times a period cubed of usual bone.
 constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
+/// Standard deviation of the local spacing in its mean, for a spread of 1.
+constexpr double kScatterOfSpread = 0.65;
 /// Voxels of a trabecula; of a small specimen, and of one that is measured for good.
 constexpr double kCoarseVoxels = 4.5, kFineVoxels = 5;
 /// Trabecular periods along a specimen.
-constexpr double kCoarsePeriods = 5.5, kFinePeriods = 10, kLeastPeriods = 3.5;
+constexpr double kCoarsePeriods = 5.5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4,
@@ -144,6 +146,9 @@ public:
         free_[kStruts] = !r_.strutShare && !(r_.strut && *r_.strut == 0);
         for (int k = 0; k < kKnobs; ++k)
             x_[static_cast<std::size_t>(k)] = kRules[static_cast<std::size_t>(k)].usual;
+        if (r_.separationScatter && free_[kSpread])
+            x_[kSpread] = std::clamp(*r_.separationScatter / kScatterOfSpread, kRules[kSpread].low,
+                                     kRules[kSpread].high);
         x_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(x_));
         if (r_.aspect.empty() && !r_.targetDa && !directed()) x_[kAspect] = 0;
     }
@@ -295,7 +300,9 @@ private:
             if (free_[k]) sum += std::pow(kPriorError * (x[k] - start(k)) / kRules[k].width, 2);
         return sum;
     }
-    double start(std::size_t k) const { return k == kScale ? x_[k] : kRules[k].usual; }
+    double start(std::size_t k) const {
+        return k == kScale || k == kSpread ? x_[k] : kRules[k].usual;
+    }
 
     void offer(const Knobs& x, Specimen found) {
         if (!best_ || merit(x, found) < merit(best_->first, best_->second))

@@ -24,9 +24,10 @@ struct StructureFit {
 /// Finds radii and their spread, aspect, jitter, blend and struts of a foam, by Gauss-Newton steps
 /// on measured specimens, with a Jacobian from differences that each further specimen corrects
 /// (Broyden (1965), doi:10.1090/S0025-5718-1965-0198670-6): first on a small, coarse one, then on
-/// one as large as ten trabecular periods, or on the domain itself if this is a box of at most that
-/// size. All of them are cut from one pack, so that small changes of the parameters change little
-/// else. What the targets leave open stays near values that look like bone.
+/// one of eight trabecular periods (Tb.Th + Tb.Sp), or on the domain itself if this is a box of at
+/// least three and a half. All of them are cut from one pack, so that small changes of the
+/// parameters change little else. What the targets leave open stays near values that look like
+/// bone.
 ///
 /// @param packs  receives the packs that were made, for the voids themselves.
 /// @throws ParameterError if targets contradict one another, or one is not reachable, with the

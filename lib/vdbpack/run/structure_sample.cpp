@@ -71,12 +71,7 @@ Morphometry measuredSample(const VoidRecipe& r, const Callbacks& callbacks) {
 
 VoidRecipe withSample(VoidRecipe r, const Callbacks& callbacks) {
     r = withPreset(std::move(r));
-    if (r.like.empty()) {
-        if (r.likeThreshold || !r.likeDomain.empty())
-            throw ParameterError(fmt::format("`{}` is given without a sample; set `like`",
-                                             r.likeThreshold ? "likeThreshold" : "likeDomain"));
-        return r;
-    }
+    if (r.like.empty()) return r;
     const Morphometry m = measuredSample(r, callbacks);
     const auto fill = [](std::optional<double>& target, double value) {
         if (!target) target = value;

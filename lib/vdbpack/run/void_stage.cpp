@@ -40,18 +40,13 @@ constexpr int kThicknessRounds = 6;  // the last repeats the nearest of the othe
 /// Voxels along the side of the cube that a thickness is measured in.
 constexpr double kThicknessVoxels = 320;
 /// Of the half-axis b: voids of a foam then leave what looks like bone.
-constexpr double kFoamBlend = 0.1, kFoamStrut = 0.2;
+constexpr double kFoamBlend = 0.1, kFoamStrut[2] = {0.08, 0.2};  // in plane and space
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
 template <int Dim>
 Vec<Dim> latticeOf(const VoidSetting<Dim>& s, double voxelSize) {
     return fieldOrigin(s.domain.bounds(), voxelSize);
-}
-
-/// `f` times all lengths of a SPEC.
-std::string timesSpec(const std::string& spec, double f, int dim) {
-    return SizeDistribution::parse(spec, dim).scaled(f).spec();
 }
 
 /// How the voids of a setting join.
@@ -63,7 +58,7 @@ VoidJoin joinOf(const VoidSetting<Dim>& s) {
         const double mean =
             SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim).mean() * s.recipe.radiusScale;
         blend = kFoamBlend * mean;
-        strut = kFoamStrut * mean;
+        strut = kFoamStrut[Dim - 2] * mean;
     }
     join.blend = s.recipe.blend.value_or(blend);
     join.strut = 0.5 * s.recipe.strut.value_or(strut);
@@ -143,13 +138,30 @@ double bvtvOf(const VoidSetting<Dim>& s, double voxelSize, MadeVoids<Dim>& made)
     return *made.report.bvtv;
 }
 
+/// Tb.Th of what voids leave, mm: near the deepest point, since a part of a large bone represents
+/// the thickness of all of it.
+std::optional<double> thicknessOf(const VoidSetting<3>& s, MadeVoids<3>& made,
+                                  const Vec<3>& deepest) {
+    cut(s, made);
+    const double edge = kThicknessVoxels * made.report.voxelSize;
+    const Box<3> sample =
+        intersection(s.domain.bounds(), Box<3>{deepest, deepest}.grown(0.5 * edge));
+    return trabecularThickness(*made.solid.grid, sample, s.domain, shellOf(s));
+}
+std::optional<double> thicknessOf(const VoidSetting<2>& s, MadeVoids<2>& made, const Vec<2>&) {
+    const double voxel = made.report.voxelSize;
+    StampedVoids<2>::Sampler distance(*made.stamped);
+    return trabecularThickness([&](const Vec<2>& x) { return distance(x); }, s.domain, shellOf(s),
+                               latticeOf(s, voxel), voxel);
+}
+
 /// Scales the voids until the walls between them have the wanted thickness at the wanted BV/TV.
-void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
-                    const std::function<void(const VoidSetting<3>&, MadeVoids<3>&)>& solve) {
+template <int Dim>
+void solveThickness(const VoidSetting<Dim>& s, MadeVoids<Dim>& made,
+                    const std::function<void(const VoidSetting<Dim>&, MadeVoids<Dim>&)>& solve) {
     VoidRecipe recipe = s.recipe;
-    recipe.radius = voidRadiusSpec(s, nullptr);
     const double target = *recipe.targetTbth;
-    const Vec<3> size = s.domain.bounds().size();
+    const Vec<Dim> size = s.domain.bounds().size();
     const double side = *std::min_element(size.c.begin(), size.c.end());
     if (!(target < 0.25 * side))
         throw ParameterError(
@@ -158,39 +170,37 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
                         "quarter of it; give a smaller one",
                         target, side));
     // Walls are about as thick as b times -1/ln(BV/TV), to begin with: then by what was measured.
-    const SizeDistribution first = SizeDistribution::parse(recipe.radius, 3);
-    if (s.recipe.radius.empty())
-        recipe.radius = timesSpec(recipe.radius, 1.2 * target / first.mean(), 3);
-    // A part of a large bone represents the thickness of all of it.
-    const Sphere<3> deepest = largestBall(s.domain);
+    if (recipe.radius.empty() && !(s.largestRadius > 0))
+        recipe.radius = defaultVoidRadius(1);
+    else
+        recipe.radius = voidRadiusSpec(s, nullptr);
+    const SizeDistribution first = SizeDistribution::parse(recipe.radius, Dim);
+    if (s.recipe.radius.empty()) recipe.radiusScale = 1.2 * target / first.mean();
+    const Vec<Dim> deepest = largestBall(s.domain).center;
     double least = std::numeric_limits<double>::infinity();  // miss of a round
-    std::string nearest;                                     // radii of that round
+    double nearest = recipe.radiusScale;                     // that of this round
     for (int round = 0;; ++round) {
-        const VoidSetting<3> setting = withRecipe(s, recipe);
+        const VoidSetting<Dim> setting = withRecipe(s, recipe);
         made.surface.reset();
+        made.report.totalVolume = 0;
         solve(setting, made);
-        cut(setting, made);
         s.callbacks.stopIfCancelled();
-        const double edge = kThicknessVoxels * made.report.voxelSize;
-        const Box<3> sample = intersection(
-            s.domain.bounds(), Box<3>{deepest.center, deepest.center}.grown(0.5 * edge));
-        const auto thickness = trabecularThickness(*made.solid.grid, sample, s.domain, shellOf(s));
+        const auto thickness = thicknessOf(setting, made, deepest);
         if (!thickness)
             throw InputError(fmt::format(
                 "`targetTbth` {}: no solid is left to measure; give a higher `targetBvtv`",
                 target));
         made.report.thickness = thickness;
-        made.report.radius = recipe.radius;
+        made.report.radius = first.scaled(recipe.radiusScale).spec();
         if (std::fabs(*thickness - target) <= kThicknessTolerance * target ||
             round == kThicknessRounds)
             break;
         if (const double miss = std::fabs(*thickness - target); miss < least) {
             least = miss;
-            nearest = recipe.radius;
+            nearest = recipe.radiusScale;
         }
-        recipe.radius = round == kThicknessRounds - 1
-                            ? nearest
-                            : timesSpec(recipe.radius, target / *thickness, 3);
+        recipe.radiusScale =
+            round == kThicknessRounds - 1 ? nearest : recipe.radiusScale * target / *thickness;
     }
     if (std::fabs(*made.report.thickness - target) > kThicknessWarning * target)
         s.callbacks.warn(
@@ -198,10 +208,6 @@ void solveThickness(const VoidSetting<3>& s, MadeVoids<3>& made,
                         "domain or a smaller "
                         "`voids.voxelSize`",
                         target, *made.report.thickness));
-}
-void solveThickness(const VoidSetting<2>&, MadeVoids<2>&,
-                    const std::function<void(const VoidSetting<2>&, MadeVoids<2>&)>&) {
-    throw ParameterError("`targetTbth` is measured in space; leave it out in a plane");
 }
 
 }  // namespace
@@ -394,7 +400,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         VoidSetting<Dim> setting = withRecipe(s, decided);
         setting.packs = packs;
         if (decided.targetTbth)
-            solveThickness(setting, made, solve);
+            solveThickness<Dim>(setting, made, solve);
         else
             solve(setting, made);
         made.report.chosen = chosen;

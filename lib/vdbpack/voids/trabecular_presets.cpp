@@ -78,6 +78,9 @@ std::string presetTable() {
 }
 
 VoidRecipe withPreset(VoidRecipe r) {
+    if (r.like.empty() && (r.likeThreshold || !r.likeDomain.empty()))
+        throw ParameterError(fmt::format("`{}` is given without a sample; set `like`",
+                                         r.likeThreshold ? "likeThreshold" : "likeDomain"));
     if (!r.trabecular.empty()) {
         const TrabecularPreset& p = trabecularPreset(r.trabecular);
         const auto fill = [](std::optional<double>& target, const std::optional<double>& value) {

@@ -4,6 +4,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/shell_thickness.h"
 
+#include <functional>
 #include <optional>
 
 namespace vdbpack {
@@ -17,5 +18,12 @@ class VdbGrid;
 /// @return nothing if there is no solid in it. @throws as `sampleLevelSet`.
 std::optional<double> trabecularThickness(const VdbGrid& solid, const Box<3>& box,
                                           const Domain<3>& domain, const ShellThickness& shell);
+
+/// The same in a plane, by discs, as the local thickness of a section.
+/// @param voidDistance  to the voids at a point, mm, negative in them.
+/// @param origin        center of a voxel, mm.
+std::optional<double> trabecularThickness(const std::function<double(const Vec<2>&)>& voidDistance,
+                                          const Domain<2>& domain, const ShellThickness& shell,
+                                          const Vec<2>& origin, double voxelSize);
 
 }  // namespace vdbpack
