@@ -149,7 +149,7 @@ TEST_CASE("BV/TV of a foam in the plane follows a ramp", "[run][voids]") {
     StampOptions<2> options;
     options.voxelSize = run.report.voids->voxelSize;
     options.origin = rect->bounds().lo;
-    options.join = {0.0375, 0.0375, 1};  // as a foam has them by default
+    options.join = {0.0375, 0.015, 1};  // as a foam has them by default
     const auto stamped = stampVoids(std::get<std::vector<Ellipsoid<2>>>(run.voids), *rect, options);
     StampedVoids<2>::Sampler distance(*stamped);
     const double error = rampError(rect->bounds(), [&](const Box<2>& part) {

@@ -235,10 +235,10 @@ TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are 
 }
 
 TEST_CASE_METHOD(RefusedVoids, "voids that a plane has no room for are refused", "[run][voids]") {
-    PackRecipe plane = methodRecipe<2>("boolean");
+    PackRecipe plane = methodRecipe<2>("foam");
     plane.voids.targetBvtv = 0.3;
-    plane.voids.targetTbth = 0.2;
-    CHECK_THAT(messageOf<ParameterError>([&] { runPack(plane); }), Contains("`targetTbth`"));
+    plane.voids.targetConnd = 0.2;
+    CHECK_THAT(messageOf<ParameterError>([&] { runPack(plane); }), Contains("`targetConnd`"));
     const auto layers = write("layers.txt", "1 0\n0 1\n\n0 1\n1 0\n");
     plane = methodRecipe<2>("grid");
     plane.voids.cell.clear();

@@ -35,6 +35,7 @@ std::vector<Ellipsoid<Dim>> randomVoids(int count, std::uint64_t seed) {
             e.axis = {};
             e.axis[n] = n % 2 == 0 ? 1 : -1;
         }
+        e.id = static_cast<std::uint32_t>(7 * n);
         voids.push_back(e);
     }
     return voids;
@@ -84,6 +85,7 @@ TEMPLATE_TEST_CASE_SIG("a void list is read back to the last bit", "[voids]", ((
         REQUIRE(back[i].a == voids[i].a);
         REQUIRE(back[i].b == voids[i].b);
         REQUIRE(back[i].axis == voids[i].axis);
+        REQUIRE(back[i].id == voids[i].id);
     }
 }
 
@@ -96,7 +98,7 @@ TEMPLATE_TEST_CASE_SIG("angles in a void list give the axis, in the plane too", 
     REQUIRE(rows.size() == voids.size());
     for (std::size_t i = 0; i < rows.size(); ++i) {
         CAPTURE(Dim, i);
-        REQUIRE(rows[i].size() == 10);
+        REQUIRE(rows[i].size() == 11);
         Vec<3> axis;
         for (int d = 0; d < Dim; ++d) axis[d] = voids[i].axis[d];
         CHECK(length(axisOf(rows[i][5], rows[i][6]) - axis) < 1e-14);

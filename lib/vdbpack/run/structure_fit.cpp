@@ -44,9 +44,9 @@ constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
 /// Standard deviation of the local spacing in its mean, for a spread of 1.
 constexpr double kScatterOfSpread = 0.65;
 /// Voxels of a trabecula; of a small specimen, and of one that is measured for good.
-constexpr double kCoarseVoxels = 4.5, kFineVoxels = 5;
+constexpr double kCoarseVoxels = 4, kFineVoxels = 5;
 /// Trabecular periods along a specimen.
-constexpr double kCoarsePeriods = 5.5, kFinePeriods = 8, kLeastPeriods = 3.5;
+constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4,

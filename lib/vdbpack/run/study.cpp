@@ -111,6 +111,16 @@ std::function<std::optional<double>(const Report&)> ofVoids(Value VoidReport::*v
     };
 }
 
+/// A number of a structure that was asked for.
+std::function<std::optional<double>(const Report&)> ofTarget(const std::string& name) {
+    return [name](const Report& r) -> std::optional<double> {
+        if (!r.voids) return std::nullopt;
+        for (const TargetReport& t : r.voids->targets)
+            if (t.name == name) return t.reached;
+        return name == "targetTbth" ? r.voids->thickness : std::nullopt;
+    };
+}
+
 /// Spheres in the shell, or deeper.
 std::function<std::optional<double>(const Report&)> ofRegion(bool inShell) {
     return [inShell](const Report& r) -> std::optional<double> {
@@ -147,6 +157,10 @@ const std::vector<Figure>& figures() {
          }},
         {"voids", ofVoids(&VoidReport::count)},
         {"bvtv", ofVoids(&VoidReport::bvtv)},
+        {"tbth", ofTarget("targetTbth")},
+        {"tbsp", ofTarget("targetTbsp")},
+        {"da", ofTarget("targetDa")},
+        {"connd", ofTarget("targetConnd")},
         {"culled", ofVoids(&VoidReport::culled)},
         {"cortical", ofRegion(true)},
         {"trabecular", ofRegion(false)},

@@ -398,9 +398,11 @@ void Tile<Dim>::addStruts(const std::vector<Stamp>& stamps, const VoidJoin& how)
             if (noneOf(stamp.form.lower(position) < found.farthest())) continue;
             found.add(stamp.signedDistance(position, Int8{}), Word8{} + stamp.id);
         }
+        // Where the band cut off how deep the point lies.
+        const Float8 depth = choose(before > -inside_, before, smaller(before, found.nearest()));
         const Float8 strut = radius - squareRoot(found.squareFromLine());
         const Int8 kept = bitsAs<Int8>(found.chance() < below);
-        Float8 value = choose(kept, roundedMax(before, strut, rounding), before);
+        Float8 value = choose(kept, roundedMax(depth, strut, rounding), before);
         value = choose(value > outside_, outside_, choose(value < -inside_, -inside_, value));
         store(values, value);
         blockMax_[block] = largest(value);

@@ -57,6 +57,7 @@ public:
         }
     }
 
+    VDBPACK_INLINE Number nearest() const { return distance_[0]; }
     /// The distance to the last of them.
     VDBPACK_INLINE Number farthest() const { return distance_[Dim - 1]; }
 
