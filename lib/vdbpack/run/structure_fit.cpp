@@ -49,17 +49,17 @@ constexpr double kCoarseVoxels = 4, kFineVoxels = 5;
 constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
-constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 6, kRangeRounds = 4,
+constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 5, kRangeRounds = 4,
               kScatterSeeds = 3;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
 /// refused.
-constexpr double kCoarseError = 0.02, kFineError = 0.01, kWarnedError = 0.03, kRefusedError = 0.1;
+constexpr double kCoarseError = 0.02, kFineError = 0.02, kWarnedError = 0.03, kRefusedError = 0.1;
 /// A step of one width away from a usual value weighs as much as this relative error.
 constexpr double kPriorError = 0.01;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
-constexpr double kScatterWeight = 0.15;
+constexpr double kThicknessScatterWeight = 0.3, kSeparationScatterWeight = 0.15;
 /// Of a target that cannot be met, while the others are; of one whose range is looked for.
-constexpr double kYieldingWeight = 0.03, kPushingWeight = 0.1;
+constexpr double kYieldingWeight = 0.06, kPushingWeight = 0.1;
 constexpr std::size_t kNone = static_cast<std::size_t>(-1);
 
 struct Target {
@@ -134,9 +134,11 @@ public:
         if (r_.targetDa) targets_.push_back({"targetDa", std::max(*r_.targetDa, 0.05)});
         if (r_.targetConnd) targets_.push_back({"targetConnd", *r_.targetConnd, 1, -3});
         if (r_.thicknessScatter)
-            targets_.push_back({"thickness", *r_.thicknessScatter, kScatterWeight, 0, false});
+            targets_.push_back(
+                {"thickness", *r_.thicknessScatter, kThicknessScatterWeight, 0, false});
         if (r_.separationScatter)
-            targets_.push_back({"separation", *r_.separationScatter, kScatterWeight, 0, false});
+            targets_.push_back(
+                {"separation", *r_.separationScatter, kSeparationScatterWeight, 0, false});
         free_.fill(true);
         free_[kScale] = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
         free_[kSpread] = r_.radius.empty();
@@ -156,48 +158,38 @@ public:
     StructureFit run() {
         strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
         // Small and coarse first.
-        voxel_ = thickness_ / kCoarseVoxels;
-        const auto coarse = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
-        domain_ = coarse.get();
-        makeFirst();
-        differences();
-        search(kCoarseRounds, kCoarseError);
-        const Knobs small = best_->first;
+        const auto small = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
+        coarse_ = {small.get(), thickness_ / kCoarseVoxels};
         // Then as it will be.
-        voxel_ = r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels;
-        std::shared_ptr<const Domain<3>> fine;
+        fine_ = {&s_.domain, r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels};
+        std::shared_ptr<const Domain<3>> cube;
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
         const bool whole = s_.domain.facts().kind == "box" && !s_.recipe.hasShell() && !s_.bvtv &&
                            r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
-                           s_.domain.volume() / std::pow(voxel_, 3) <= kMostVoxels;
-        if (whole) {
-            domain_ = &s_.domain;
-        } else {
-            side = std::min(kFinePeriods * period_, std::cbrt(kMostVoxels) * voxel_);
-            fine = boxAbout(Vec<3>{{1, 1, 1}} * side);
-            domain_ = fine.get();
+                           s_.domain.volume() / std::pow(fine_.voxel, 3) <= kMostVoxels;
+        if (!whole) {
+            side = std::min(kFinePeriods * period_, std::cbrt(kMostVoxels) * fine_.voxel);
+            cube = boxAbout(Vec<3>{{1, 1, 1}} * side);
+            fine_.domain = cube.get();
         }
-        best_.reset();
-        spreadIsKept_ = true;
-        offer(small, measure(small));
-        search(kFineRounds, kFineError);
+        makeFirst();
+        searchBoth();
         judgeMissed();
         const Specimen found = best_->second;
         const Knobs knobs = best_->first;
         StructureFit result;
+        use(fine_);
         result.recipe = recipeOf(knobs);
         result.recipe.shell = r_.shell;
         result.recipe.shellField = r_.shellField;
         result.recipe.bvtvField = r_.bvtvField;
         result.recipe.bvtvRange = r_.bvtvRange;
-        result.recipe.voxelSize = voxel_;
         result.recipe.keepConnected = r_.keepConnected;
         result.recipe.orientation = r_.orientation;
         if (!directed() && knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
         result.specimen = side;
-        report(found, knobs, *coarse, result);
-        domain_ = nullptr;
+        report(found, knobs, result);
         return result;
     }
 
@@ -243,6 +235,35 @@ private:
         return r;
     }
 
+    /// What specimens are cut from, and their voxels, mm.
+    struct Stage {
+        const Domain<3>* domain = nullptr;
+        double voxel = 0;
+    };
+    void use(const Stage& stage) {
+        domain_ = stage.domain;
+        voxel_ = stage.voxel;
+    }
+    /// Goes on from the best knobs with other specimens.
+    void goOn(const Stage& stage) {
+        use(stage);
+        const Knobs x = best_->first;
+        best_.reset();
+        offer(x, measure(x));
+    }
+
+    /// In coarse specimens from the best knobs on, then in fine ones.
+    /// @param left  as that of `search`.
+    void searchBoth(std::size_t left = kNone) {
+        spreadIsKept_ = false;
+        goOn(coarse_);
+        differences();
+        search(kCoarseRounds, kCoarseError, left);
+        spreadIsKept_ = true;
+        goOn(fine_);
+        search(kFineRounds, kFineError, left);
+    }
+
     Specimen measure(const Knobs& x) { return measure(x, s_.seed); }
 
     Specimen measure(const Knobs& x, std::uint64_t seed) {
@@ -281,6 +302,7 @@ private:
 
     /// Struts thinner than those that leave too much solid.
     void makeFirst() {
+        use(coarse_);
         for (int round = 0;; ++round) {
             try {
                 offer(x_, measure(x_));
@@ -455,16 +477,21 @@ private:
         const auto before = best_;
         const double weight = targets_[missed].weight;
         targets_[missed].weight = kYieldingWeight;
-        search(kRangeRounds, kFineError, missed);
-        if (worstBut(missed) > kWarnedError) {  // it is not that one
+        searchBoth(missed);
+        if (worstBut(missed) > kWarnedError && worstBut(missed) > 0.5 * worstOf(*before)) {
+            // It is not that one.
             targets_[missed].weight = weight;
             best_ = before;
             missed = worstTarget();
             targets_[missed].weight = kYieldingWeight;
         }
         const auto found = best_;
-        const auto [low, high] = rangeOf(missed);
+        goOn(coarse_);
+        differences();
+        auto [low, high] = rangeOf(missed);
         best_ = found;
+        low = std::min(low, found->second.values[missed]);
+        high = std::max(high, found->second.values[missed]);
         const double error = errorOf(missed);
         const std::string text = fmt::format(
             "`{}` {:.4g}: beside the other targets, values from {:.3g} to {:.3g} were found",
@@ -476,10 +503,12 @@ private:
             fmt::format("{}; this structure has {:.4g}", text, found->second.values[missed]));
     }
 
-    double worstBut(std::size_t left) const {
+    double worstBut(std::size_t left) const { return worstOf(*best_, left); }
+    double worstOf(const std::pair<Knobs, Specimen>& tried, std::size_t left = kNone) const {
         double worst = 0;
         for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].isNumber && i != left) worst = std::max(worst, errorOf(i));
+            if (targets_[i].isNumber && i != left)
+                worst = std::max(worst, std::fabs(tried.second.errors[i]));
         return worst;
     }
 
@@ -515,8 +544,7 @@ private:
         return {low, high};
     }
 
-    void report(const Specimen& found, const Knobs& knobs, const Domain<3>& small,
-                StructureFit& result) {
+    void report(const Specimen& found, const Knobs& knobs, StructureFit& result) {
         for (std::size_t i = 0; i < targets_.size(); ++i)
             if (targets_[i].isNumber)
                 result.targets.push_back(
@@ -529,8 +557,7 @@ private:
         result.thicknessDistance = toSample(found.thickness, r_.thicknessQuantiles);
         result.separationDistance = toSample(found.separation, r_.separationQuantiles);
         // How specimens of other seeds differ, from small ones.
-        domain_ = &small;
-        voxel_ = thickness_ / kCoarseVoxels;
+        use(coarse_);
         std::vector<Specimen> others;
         for (int n = 1; n <= kScatterSeeds; ++n) try {
                 others.push_back(measure(knobs, s_.seed + static_cast<std::uint64_t>(n)));
@@ -557,6 +584,7 @@ private:
     double bvtv_ = 0, period_ = 0, thickness_ = 0;
     bool spreadIsKept_ = false;
     double strut_ = 0;  ///< thickness of struts in mean b
+    Stage coarse_, fine_;
     double voxel_ = 0;  ///< of the specimens, mm
     const Domain<3>* domain_ = nullptr;
     std::vector<Knobs> jacobian_;  ///< of the errors, a row a target

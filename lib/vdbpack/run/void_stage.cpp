@@ -391,7 +391,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
             };
             if (asked.targetBvtv)
                 result.report.amount = solveForBvtv(asked, 0, family.guess, family.most,
-                                                    bvtvTolerance(asked), family.remedy, bvtvAt);
+                                                    bvtvTolerance(asked), family.remedy, bvtvAt,
+                                                    family.steepness);
             else
                 bvtvAt(method == VoidMethod::boolean   ? *asked.count / regionOf(setting).volume()
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)

@@ -23,7 +23,8 @@ constexpr int kMaxRounds = 16;
 }  // namespace
 
 double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, double tolerance,
-                    const std::string& remedy, const std::function<double(double)>& bvtvAt) {
+                    const std::string& remedy, const std::function<double(double)>& bvtvAt,
+                    double steepness) {
     const double target = *r.targetBvtv;
     double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
     double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
@@ -48,6 +49,8 @@ double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, dou
         double next = std::numeric_limits<double>::quiet_NaN();
         if (atLow > 0 && atHigh > 0)
             next = low + (high - low) * std::log(atLow / target) / std::log(atLow / atHigh);
+        else if (f > 0 && steepness > 0)
+            next = x + std::log(f / target) / steepness;
         else if (f > 0 && f < 1)
             next = x * std::log(target) / std::log(f);
         // Keeps away from the ends of the bracket, which false position could approach forever.

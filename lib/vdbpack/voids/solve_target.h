@@ -15,8 +15,10 @@ namespace vdbpack {
 /// @param tolerance  of BV/TV; after 16 tries the best amount is taken.
 /// @param remedy     end of the message if the target is not reachable.
 /// @param bvtvAt     BV/TV at an amount; the last call is for the amount that is returned.
+/// @param steepness  about how fast ln BV/TV falls with the amount; 0: as exp(-amount) does.
 /// @throws ParameterError if BV/TV at `hi` is above the target or at `lo` below it.
 double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, double tolerance,
-                    const std::string& remedy, const std::function<double(double)>& bvtvAt);
+                    const std::string& remedy, const std::function<double(double)>& bvtvAt,
+                    double steepness = 0);
 
 }  // namespace vdbpack

@@ -182,6 +182,8 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
     family.guess = target > touching ? std::pow((1 - target) / (1 - touching), 1.0 / Dim)
                                      : 1 + 0.125 * std::log(touching / target);
     if (packs.dilation > 0) family.guess = packs.dilation;
+    // Measured; the walls of all voids move at once.
+    family.steepness = 2 + 0.27 / target;
     family.remedy = "; take larger voids, or a smaller `voids.jitter`";
     family.leastHalfAxis = leastHalfAxis(voids);
     const auto& setting = s;

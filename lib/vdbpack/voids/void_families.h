@@ -91,6 +91,7 @@ template <int Dim>
 struct VoidFamily {
     double most = 0;   ///< the largest amount
     double guess = 0;  ///< amount for the target, estimated
+    double steepness = 0;  ///< as that of `solveForBvtv`
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
