@@ -35,7 +35,7 @@ Morphometry measured(const std::string& file, const std::string& domain) {
 
 }  // namespace
 
-TEST_CASE("a foam has the thickness, spacing and anisotropy asked for", "[run][voids]") {
+TEST_CASE("a foam has the thickness, spacing and anisotropy asked for", "[run][voids][.slow]") {
     const TemporaryFolder folder;
     const std::string file = folder.file("v.vdb"), box = "box:3.8,3.8,3.8";
     auto recipe = structure(box, file);
@@ -59,6 +59,28 @@ TEST_CASE("a foam has the thickness, spacing and anisotropy asked for", "[run][v
     CHECK(report->targets[1].reached == Approx(m.separation->mean).epsilon(0.005));
     CHECK(report->targets[2].reached == Approx(m.anisotropy->degree).epsilon(0.02));
     for (const auto& t : report->targets) CHECK(t.scatter.value_or(0) > 0);
+}
+
+TEST_CASE("a foam has the spacing asked for, and the report says how it was found",
+          "[run][voids]") {
+    const TemporaryFolder folder;
+    auto recipe = structure("box:3.6,3.6,3.6", folder.file("v.vdb"));
+    recipe.voids.targetBvtv = 0.25;
+    recipe.voids.targetTbsp = 0.7;
+    recipe.voids.radius = "uniform:1,1.5";  // the spread; lengths are found
+    recipe.voids.jitter = 0.3;
+    recipe.voids.blend = 0.03;
+    recipe.voids.strutShare = 0.5;
+    recipe.voids.voxelSize = 0.06;
+    const auto report = runVoids(recipe).report.voids;
+    REQUIRE(report->targets.size() == 1);
+    CHECK(report->targets[0].name == "targetTbsp");
+    CHECK(report->targets[0].reached == Approx(0.7).epsilon(0.03));
+    CHECK(report->targets[0].scatter.value_or(0) > 0);
+    const Morphometry m = measured(folder.file("v.vdb"), "box:3.6,3.6,3.6");
+    CHECK(m.separation->mean == Approx(report->targets[0].reached).epsilon(0.005));
+    CHECK(m.solidFraction == Approx(0.25).epsilon(0.01));
+    CHECK(report->parameters.find("--void-jitter 0.3") != std::string::npos);
 }
 
 TEST_CASE("a foam has five numbers at once, whatever the seed", "[run][voids][.slow]") {
