@@ -5,6 +5,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/run/run.h"
+#include "vdbpack/run/structure_fit.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <catch2/catch.hpp>
@@ -218,6 +219,8 @@ TEST_CASE("presets have numbers that go together, and a source", "[voids]") {
         CHECK(made.method == "foam");
         CHECK(made.targetBvtv == p.bvtv);
         CHECK(made.targetTbsp == 0.9);  // what is given stays
+        recipe.targetTbsp.reset();
+        CHECK_NOTHROW(requireConsistent(withPreset(recipe)));
         CHECK_THAT(presetTable(), Contains(p.name) && Contains(p.source));
     }
     VoidRecipe unknown;

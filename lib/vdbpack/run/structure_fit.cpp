@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
+#include "vdbpack/run/knob_search.h"
 #include "vdbpack/run/void_stage.h"
 
 #include <fmt/format.h>
@@ -10,32 +11,28 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace vdbpack {
 
 namespace {
 
-/// What is varied, in units in which a step of one matters.
-enum Knob { kScale, kSpread, kAspect, kJitter, kBlend, kStruts, kKnobs };
-using Knobs = std::array<double, kKnobs>;
+/// What is varied. Logarithms but for spread, jitter and struts; the spread is the standard
+/// deviation of the logarithm of the radii, the blend that in mean b.
+enum KnobName : std::size_t { kScale, kSpread, kAspect, kJitter, kBlend, kStruts };
+using Knobs = std::vector<double>;
 
-struct KnobRule {
-    double usual, width;  ///< where it stays if no target asks for more, and how gladly it leaves
-    double low, high;
-    double step;   ///< of differences
-    double limit;  ///< of one step of the solver
-};
-/// Logarithms but for spread, jitter and struts. The spread is the standard deviation of the
-/// logarithm of the radii; the blend is that in mean b.
-constexpr std::array<KnobRule, kKnobs> kRules{{{0, 100, -40, 40, 0.05, 0.4},
-                                               {0.4, 0.3, 0.05, 0.75, 0.12, 0.2},
-                                               {0.336, 1, 0, 1.2, 0.15, 0.3},
-                                               {0.35, 0.4, 0, 1, 0.2, 0.3},
-                                               {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},
-                                               {0.6, 0.4, 0, 1, -0.25, 0.35}}};
+/// What looks like bone, and how far each may go.
+std::vector<Knob> usualKnobs() {
+    return {{0, 1e6, -40, 40, 0.05, 0.4},      {0.4, 0.3, 0.05, 0.75, 0.12, 0.2},
+            {0.336, 1, 0, 1.2, 0.15, 0.3},     {0.35, 0.4, 0, 1, 0.2, 0.3},
+            {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6}, {0.6, 0.4, 0, 1, -0.25, 0.35}};
+}
 
 /// BV/TV if no target says it, and of plates a share of what they would have.
 constexpr double kUsualBvtv = 0.2, kShareOfPlates = 0.7;
@@ -51,31 +48,43 @@ constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 5, kRangeRounds = 4,
               kScatterSeeds = 3;
+/// A lower DA is asked for as this: errors are relative.
+constexpr double kLeastDa = 0.05;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
 /// refused.
 constexpr double kCoarseError = 0.02, kFineError = 0.02, kWarnedError = 0.03, kRefusedError = 0.1;
-/// A step of one width away from a usual value weighs as much as this relative error.
-constexpr double kPriorError = 0.01;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
 constexpr double kThicknessScatterWeight = 0.3, kSeparationScatterWeight = 0.15;
-/// Of a target that cannot be met, while the others are; of one whose range is looked for.
-constexpr double kYieldingWeight = 0.06, kPushingWeight = 0.1;
-constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+/// Of a target that cannot be met, while the others are.
+constexpr double kYieldingWeight = 0.06;
 
-struct Target {
-    const char* name;  ///< of the parameter; of a scatter what it is
-    double asked;
-    double weight = 1;
-    double power = 0;      ///< how the value goes with all lengths
-    bool isNumber = true;  ///< was asked for; else it is a scatter to come near to
+/// The numbers of a specimen.
+enum class Number {
+    thickness,
+    spacing,
+    anisotropy,
+    connectivity,
+    thicknessScatter,
+    spacingScatter
 };
 
-/// The numbers of a specimen, in the order of the targets.
-struct Specimen {
-    std::vector<double> values, errors;  ///< errors are relative to what was asked
-    LengthStatistics thickness, separation;
-    double bvtv = 0;  ///< as measured
-};
+double numberOf(const Morphometry& m, Number number) {
+    switch (number) {
+        case Number::thickness:
+            return m.thickness->mean;
+        case Number::spacing:
+            return m.separation->mean;
+        case Number::anisotropy:
+            return m.anisotropy->degree;
+        case Number::connectivity:
+            return m.connectivityDensity;
+        case Number::thicknessScatter:
+            return m.thickness->sd / m.thickness->mean;
+        case Number::spacingScatter:
+            return m.separation->sd / m.separation->mean;
+    }
+    return 0;
+}
 
 /// Thickness of trabeculae in their spacing, of usual bone.
 double usualSlenderness(double bvtv) {
@@ -121,7 +130,7 @@ std::string spreadRadii(double sigma) {
 class Fit {
 public:
     Fit(const VoidSetting<3>& setting, FoamPacks<3>& packs)
-        : s_(setting), r_(setting.recipe), packs_(packs) {
+        : s_(setting), r_(setting.recipe), packs_(packs), knobs_(usualKnobs()) {
         const Guess guess =
             guessOf(r_, r_.radius.empty() && s_.largestRadius == 0
                             ? 0
@@ -129,43 +138,38 @@ public:
         bvtv_ = guess.bvtv;
         period_ = guess.period;
         thickness_ = guess.thickness;
-        if (r_.targetTbth) targets_.push_back({"targetTbth", *r_.targetTbth, 1, 1});
-        if (r_.targetTbsp) targets_.push_back({"targetTbsp", *r_.targetTbsp, 1, 1});
-        if (r_.targetDa) targets_.push_back({"targetDa", std::max(*r_.targetDa, 0.05)});
-        if (r_.targetConnd) targets_.push_back({"targetConnd", *r_.targetConnd, 1, -3});
-        if (r_.thicknessScatter)
-            targets_.push_back(
-                {"thickness", *r_.thicknessScatter, kThicknessScatterWeight, 0, false});
-        if (r_.separationScatter)
-            targets_.push_back(
-                {"separation", *r_.separationScatter, kSeparationScatterWeight, 0, false});
-        free_.fill(true);
-        free_[kScale] = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
-        free_[kSpread] = r_.radius.empty();
-        free_[kAspect] = r_.aspect.empty() && r_.targetDa;
-        free_[kJitter] = !r_.jitter;
-        free_[kBlend] = !r_.blend;
-        free_[kStruts] = !r_.strutShare && !(r_.strut && *r_.strut == 0);
-        for (int k = 0; k < kKnobs; ++k)
-            x_[static_cast<std::size_t>(k)] = kRules[static_cast<std::size_t>(k)].usual;
-        if (r_.separationScatter && free_[kSpread])
-            x_[kSpread] = std::clamp(*r_.separationScatter / kScatterOfSpread, kRules[kSpread].low,
-                                     kRules[kSpread].high);
-        x_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(x_));
-        if (r_.aspect.empty() && !r_.targetDa && !directed()) x_[kAspect] = 0;
+        strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
+        aim("targetTbth", Number::thickness, r_.targetTbth, {0, 1, 1});
+        aim("targetTbsp", Number::spacing, r_.targetTbsp, {0, 1, 1});
+        aim("targetDa", Number::anisotropy, r_.targetDa, {0, 1, 0});
+        aim("targetConnd", Number::connectivity, r_.targetConnd, {0, 1, -3});
+        aim("", Number::thicknessScatter, r_.thicknessScatter,
+            {0, kThicknessScatterWeight, 0, false});
+        aim("", Number::spacingScatter, r_.separationScatter,
+            {0, kSeparationScatterWeight, 0, false});
+        knobs_[kScale].isFree = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
+        knobs_[kSpread].isFree = spreadIsOpen_ = r_.radius.empty();
+        knobs_[kAspect].isFree = r_.aspect.empty() && r_.targetDa;
+        knobs_[kJitter].isFree = !r_.jitter;
+        knobs_[kBlend].isFree = !r_.blend;
+        knobs_[kStruts].isFree = !r_.strutShare && !(r_.strut && *r_.strut == 0);
+        if (r_.separationScatter && spreadIsOpen_)
+            knobs_[kSpread].usual = std::clamp(*r_.separationScatter / kScatterOfSpread,
+                                               knobs_[kSpread].low, knobs_[kSpread].high);
+        if (r_.aspect.empty() && !r_.targetDa && !directed()) knobs_[kAspect].usual = 0;
+        for (const Knob& knob : knobs_) first_.push_back(knob.usual);
+        first_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(first_));
     }
 
     StructureFit run() {
-        strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
-        // Small and coarse first.
+        // Small and coarse first, then as it will be.
         const auto small = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
         coarse_ = {small.get(), thickness_ / kCoarseVoxels};
-        // Then as it will be.
         fine_ = {&s_.domain, r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels};
         std::shared_ptr<const Domain<3>> cube;
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
-        const bool whole = s_.domain.facts().kind == "box" && !s_.recipe.hasShell() && !s_.bvtv &&
+        const bool whole = s_.domain.facts().kind == "box" && !r_.hasShell() && !s_.bvtv &&
                            r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
                            s_.domain.volume() / std::pow(fine_.voxel, 3) <= kMostVoxels;
         if (!whole) {
@@ -173,27 +177,41 @@ public:
             cube = boxAbout(Vec<3>{{1, 1, 1}} * side);
             fine_.domain = cube.get();
         }
-        makeFirst();
-        searchBoth();
-        judgeMissed();
-        const Specimen found = best_->second;
-        const Knobs knobs = best_->first;
+        KnobSearch search(knobs_, targets_, [this](const Knobs& x) { return valuesAt(x); });
+        beginFirst(search);
+        searchBoth(search);
+        judgeMissed(search);
+        const KnobTrial best = search.best();
         StructureFit result;
         use(fine_);
-        result.recipe = recipeOf(knobs);
+        result.recipe = recipeOf(best.knobs);
         result.recipe.shell = r_.shell;
         result.recipe.shellField = r_.shellField;
         result.recipe.bvtvField = r_.bvtvField;
         result.recipe.bvtvRange = r_.bvtvRange;
-        result.recipe.keepConnected = r_.keepConnected;
         result.recipe.orientation = r_.orientation;
-        if (!directed() && knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
+        if (!directed() && best.knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
         result.specimen = side;
-        report(found, knobs, result);
+        report(best, result);
         return result;
     }
 
 private:
+    /// What specimens are cut from, and their voxels, mm.
+    struct Stage {
+        const Domain<3>* domain = nullptr;
+        double voxel = 0;
+    };
+
+    void aim(const char* name, Number number, const std::optional<double>& asked,
+             KnobTarget target) {
+        if (!asked) return;
+        target.asked = number == Number::anisotropy ? std::max(*asked, kLeastDa) : *asked;
+        names_.push_back(name);
+        numbers_.push_back(number);
+        targets_.push_back(target);
+    }
+
     bool directed() const {
         const OrientationRecipe& o = r_.orientation;
         return !o.axis.empty() || !o.field.empty() || !o.angles.empty();
@@ -204,8 +222,7 @@ private:
     }
 
     std::string radiusSpec(const Knobs& x) const {
-        if (!free_[kSpread]) return r_.radius;
-        return spreadRadii(x[kSpread]);
+        return spreadIsOpen_ ? spreadRadii(x[kSpread]) : r_.radius;
     }
     double meanRadius(const Knobs& x) const {
         return SizeDistribution::parse(radiusSpec(x), 3).mean();
@@ -219,9 +236,10 @@ private:
         r.bvtvRange.clear();
         r.shell = 0;
         r.shellField.clear();
-        r.voxelSize = voxel_;
+        r.voxelSize = stage_.voxel;
         r.radius = radiusSpec(x);
-        r.radiusScale = free_[kScale] || free_[kSpread] ? std::exp(x[kScale]) : r_.radiusScale;
+        r.radiusScale =
+            knobs_[kScale].isFree || spreadIsOpen_ ? std::exp(x[kScale]) : r_.radiusScale;
         const double mean = meanRadius(x) * r.radiusScale;
         if (r_.aspect.empty()) r.aspect = fmt::format("constant:{:.6g}", std::exp(x[kAspect]));
         r.jitter = r_.jitter.value_or(x[kJitter]);
@@ -235,361 +253,166 @@ private:
         return r;
     }
 
-    /// What specimens are cut from, and their voxels, mm.
-    struct Stage {
-        const Domain<3>* domain = nullptr;
-        double voxel = 0;
-    };
     void use(const Stage& stage) {
-        domain_ = stage.domain;
-        voxel_ = stage.voxel;
-    }
-    /// Goes on from the best knobs with other specimens.
-    void goOn(const Stage& stage) {
-        use(stage);
-        const Knobs x = best_->first;
-        best_.reset();
-        offer(x, measure(x));
+        if (stage.domain != stage_.domain) lastOf_.first.clear();
+        stage_ = stage;
     }
 
-    /// In coarse specimens from the best knobs on, then in fine ones.
-    /// @param left  as that of `search`.
-    void searchBoth(std::size_t left = kNone) {
-        spreadIsKept_ = false;
-        goOn(coarse_);
-        differences();
-        search(kCoarseRounds, kCoarseError, left);
-        spreadIsKept_ = true;
-        goOn(fine_);
-        search(kFineRounds, kFineError, left);
-    }
-
-    Specimen measure(const Knobs& x) { return measure(x, s_.seed); }
-
-    Specimen measure(const Knobs& x, std::uint64_t seed) {
+    /// @throws ParameterError where the dilation cannot reach BV/TV
+    Morphometry specimen(const Knobs& x, std::uint64_t seed) {
         s_.callbacks.stopIfCancelled();
         s_.callbacks.report("voids", 0, 0);
         Callbacks quiet;
         quiet.cancelled = s_.callbacks.cancelled;
         const VoidRecipe recipe = recipeOf(x);
-        VoidSetting<3> setting{recipe, *domain_, 0, seed, 0, quiet};
+        VoidSetting<3> setting{recipe, *stage_.domain, 0, seed, 0, quiet};
         setting.packs = &packs_;
         MadeVoids<3> made = makeVoids(setting);
         packs_.dilation = made.report.amount.value_or(0);
         measureVoids(setting, 0, static_cast<const Pack<3>*>(nullptr), made);
-        const VoxelImage image = sampleLevelSet(*made.solid.grid, domain_->bounds());
-        const Morphometry m = measureMorphometry(image);
+        const VoxelImage image = sampleLevelSet(*made.solid.grid, stage_.domain->bounds());
+        Morphometry m = measureMorphometry(image);
         if (!m.thickness || !m.separation || !m.anisotropy)
             throw ParameterError(fmt::format(
                 "`targetBvtv` {}: leaves nothing to measure; give a higher one", bvtv_));
-        Specimen found;
-        found.bvtv = m.solidFraction;
-        found.thickness = *m.thickness;
-        found.separation = *m.separation;
-        for (const Target& t : targets_) {
-            const std::string name = t.name;
-            const double value = name == "targetTbth"    ? m.thickness->mean
-                                 : name == "targetTbsp"  ? m.separation->mean
-                                 : name == "targetDa"    ? m.anisotropy->degree
-                                 : name == "targetConnd" ? m.connectivityDensity
-                                 : name == "thickness"   ? m.thickness->sd / m.thickness->mean
-                                                         : m.separation->sd / m.separation->mean;
-            found.values.push_back(value);
-            found.errors.push_back(value / t.asked - 1);
-        }
-        return found;
+        return m;
     }
 
-    /// Struts thinner than those that leave too much solid.
-    void makeFirst() {
+    std::vector<double> numbersOf(const Morphometry& m) const {
+        std::vector<double> values;
+        for (const Number number : numbers_) values.push_back(numberOf(m, number));
+        return values;
+    }
+
+    std::optional<std::vector<double>> valuesAt(const Knobs& x) {
+        try {
+            const Morphometry m = specimen(x, s_.seed);
+            lastOf_ = {x, {*m.thickness, *m.separation}};
+            return numbersOf(m);
+        } catch (const ParameterError& e) {
+            unreachable_ = e.what();
+            return std::nullopt;
+        }
+    }
+
+    /// With struts as thin as leave little enough solid.
+    void beginFirst(KnobSearch& search) {
         use(coarse_);
-        for (int round = 0;; ++round) {
-            try {
-                offer(x_, measure(x_));
-                return;
-            } catch (const ParameterError&) {
-                if (round == 4) throw;
-                strut_ *= 0.7;
-            }
+        for (int round = 0; !search.begin(first_); ++round) {
+            if (round == 4) throw ParameterError(unreachable_);
+            strut_ *= 0.7;
         }
     }
 
-    double merit(const Knobs& x, const Specimen& found) const {
-        double sum = 0;
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            sum += std::pow(targets_[i].weight * found.errors[i], 2);
-        for (std::size_t k = 0; k < kKnobs; ++k)
-            if (free_[k]) sum += std::pow(kPriorError * (x[k] - start(k)) / kRules[k].width, 2);
-        return sum;
-    }
-    double start(std::size_t k) const {
-        return k == kScale || k == kSpread ? x_[k] : kRules[k].usual;
+    /// Goes on from the best knobs with other specimens.
+    void goOn(KnobSearch& search, const Stage& stage) {
+        use(stage);
+        const Knobs x = search.best().knobs;
+        if (!search.begin(x)) throw ParameterError(unreachable_);
     }
 
-    void offer(const Knobs& x, Specimen found) {
-        if (!best_ || merit(x, found) < merit(best_->first, best_->second))
-            best_.emplace(x, std::move(found));
-    }
-
-    void differences() {
-        jacobian_.assign(targets_.size(), Knobs{});
-        const Specimen& at = best_->second;
-        const Knobs from = best_->first;
-        std::vector<std::pair<Knobs, Specimen>> tried;
-        for (std::size_t k = 0; k < kKnobs; ++k) {
-            if (!free_[k]) continue;
-            if (k == kScale) continue;  // known
-            Knobs x = from;
-            x[k] += kRules[k].step;
-            Specimen found;
-            try {
-                found = measure(x);
-            } catch (const ParameterError&) {
-                continue;  // no solid of that kind: leave this knob to the others
-            }
-            for (std::size_t i = 0; i < targets_.size(); ++i)
-                jacobian_[i][k] = (found.errors[i] - at.errors[i]) / kRules[k].step;
-            tried.emplace_back(x, std::move(found));
-        }
-        for (auto& [x, found] : tried) offer(x, std::move(found));
-    }
-
-    /// The step from `x` that the linear model says is best, within the limits of the knobs.
-    Knobs step(const Knobs& x, const Specimen& found, double trust) {
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            jacobian_[i][kScale] = targets_[i].power * (1 + found.errors[i]);
-        std::array<bool, kKnobs> held{};
+    /// In coarse specimens from the best knobs on, then in fine ones.
+    /// @param left  as that of `KnobSearch::search`.
+    void searchBoth(KnobSearch& search, std::size_t left = KnobSearch::kNone) {
+        search.knobs()[kSpread].isFree = spreadIsOpen_;
+        goOn(search, coarse_);
+        search.takeDifferences();
+        search.search(kSpreadRounds, kCoarseError, left);
         // Another spread is another pack, whose numbers differ by chance.
-        held[kSpread] = spreadIsKept_;
-        Knobs d{};
-        for (int round = 0; round < kKnobs; ++round) {
-            // Normal equations of the free knobs that are not held at a limit.
-            std::vector<std::size_t> at;
-            for (std::size_t k = 0; k < kKnobs; ++k)
-                if (free_[k] && !held[k]) at.push_back(k);
-            const std::size_t n = at.size();
-            std::vector<std::vector<double>> a(n, std::vector<double>(n + 1));
-            for (std::size_t p = 0; p < n; ++p) {
-                for (std::size_t i = 0; i < targets_.size(); ++i) {
-                    const double w = targets_[i].weight * targets_[i].weight;
-                    double rest = found.errors[i];
-                    for (std::size_t k = 0; k < kKnobs; ++k)
-                        if (held[k]) rest += jacobian_[i][k] * d[k];
-                    for (std::size_t q = 0; q < n; ++q)
-                        a[p][q] += w * jacobian_[i][at[p]] * jacobian_[i][at[q]];
-                    a[p][n] -= w * jacobian_[i][at[p]] * rest;
-                }
-                const double prior = std::pow(kPriorError / kRules[at[p]].width, 2);
-                a[p][p] += prior;
-                a[p][n] -= prior * (x[at[p]] - start(at[p]));
-            }
-            const std::vector<double> solved = solve(std::move(a));
-            bool stops = false;
-            for (std::size_t p = 0; p < n; ++p) {
-                const std::size_t k = at[p];
-                const double low = std::max(kRules[k].low - x[k], -trust * kRules[k].limit);
-                const double high = std::min(kRules[k].high - x[k], trust * kRules[k].limit);
-                d[k] = std::clamp(solved[p], std::min(low, 0.0), std::max(high, 0.0));
-                if (d[k] != solved[p]) held[k] = stops = true;
-            }
-            if (!stops) break;
-        }
-        return d;
+        search.knobs()[kSpread].isFree = false;
+        search.search(kCoarseRounds - kSpreadRounds, kCoarseError, left);
+        goOn(search, fine_);
+        search.search(kFineRounds, kFineError, left);
     }
-
-    /// Gauss's elimination of a positive definite system, the right side in the last column.
-    static std::vector<double> solve(std::vector<std::vector<double>> a) {
-        const std::size_t n = a.size();
-        for (std::size_t k = 0; k < n; ++k)
-            for (std::size_t i = k + 1; i < n; ++i) {
-                const double f = a[i][k] / a[k][k];
-                for (std::size_t j = k; j <= n; ++j) a[i][j] -= f * a[k][j];
-            }
-        std::vector<double> x(n);
-        for (std::size_t k = n; k-- > 0;) {
-            x[k] = a[k][n];
-            for (std::size_t j = k + 1; j < n; ++j) x[k] -= a[k][j] * x[j];
-            x[k] /= a[k][k];
-        }
-        return x;
-    }
-
-    /// What one specimen more says of the Jacobian, but for the scale, whose part is known.
-    void learn(const Knobs& d, const Specimen& from, const Specimen& to) {
-        double square = 0;
-        for (std::size_t k = kScale + 1; k < kKnobs; ++k)
-            square += std::pow(d[k] / kRules[k].step, 2);
-        for (std::size_t i = 0; i < targets_.size(); ++i) {
-            const double power = targets_[i].power;
-            double miss = to.errors[i] + 1 - (from.errors[i] + 1) * std::exp(power * d[kScale]);
-            for (std::size_t k = kScale + 1; k < kKnobs; ++k) miss -= jacobian_[i][k] * d[k];
-            if (square > 1e-4)
-                for (std::size_t k = kScale + 1; k < kKnobs; ++k)
-                    jacobian_[i][k] += miss * d[k] / std::pow(kRules[k].step, 2) / square;
-        }
-    }
-
-    /// @param left  a target that need not be met.
-    void search(int rounds, double enough, std::size_t left = kNone) {
-        double trust = 1;
-        for (int round = 0; round < rounds && worstBut(left) > enough; ++round) {
-            if (round == kSpreadRounds) spreadIsKept_ = true;
-            const auto from = *best_;
-            const Knobs d = step(from.first, from.second, trust);
-            Knobs x = from.first;
-            double moved = 0;
-            for (std::size_t k = 0; k < kKnobs; ++k) {
-                x[k] += d[k];
-                moved = std::max(moved, std::fabs(d[k] / kRules[k].step));
-            }
-            if (moved < 1e-3) return;
-            Specimen found;
-            try {
-                found = measure(x);
-            } catch (const ParameterError&) {
-                trust *= 0.4;
-                continue;
-            }
-            learn(d, from.second, found);
-            seen_.push_back(found);
-            offer(x, found);
-            trust = best_->first == x ? std::min(1.0, 2 * trust) : 0.5 * trust;
-        }
-    }
-
-    /// The target that is missed most.
-    std::size_t worstTarget() const {
-        std::size_t worst = 0;
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].isNumber && errorOf(i) > errorOf(worst)) worst = i;
-        return worst;
-    }
-    double errorOf(std::size_t i) const { return std::fabs(best_->second.errors[i]); }
 
     /// Names a target that is missed, with the range that can be reached beside the others.
     /// @throws ParameterError with it if the target is far off and was asked for by itself.
-    void judgeMissed() {
-        if (worstBut(kNone) <= kWarnedError) return;
+    void judgeMissed(KnobSearch& search) {
+        const KnobTrial before = search.best();
+        if (search.worst(before) <= kWarnedError) return;
         // The others first: mostly the connectivity is what foams of that kind do not have.
-        std::size_t missed = worstTarget();
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (std::string(targets_[i].name) == "targetConnd") missed = i;
-        const auto before = best_;
-        const double weight = targets_[missed].weight;
-        targets_[missed].weight = kYieldingWeight;
-        searchBoth(missed);
-        if (worstBut(missed) > kWarnedError && worstBut(missed) > 0.5 * worstOf(*before)) {
+        std::size_t missed = search.worstTarget(before);
+        for (std::size_t i = 0; i < numbers_.size(); ++i)
+            if (numbers_[i] == Number::connectivity) missed = i;
+        search.targets()[missed].weight = kYieldingWeight;
+        searchBoth(search, missed);
+        const double others = search.worst(search.best(), missed);
+        if (others > kWarnedError && others > 0.5 * search.worst(before)) {
             // It is not that one.
-            targets_[missed].weight = weight;
-            best_ = before;
-            missed = worstTarget();
-            targets_[missed].weight = kYieldingWeight;
+            search.targets()[missed].weight = 1;
+            search.setBest(before);
+            missed = search.worstTarget(before);
+            search.targets()[missed].weight = kYieldingWeight;
         }
-        const auto found = best_;
-        goOn(coarse_);
-        differences();
-        auto [low, high] = rangeOf(missed);
-        best_ = found;
-        low = std::min(low, found->second.values[missed]);
-        high = std::max(high, found->second.values[missed]);
-        const double error = errorOf(missed);
+        const KnobTrial found = search.best();
+        goOn(search, coarse_);
+        search.takeDifferences();
+        const double near = std::max(kWarnedError, 1.5 * search.worst(search.best(), missed));
+        auto [low, high] = search.rangeOf(missed, kRangeRounds, near);
+        search.setBest(found);
+        low = std::min(low, found.values[missed]);
+        high = std::max(high, found.values[missed]);
         const std::string text = fmt::format(
             "`{}` {:.4g}: beside the other targets, values from {:.3g} to {:.3g} were found",
-            targets_[missed].name, targets_[missed].asked, low, high);
+            names_[missed], targets_[missed].asked, low, high);
         const bool ofBone = !r_.thicknessQuantiles.empty() || !r_.trabecular.empty();
-        if (error > kRefusedError && !ofBone)
+        if (std::fabs(found.errors[missed]) > kRefusedError && !ofBone)
             throw ParameterError(text + "; give one of these, or leave another target out");
-        s_.callbacks.warn(
-            fmt::format("{}; this structure has {:.4g}", text, found->second.values[missed]));
+        s_.callbacks.warn(fmt::format("{}; this structure has {:.4g}", text, found.values[missed]));
     }
 
-    double worstBut(std::size_t left) const { return worstOf(*best_, left); }
-    double worstOf(const std::pair<Knobs, Specimen>& tried, std::size_t left = kNone) const {
-        double worst = 0;
+    void report(const KnobTrial& best, StructureFit& result) {
         for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].isNumber && i != left)
-                worst = std::max(worst, std::fabs(tried.second.errors[i]));
-        return worst;
-    }
-
-    /// The values of a target that were found while the others were nearly met.
-    std::pair<double, double> rangeOf(std::size_t target) {
-        const auto kept = best_;
-        const Target asked = targets_[target];
-        double low = kept->second.values[target], high = low;
-        const auto saved = jacobian_;
-        const double enough = std::max(kWarnedError, 1.5 * worstBut(target));
-        for (const double factor : {0.5, 2.0}) {
-            best_ = kept;
-            jacobian_ = saved;
-            targets_[target].asked = factor * kept->second.values[target];
-            targets_[target].weight = kPushingWeight;
-            best_->second.errors[target] = 1 / factor - 1;
-            for (double& j : jacobian_[target]) j *= asked.asked / targets_[target].asked;
-            seen_.clear();
-            search(kRangeRounds, 0);
-            for (const Specimen& s : seen_) {
-                double others = 0;
-                for (std::size_t i = 0; i < targets_.size(); ++i)
-                    if (targets_[i].isNumber && i != target)
-                        others = std::max(others, std::fabs(s.errors[i]));
-                if (others > enough) continue;
-                low = std::min(low, s.values[target]);
-                high = std::max(high, s.values[target]);
-            }
-            targets_[target] = asked;
-        }
-        best_ = kept;
-        jacobian_ = saved;
-        return {low, high};
-    }
-
-    void report(const Specimen& found, const Knobs& knobs, StructureFit& result) {
-        for (std::size_t i = 0; i < targets_.size(); ++i)
-            if (targets_[i].isNumber)
+            if (targets_[i].isStrict)
                 result.targets.push_back(
-                    {targets_[i].name, targets_[i].asked, found.values[i], std::nullopt});
-        const auto toSample = [](const LengthStatistics& have, const std::vector<double>& sample) {
-            LengthStatistics other;
-            other.quantiles = sample;
-            return sample.empty() ? std::nullopt : std::optional(ksDistance(have, other));
-        };
-        result.thicknessDistance = toSample(found.thickness, r_.thicknessQuantiles);
-        result.separationDistance = toSample(found.separation, r_.separationQuantiles);
-        // How specimens of other seeds differ, from small ones.
+                    {names_[i], targets_[i].asked, best.values[i], std::nullopt});
+        if (!r_.thicknessQuantiles.empty()) {
+            if (lastOf_.first != best.knobs) valuesAt(best.knobs);
+            const auto toSample = [](const LengthStatistics& have,
+                                     const std::vector<double>& sample) {
+                LengthStatistics other;
+                other.quantiles = sample;
+                return ksDistance(have, other);
+            };
+            result.thicknessDistance = toSample(lastOf_.second[0], r_.thicknessQuantiles);
+            result.separationDistance = toSample(lastOf_.second[1], r_.separationQuantiles);
+        }
+        addScatter(best.knobs, result);
+    }
+
+    /// How specimens of other seeds differ, from small ones.
+    void addScatter(const Knobs& x, StructureFit& result) {
         use(coarse_);
-        std::vector<Specimen> others;
-        for (int n = 1; n <= kScatterSeeds; ++n) try {
-                others.push_back(measure(knobs, s_.seed + static_cast<std::uint64_t>(n)));
-            } catch (const ParameterError&) {
-                return;
-            }
-        std::size_t row = 0;
-        for (std::size_t i = 0; i < targets_.size(); ++i) {
-            if (!targets_[i].isNumber) continue;
+        std::vector<std::vector<double>> others;
+        try {
+            for (std::uint64_t n = 1; n <= kScatterSeeds; ++n)
+                others.push_back(numbersOf(specimen(x, s_.seed + n)));
+        } catch (const ParameterError&) {
+            return;  // one of them cannot have the BV/TV
+        }
+        for (std::size_t i = 0; i < result.targets.size(); ++i) {
             double mean = 0, square = 0;
-            for (const Specimen& o : others) mean += o.values[i] / kScatterSeeds;
-            for (const Specimen& o : others)
-                square += std::pow(o.values[i] - mean, 2) / (kScatterSeeds - 1);
-            result.targets[row++].scatter = std::sqrt(square);
+            for (const auto& o : others) mean += o[i] / kScatterSeeds;
+            for (const auto& o : others) square += std::pow(o[i] - mean, 2) / (kScatterSeeds - 1);
+            result.targets[i].scatter = std::sqrt(square);
         }
     }
 
     const VoidSetting<3>& s_;
     const VoidRecipe& r_;
     FoamPacks<3>& packs_;
-    std::vector<Target> targets_;
-    std::array<bool, kKnobs> free_{};
-    Knobs x_{};  ///< the first
+    std::vector<Knob> knobs_;
+    std::vector<KnobTarget> targets_;  ///< strict ones first
+    std::vector<Number> numbers_;      ///< of the targets
+    std::vector<const char*> names_;   ///< of their parameters
+    Knobs first_;
+    bool spreadIsOpen_ = false;  ///< whether the spread of the radii is to be found
     double bvtv_ = 0, period_ = 0, thickness_ = 0;
-    bool spreadIsKept_ = false;
     double strut_ = 0;  ///< thickness of struts in mean b
-    Stage coarse_, fine_;
-    double voxel_ = 0;  ///< of the specimens, mm
-    const Domain<3>* domain_ = nullptr;
-    std::vector<Knobs> jacobian_;  ///< of the errors, a row a target
-    std::optional<std::pair<Knobs, Specimen>> best_;
-    std::vector<Specimen> seen_;  ///< by the searches so far
+    Stage coarse_, fine_, stage_;
+    /// Of the last specimen: its knobs, local thickness and spacing.
+    std::pair<Knobs, std::array<LengthStatistics, 2>> lastOf_;
+    std::string unreachable_;  ///< why the last knobs had no specimen
 };
 
 /// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
@@ -605,7 +428,8 @@ VoidRecipe usualFoam(const VoidRecipe& asked) {
     if (!scaled) return r;
     const Guess guess = guessOf(asked, 0);
     r.targetBvtv = guess.bvtv;
-    const std::string radius = r.radius.empty() ? spreadRadii(kRules[kSpread].usual) : asked.radius;
+    const std::string radius =
+        r.radius.empty() ? spreadRadii(usualKnobs()[kSpread].usual) : asked.radius;
     const SizeDistribution sizes = SizeDistribution::parse(radius, 3);
     r.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean()).spec();
     if (!(r.voxelSize > 0)) r.voxelSize = guess.thickness / kFineVoxels;

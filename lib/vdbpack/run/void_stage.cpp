@@ -354,7 +354,8 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
     } else {
         std::vector<std::string> chosen;
         const bool undecided = (method == VoidMethod::boolean && !r.count && !r.targetBvtv) ||
-                               (method == VoidMethod::foam && !r.targetBvtv);
+                               (method == VoidMethod::foam && !r.targetBvtv &&
+                                !(Dim == 3 && hasStructureTargets(r) && !s.bvtv));
         VoidRecipe decided = r;
         if (undecided && s.bvtv) {
             const double mean = meanBvtv(s);
@@ -376,7 +377,14 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         }
         FoamPacks<Dim> ownPacks;
         FoamPacks<Dim>* const packs = s.packs ? s.packs : &ownPacks;
-        if (hasStructureTargets(r)) fitTo(s, *packs, decided, made.report);
+        if (hasStructureTargets(r)) {
+            const bool open = !decided.targetBvtv;
+            fitTo(s, *packs, decided, made.report);
+            if (open)
+                chosen.push_back(
+                    fmt::format("BV/TV {:.4g}, as bone of that thickness and spacing has",
+                                *decided.targetBvtv));
+        }
         bool told = false;
         const auto solve = [&](const VoidSetting<Dim>& setting, MadeVoids<Dim>& result) {
             const VoidRecipe& asked = setting.recipe;
@@ -390,9 +398,9 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                 return bvtvOf(setting, voxel, result);
             };
             if (asked.targetBvtv)
-                result.report.amount = solveForBvtv(asked, 0, family.guess, family.most,
-                                                    bvtvTolerance(asked), family.remedy, bvtvAt,
-                                                    family.steepness);
+                result.report.amount =
+                    solveForBvtv(asked, 0, family.guess, family.most, bvtvTolerance(asked),
+                                 family.remedy, bvtvAt, family.steepness);
             else
                 bvtvAt(method == VoidMethod::boolean   ? *asked.count / regionOf(setting).volume()
                        : method == VoidMethod::overlay ? asked.count.value_or(family.most)
