@@ -50,9 +50,9 @@ std::string renamedCavities(const std::string& value, const Rename& rename) {
 
 std::string renamed(const std::string& option, const std::string& value, const Rename& rename) {
     if (value.empty()) return value;
-    if (isOneOf(option, {"DOMAIN", "domain"})) return isShape(value) ? value : rename(value);
+    if (isOneOf(option, {"DOMAIN", "domain", "like-domain"})) return isShape(value) ? value : rename(value);
     if (isOneOf(option, {"report", "preview", "table", "void-matrix", "void-field", "bvtv-field",
-                         "shell-field", "parts"}))
+                         "shell-field", "parts", "like"}))
         return rename(value);
     if (isOneOf(option, {"radius", "void-radius", "void-aspect"}))
         return renamedBehind({"table:", "psd:"}, value, rename);

@@ -43,6 +43,8 @@ double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double 
     if (recipe.empty() || (run_.solid && !recipe.keepConnected)) return placed;
     Callbacks quiet;
     if (!run_.ranks()) quiet.cancelled = run_.callbacks.cancelled;
+    // These voids will be those of the run, which makes no others.
+    if (!run_.solid && serveAll(recipe)) quiet.warning = run_.callbacks.warning;
     const VoidSetting<Dim> setting{recipe,
                                    run_.domain(),
                                    run_.built.sliceHeight,

@@ -37,6 +37,13 @@ std::vector<double> solved(std::vector<std::vector<double>> a) {
     return x;
 }
 
+double scaleOf(const KnobTarget& t) {
+    return std::max(t.asked, t.floor);
+}
+double errorOf(const KnobTarget& t, double value) {
+    return (value - t.asked) / scaleOf(t);
+}
+
 }  // namespace
 
 KnobSearch::KnobSearch(std::vector<Knob> knobs, std::vector<KnobTarget> targets, Measure measure)
@@ -50,7 +57,7 @@ std::optional<KnobTrial> KnobSearch::measure(const std::vector<double>& x) const
     if (!values) return std::nullopt;
     KnobTrial trial{x, std::move(*values), {}};
     for (std::size_t i = 0; i < targets_.size(); ++i)
-        trial.errors.push_back(trial.values[i] / targets_[i].asked - 1);
+        trial.errors.push_back(errorOf(targets_[i], trial.values[i]));
     return trial;
 }
 
@@ -82,11 +89,13 @@ void KnobSearch::takeDifferences() {
         for (auto& row : jacobian_) row[k] = 0;
         if (!knobs_[k].isFree) continue;
         std::vector<double> x = from.knobs;
-        x[k] += knobs_[k].step;
+        double step = knobs_[k].step;
+        if (x[k] + step < knobs_[k].low || x[k] + step > knobs_[k].high) step = -step;
+        x[k] += step;
         auto trial = measure(x);
         if (!trial) continue;  // the other knobs have to do
         for (std::size_t i = 0; i < targets_.size(); ++i)
-            jacobian_[i][k] = (trial->errors[i] - from.errors[i]) / knobs_[k].step;
+            jacobian_[i][k] = (trial->errors[i] - from.errors[i]) / step;
         tried.push_back(std::move(*trial));
     }
     for (KnobTrial& trial : tried) offer(std::move(trial));
@@ -95,7 +104,7 @@ void KnobSearch::takeDifferences() {
 /// The step that the linear model says is best, within the limits of the knobs.
 std::vector<double> KnobSearch::step(const KnobTrial& from, double trust) {
     for (std::size_t i = 0; i < targets_.size(); ++i)
-        jacobian_[i][0] = targets_[i].power * (1 + from.errors[i]);
+        jacobian_[i][0] = targets_[i].power * from.values[i] / scaleOf(targets_[i]);
     std::vector<double> d(knobs_.size());
     std::vector<bool> held(knobs_.size());
     for (std::size_t round = 0; round <= knobs_.size(); ++round) {
@@ -146,7 +155,8 @@ void KnobSearch::learn(const std::vector<double>& d, const KnobTrial& from, cons
     for (std::size_t k = 1; k < knobs_.size(); ++k) moved += square(d[k] / knobs_[k].step);
     if (!(moved > square(kLeastLesson))) return;
     for (std::size_t i = 0; i < targets_.size(); ++i) {
-        double miss = to.errors[i] + 1 - (from.errors[i] + 1) * std::exp(targets_[i].power * d[0]);
+        double miss = (to.values[i] - from.values[i] * std::exp(targets_[i].power * d[0])) /
+                      scaleOf(targets_[i]);
         for (std::size_t k = 1; k < knobs_.size(); ++k) miss -= jacobian_[i][k] * d[k];
         for (std::size_t k = 1; k < knobs_.size(); ++k)
             jacobian_[i][k] += miss * d[k] / square(knobs_[k].step) / moved;
@@ -197,13 +207,14 @@ std::pair<double, double> KnobSearch::rangeOf(std::size_t target, int rounds, do
     const KnobTarget asked = targets_[target];
     const auto jacobian = jacobian_;
     double low = kept.values[target], high = low;
+    if (!(low > 0)) return {low, high};
     for (const double factor : {0.5, 2.0}) {
         best_ = kept;
         jacobian_ = jacobian;
         targets_[target].asked = factor * kept.values[target];
         targets_[target].weight = kPushingWeight;
-        best_->errors[target] = 1 / factor - 1;
-        for (double& slope : jacobian_[target]) slope *= asked.asked / targets_[target].asked;
+        best_->errors[target] = errorOf(targets_[target], kept.values[target]);
+        for (double& slope : jacobian_[target]) slope *= scaleOf(asked) / scaleOf(targets_[target]);
         seen_.clear();
         search(rounds, 0);
         for (const KnobTrial& trial : seen_) {

@@ -23,9 +23,10 @@ struct Knob {
 
 /// A number that is to be reached.
 struct KnobTarget {
-    double asked = 0;  ///< not 0
+    double asked = 0;  ///< not 0 without a floor
     double weight = 1;
     double power = 0;      ///< the number goes as exp(power * knob 0)
+    double floor = 0;      ///< errors are relative to this at the least
     bool isStrict = true;  ///< else it is only to be approached
 };
 

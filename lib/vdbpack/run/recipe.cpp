@@ -96,8 +96,9 @@ double parseDensify(const std::string& text) {
 }
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe), recipe.matrix,    recipe.orientation.field, recipe.radius,
-            recipe.aspect,    recipe.bvtvField, recipe.shellField};
+    return {listFile(recipe),  recipe.matrix, recipe.orientation.field,
+            recipe.radius,     recipe.aspect, recipe.bvtvField,
+            recipe.shellField, recipe.like,   recipe.likeDomain};
 }
 
 namespace {

@@ -18,7 +18,9 @@ namespace {
 /// of the voids are known, the field gets the same.
 double detailFor(const VoidRecipe& recipe, double voxel) {
     if (voxel > 0) return voxel / kVoxelPerDetail;
-    return recipe.radius.empty() ? 0 : SizeDistribution::parse(recipe.radius, 3).min();
+    return recipe.radius.empty() || scalesVoids(recipe)
+               ? 0
+               : SizeDistribution::parse(recipe.radius, 3).min();
 }
 
 template <int Dim>

@@ -48,8 +48,8 @@ constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 5, kRangeRounds = 4,
               kScatterSeeds = 3;
-/// A lower DA is asked for as this: errors are relative.
-constexpr double kLeastDa = 0.05;
+/// Errors of DA and of scatters are relative to this at the least.
+constexpr double kLeastShare = 0.2;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
 /// refused.
 constexpr double kCoarseError = 0.02, kFineError = 0.02, kWarnedError = 0.03, kRefusedError = 0.1;
@@ -144,9 +144,9 @@ public:
         aim("targetDa", Number::anisotropy, r_.targetDa, {0, 1, 0});
         aim("targetConnd", Number::connectivity, r_.targetConnd, {0, 1, -3});
         aim("", Number::thicknessScatter, r_.thicknessScatter,
-            {0, kThicknessScatterWeight, 0, false});
+            {0, kThicknessScatterWeight, 0, 0, false});
         aim("", Number::spacingScatter, r_.separationScatter,
-            {0, kSeparationScatterWeight, 0, false});
+            {0, kSeparationScatterWeight, 0, 0, false});
         knobs_[kScale].isFree = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
         knobs_[kSpread].isFree = spreadIsOpen_ = r_.radius.empty();
         knobs_[kAspect].isFree = r_.aspect.empty() && r_.targetDa;
@@ -164,8 +164,9 @@ public:
     StructureFit run() {
         // Small and coarse first, then as it will be.
         const auto small = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
-        coarse_ = {small.get(), thickness_ / kCoarseVoxels};
-        fine_ = {&s_.domain, r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels};
+        coarse_ = {small.get(), voxelFor(thickness_ / kCoarseVoxels, kCoarsePeriods)};
+        const double voxel = r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels;
+        fine_ = {&s_.domain, voxel};
         std::shared_ptr<const Domain<3>> cube;
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
@@ -173,7 +174,8 @@ public:
                            r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
                            s_.domain.volume() / std::pow(fine_.voxel, 3) <= kMostVoxels;
         if (!whole) {
-            side = std::min(kFinePeriods * period_, std::cbrt(kMostVoxels) * fine_.voxel);
+            side = kFinePeriods * period_;
+            fine_.voxel = voxelFor(voxel, kFinePeriods);
             cube = boxAbout(Vec<3>{{1, 1, 1}} * side);
             fine_.domain = cube.get();
         }
@@ -185,6 +187,7 @@ public:
         StructureFit result;
         use(fine_);
         result.recipe = recipeOf(best.knobs);
+        result.recipe.voxelSize = voxel;
         result.recipe.shell = r_.shell;
         result.recipe.shellField = r_.shellField;
         result.recipe.bvtvField = r_.bvtvField;
@@ -203,10 +206,17 @@ private:
         double voxel = 0;
     };
 
+    /// Larger where a cube of some periods would have too many.
+    double voxelFor(double voxel, double periods) const {
+        return std::max(voxel, periods * period_ / std::cbrt(kMostVoxels));
+    }
+
     void aim(const char* name, Number number, const std::optional<double>& asked,
              KnobTarget target) {
         if (!asked) return;
-        target.asked = number == Number::anisotropy ? std::max(*asked, kLeastDa) : *asked;
+        target.asked = *asked;
+        const bool isShare = number == Number::anisotropy || !target.isStrict;
+        if (isShare) target.floor = kLeastShare;
         names_.push_back(name);
         numbers_.push_back(number);
         targets_.push_back(target);
@@ -299,7 +309,7 @@ private:
     void beginFirst(KnobSearch& search) {
         use(coarse_);
         for (int round = 0; !search.begin(first_); ++round) {
-            if (round == 4) throw ParameterError(unreachable_);
+            if (round == 4 || r_.strut) throw ParameterError(unreachable_);
             strut_ *= 0.7;
         }
     }
@@ -345,13 +355,16 @@ private:
             search.targets()[missed].weight = kYieldingWeight;
         }
         const KnobTrial found = search.best();
-        goOn(search, coarse_);
-        search.takeDifferences();
-        const double near = std::max(kWarnedError, 1.5 * search.worst(search.best(), missed));
-        auto [low, high] = search.rangeOf(missed, kRangeRounds, near);
-        search.setBest(found);
-        low = std::min(low, found.values[missed]);
-        high = std::max(high, found.values[missed]);
+        double low = found.values[missed], high = low;
+        use(coarse_);
+        if (search.begin(found.knobs)) {
+            search.takeDifferences();
+            const double near = std::max(kWarnedError, 1.5 * search.worst(search.best(), missed));
+            const auto range = search.rangeOf(missed, kRangeRounds, near);
+            low = std::min(low, range.first);
+            high = std::max(high, range.second);
+            search.setBest(found);
+        }
         const std::string text = fmt::format(
             "`{}` {:.4g}: beside the other targets, values from {:.3g} to {:.3g} were found",
             names_[missed], targets_[missed].asked, low, high);
@@ -415,10 +428,6 @@ private:
     std::string unreachable_;  ///< why the last knobs had no specimen
 };
 
-/// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
-/// Tb.Th and Tb.Sp say: bounds with room to spare.
-constexpr double kMostOfPlates = 1.3, kLeastOfRods = 0.6;
-
 }  // namespace
 
 VoidRecipe usualFoam(const VoidRecipe& asked) {
@@ -436,19 +445,7 @@ VoidRecipe usualFoam(const VoidRecipe& asked) {
     return r;
 }
 
-void requireConsistent(const VoidRecipe& r) {
-    if (!(r.targetBvtv && r.targetTbth && r.targetTbsp)) return;
-    const double share = *r.targetTbth / (*r.targetTbth + *r.targetTbsp);
-    const double most = kMostOfPlates * share, least = kLeastOfRods * share * share;
-    if (*r.targetBvtv <= most && *r.targetBvtv >= least) return;
-    throw ParameterError(fmt::format(
-        "`targetBvtv` {:g} contradicts `targetTbth` {:g} and `targetTbsp` {:g}: rods of that "
-        "thickness and spacing have at least {:.2g}, plates at most {:.2g}; change one of them",
-        *r.targetBvtv, *r.targetTbth, *r.targetTbsp, least, std::min(most, 1.0)));
-}
-
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {
-    requireConsistent(setting.recipe);
     return Fit(setting, packs).run();
 }
 

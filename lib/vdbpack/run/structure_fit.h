@@ -30,16 +30,12 @@ struct StructureFit {
 /// bone.
 ///
 /// @param packs  receives the packs that were made, for the voids themselves.
-/// @throws ParameterError if targets contradict one another, or one is not reachable, with the
-/// range that is; Interrupted, ResourceError
+/// @throws ParameterError if a target is not reachable, with the range that is; Interrupted,
+/// ResourceError
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs);
 
 /// The recipe with a foam that usual bone with about those targets has, in place of the targets
 /// but BV/TV; unchanged without such targets. For predictions.
 VoidRecipe usualFoam(const VoidRecipe& recipe);
-
-/// A thickness, spacing and BV/TV that no structure has together, before any work.
-/// @throws ParameterError with the values that would be possible.
-void requireConsistent(const VoidRecipe& recipe);
 
 }  // namespace vdbpack

@@ -40,7 +40,6 @@ Morphometry measuredSample(const VoidRecipe& r, const Callbacks& callbacks) {
     recipe.domain.source = r.likeDomain;
     const std::string extension = extensionOf(r.like);
     if (extension == ".vdb") {
-        recipe.domain.gridName = "solid";
         try {
             recipe.solid = levelSetGrid(r.like, "solid", 1);
         } catch (const InputError&) {  // no grid of that name

@@ -243,7 +243,7 @@ double voidVoxelFor(const VoidRecipe& recipe, double least) {
 double plannedVoxel(const VoidRecipe& recipe, int dim) {
     const VoidMethod method = methodOf(recipe);
     if (method == VoidMethod::none || isThinning(method) || recipe.radius.empty() ||
-        recipe.voxelSize > 0 || recipe.targetTbth)
+        recipe.voxelSize > 0 || scalesVoids(recipe))
         return recipe.voxelSize;
     const double aspect =
         recipe.aspect.empty() ? 1 : SizeDistribution::parse(recipe.aspect, dim).min();
@@ -299,7 +299,7 @@ void checkRoom(const VoidSetting<Dim>& s, bool early) {
         const auto list = method == VoidMethod::grid ? voidFamily(s, 0.5, nullptr).list(1)
                                                      : readVoidList<Dim>(listFile(s.recipe));
         for (const auto& e : list) half = std::max({half, e.a, e.b});
-    } else if (!(hasStructureTargets(s.recipe) && s.recipe.radius.empty())) {
+    } else if (!scalesVoids(s.recipe)) {
         half = voidShapeOf(s).reach();
     }
     requireFitting(s, half);
@@ -319,10 +319,13 @@ void fitTo(const VoidSetting<3>& s, FoamPacks<3>& packs, VoidRecipe& recipe, Voi
         SizeDistribution::parse(recipe.radius, 3).scaled(recipe.radiusScale);
     report.radius = radius.spec();
     report.parameters = fmt::format(
-        "--void-radius {} --void-aspect {} --void-jitter {:.4g} --void-blend {:.4g} --void-strut "
-        "{:.4g} --void-strut-share {:.4g}",
+        "--voids foam --target-bvtv {:.4g} {}--void-radius {} --void-aspect {} --void-jitter "
+        "{:.4g} "
+        "--void-blend {:.4g} --void-strut {:.4g} --void-strut-share {:.4g} --void-voxel {:.4g}",
+        *recipe.targetBvtv,
+        recipe.orientation.axis.empty() ? "" : "--void-axis " + recipe.orientation.axis + " ",
         radius.spec(), recipe.aspect, *recipe.jitter, *recipe.blend, *recipe.strut,
-        *recipe.strutShare);
+        *recipe.strutShare, recipe.voxelSize);
 }
 void fitTo(const VoidSetting<2>&, FoamPacks<2>&, VoidRecipe& recipe, VoidReport&) {
     for (const auto& [name, target] :
@@ -501,7 +504,7 @@ template <int Dim>
 void measureVoids(const VoidSetting<Dim>& s, double contactTolerance, const Pack<Dim>* pack,
                   MadeVoids<Dim>& made) {
     if (made.stamped && !made.solid.grid) cut(s, made);
-    if (pack && !s.recipe.keepConnected && (!s.recipe.empty() || s.recipe.shell > 0))
+    if (pack && !s.recipe.keepConnected && (!s.recipe.empty() || s.recipe.hasShell()))
         attachedToShell(s, contactTolerance, *pack, made.report);
 }
 

@@ -27,14 +27,16 @@ struct VoidJoin {
     bool isNone() const { return !(blend > 0 || strut > 0); }
     /// How far a void may lie from a point and still change the level set there, mm.
     double reach(double voxelSize) const {
-        const double ofStruts = strut > 0 ? blend + strutReach(voxelSize) : 0;
+        const double ofStruts = strut > 0 ? blend + 3 * voxelSize + strutReach(voxelSize) : 0;
         return std::max(kBlendReach * blend, ofStruts);
     }
     /// Where struts meet the solid, they are rounded over this length, mm.
     double rounding() const { return 2 * blend; }
     /// The most by which the distances to the voids of a strut differ, up to three voxels beyond
     /// its surface, mm.
-    double strutReach(double voxelSize) const { return 2 * (strut + 3 * voxelSize); }
+    double strutReach(double voxelSize) const {
+        return 1.75 * (strut + rounding() + 3 * voxelSize);
+    }
 };
 
 /// The voids that are nearest to a point (one number) or to eight: three in space, two in a plane.

@@ -73,12 +73,12 @@ std::vector<Use> usesOf(const VoidRecipe& r) {
             {"orientation.axis", !r.orientation.axis.empty(), shaped},
             {"orientation.field", !r.orientation.field.empty(), shaped},
             {"voids.voxelSize", r.voxelSize > 0, stamped},
+            {"like", !r.like.empty(), {M::foam}},
+            {"trabecular", !r.trabecular.empty(), {M::foam}},
             {"targetBvtv",
              r.targetBvtv.has_value(),
              {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean,
               M::foam}},
-            {"like", !r.like.empty(), {M::foam}},
-            {"trabecular", !r.trabecular.empty(), {M::foam}},
             {"bvtvField", !r.bvtvField.empty(), {M::boolean, M::foam}},
             {"bvtvRange", !r.bvtvRange.empty(), {M::boolean, M::foam}},
             {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
@@ -150,6 +150,22 @@ void requireRanges(const VoidRecipe& r, VoidMethod method) {
     if (r.count && !(*r.count >= 1 && *r.count < 4e9))
         throw ParameterError(
             fmt::format("`voids.count` {}: must be a number of voids from 1 to 4e9", *r.count));
+}
+
+/// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
+/// Tb.Th and Tb.Sp say: bounds with room to spare.
+constexpr double kMostOfPlates = 1.3, kLeastOfRods = 0.6;
+
+/// Refuses a thickness, spacing and BV/TV that no structure has together.
+void requireConsistent(const VoidRecipe& r) {
+    if (!(r.targetBvtv && r.targetTbth && r.targetTbsp)) return;
+    const double share = *r.targetTbth / (*r.targetTbth + *r.targetTbsp);
+    const double most = kMostOfPlates * share, least = kLeastOfRods * share * share;
+    if (*r.targetBvtv <= most && *r.targetBvtv >= least) return;
+    throw ParameterError(fmt::format(
+        "`targetBvtv` {:g} contradicts `targetTbth` {:g} and `targetTbsp` {:g}: rods of that "
+        "thickness and spacing have at least {:.2g}, plates at most {:.2g}; change one of them",
+        *r.targetBvtv, *r.targetTbth, *r.targetTbsp, least, std::min(most, 1.0)));
 }
 
 /// Refuses two parameters that both determine the amount of voids, or none.
@@ -224,6 +240,10 @@ bool hasStructureTargets(const VoidRecipe& r) {
            (r.targetTbth || r.targetTbsp || r.targetDa || r.targetConnd);
 }
 
+bool scalesVoids(const VoidRecipe& r) {
+    return r.targetTbth || (hasStructureTargets(r) && (r.targetTbsp || r.targetConnd));
+}
+
 bool isThinning(VoidMethod method) {
     return method == VoidMethod::concentric || method == VoidMethod::threshold;
 }
@@ -249,6 +269,7 @@ void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
     requireUse(r, method);
     if (method == VoidMethod::none) return;
     requireRanges(r, method);
+    requireConsistent(r);
     requireOneAmount(r, method, hasSpheres);
 }
 

@@ -72,8 +72,8 @@ struct VoidRecipe {
     std::optional<double> jitter;
     /// Length over which voids run into one another; empty: of foam a tenth of the mean b, else 0.
     std::optional<double> blend;
-    /// Thickness of struts between voids that overlap, mm; empty: of foam a fifth of the mean b,
-    /// else 0.
+    /// Thickness of struts between voids that overlap, mm; empty: of foam a fifth of the mean b
+    /// (2D: 0.08), else 0.
     std::optional<double> strut;
     std::optional<double> strutShare;  ///< of the lines between voids that have one; empty: all
     std::optional<double> count;  ///< boolean, overlay: voids with centers deeper than the shell
@@ -89,6 +89,8 @@ struct VoidRecipe {
 
 /// Whether the knobs of a foam are to be found for a structure, beside its BV/TV.
 bool hasStructureTargets(const VoidRecipe& recipe);
+/// Whether a target sets the lengths of the voids, so that `radius` says how they spread alone.
+bool scalesVoids(const VoidRecipe& recipe);
 
 /// Grey values at BV/TV 0 and 1. @throws ParameterError if they are malformed or equal
 std::pair<double, double> parseBvtvRange(const std::string& text);
