@@ -101,7 +101,7 @@ TEST_CASE("a foam has five numbers at once, whatever the seed", "[run][voids][.s
         CHECK(m.thickness->mean == Approx(0.238).epsilon(0.03));
         CHECK(m.separation->mean == Approx(0.831).epsilon(0.03));
         CHECK(m.anisotropy->degree == Approx(0.494).epsilon(0.03));
-        CHECK(m.connectivityDensity == Approx(3.57).epsilon(0.03));
+        CHECK(m.connectivityDensity == Approx(3.57).epsilon(0.1));  // some 260 loops
         CHECK(m.largestComponent.value_or(0) > 0.99);
         // Another specimen, not the same again.
         const double x = std::get<std::vector<Ellipsoid<3>>>(result.voids).front().center[0];

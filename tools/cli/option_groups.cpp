@@ -544,7 +544,7 @@ void VoidOptions::addTargets() const {
            "DOMAIN")
         ->check(notEmpty());
     option("--like-threshold", voids.likeThreshold,
-           "of an image: grey values from this on are solid", "V");
+           "of an image with grey values: those from this on are solid", "V");
     option("--void-voxel", voids.voxelSize, "voxel size of the level sets of voids, mm",
            "H [1/4 half-axis]")
         ->check(positive());
@@ -576,7 +576,7 @@ void VoidOptions::addShapes() const {
     option("--void-strut", voids.strut,
            "thickness of the struts that remain between voids that overlap, along the lines where "
            "three of them (2D: two) are equally near, mm",
-           "T [0; foam 0.2 of the mean b]");
+           "T [0; foam 0.2 of the mean b, 2D 0.08]");
     option("--void-strut-share", voids.strutShare, "share of these lines that have a strut, 0 to 1",
            "P [1]");
     option(

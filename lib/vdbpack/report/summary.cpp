@@ -173,11 +173,10 @@ void addTargets(Summary& out, const VoidReport& v) {
     for (const TargetReport& t : v.targets)
         for (const auto& [name, symbol] : kNames)
             if (t.name == name)
-                out.line(
-                    "", fmt::format(
-                            "{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
-                            t.scatter ? fmt::format(", differs by {:.2g} between seeds", *t.scatter)
-                                      : std::string()));
+                out.line("", fmt::format(
+                                 "{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
+                                 t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
+                                           : std::string()));
     if (v.thicknessDistance && v.separationDistance)
         out.line("",
                  fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
