@@ -152,7 +152,7 @@ TEST_CASE("a foam is like a sample that was made by other means", "[run][voids][
     CHECK(*report.voids->separationDistance == Approx(separation).margin(0.01));
     if (foam) {
         CHECK(thickness < 0.12);
-        CHECK(separation < 0.12);
+        CHECK(separation < 0.2);  // of some hundred pores
     }
 }
 

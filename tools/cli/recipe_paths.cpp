@@ -50,7 +50,8 @@ std::string renamedCavities(const std::string& value, const Rename& rename) {
 
 std::string renamed(const std::string& option, const std::string& value, const Rename& rename) {
     if (value.empty()) return value;
-    if (isOneOf(option, {"DOMAIN", "domain", "like-domain"})) return isShape(value) ? value : rename(value);
+    if (isOneOf(option, {"DOMAIN", "domain", "like-domain"}))
+        return isShape(value) ? value : rename(value);
     if (isOneOf(option, {"report", "preview", "table", "void-matrix", "void-field", "bvtv-field",
                          "shell-field", "parts", "like"}))
         return rename(value);

@@ -15,10 +15,10 @@ namespace vdbpack {
 /// An ellipse, or an ellipsoid of revolution about its half-axis `a`.
 template <int Dim>
 struct Ellipsoid {
-    Vec<Dim> center;  ///< mm
-    double a = 0;     ///< half-axis along `axis`, mm
-    double b = 0;     ///< half-axes across it, mm; may be larger than `a`
-    Vec<Dim> axis;    ///< of length one; its sign means nothing
+    Vec<Dim> center;       ///< mm
+    double a = 0;          ///< half-axis along `axis`, mm
+    double b = 0;          ///< half-axes across it, mm; may be larger than `a`
+    Vec<Dim> axis;         ///< of length one; its sign means nothing
     std::uint32_t id = 0;  ///< a number of its own; with those of others it decides on their struts
 
     /// Volume (2D: area), mm^Dim.

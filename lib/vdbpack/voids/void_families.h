@@ -89,8 +89,8 @@ double meanBvtv(const VoidSetting<Dim>& setting);
 /// their half-axes (foam).
 template <int Dim>
 struct VoidFamily {
-    double most = 0;   ///< the largest amount
-    double guess = 0;  ///< amount for the target, estimated
+    double most = 0;       ///< the largest amount
+    double guess = 0;      ///< amount for the target, estimated
     double steepness = 0;  ///< as that of `solveForBvtv`
     std::string remedy;
     double leastHalfAxis = 0;
