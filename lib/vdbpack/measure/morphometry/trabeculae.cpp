@@ -38,7 +38,7 @@ std::optional<double> trabecularThickness(const std::function<double(const Vec<2
                                           const Vec<2>& origin, double voxelSize) {
     // One layer of voxels, which balls are discs in.
     const Box<2> box = domain.bounds().grown(2 * voxelSize);
-    Vec<3> first, low;
+    Vec<3> first;
     std::array<double, 3> count{1, 1, 1};
     for (int d = 0; d < 2; ++d) {
         const double from = std::ceil((box.lo[d] - origin[d]) / voxelSize);
