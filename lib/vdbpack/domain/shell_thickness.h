@@ -12,7 +12,7 @@ namespace vdbpack {
 /// shell if its depth below that wall is not larger than the thickness at the point itself.
 class ShellThickness {
 public:
-    /// The same everywhere; 0: there is no shell. A thickness in mm may stand for it.
+    /// The same everywhere; 0: there is no shell. Converts from a thickness in mm.
     ShellThickness(double uniform = 0) : least_(uniform), most_(uniform) {}
     /// @param at           thickness by place, from `least` to `most`; thread-safe.
     /// @param sliceHeight  2D: height of the plane, mm.
