@@ -1,5 +1,5 @@
-// .vdb files: packs, level sets and fields of directions.
-#include "fuzz_directions.h"
+// .vdb files: packs, level sets, fields of directions and of numbers.
+#include "fuzz_fields.h"
 #include "fuzz_file.h"
 
 #include "vdbpack/domain/mesh_domain.h"
@@ -23,5 +23,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
             if (!isFinite(v)) fuzz::report("a vertex is not finite");
     });
     fuzz::readDirections(path);
+    fuzz::readNumbers(path);
     return 0;
 }

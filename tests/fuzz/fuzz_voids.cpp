@@ -1,6 +1,6 @@
-// Lists and matrices of voids, and directions as tables. All of them read every input: what is none
-// of theirs must be refused.
-#include "fuzz_directions.h"
+// Lists and matrices of voids, directions and numbers as tables. All of them read every input: what
+// is none of theirs must be refused.
+#include "fuzz_fields.h"
 #include "fuzz_file.h"
 
 #include "vdbpack/voids/void_list.h"
@@ -32,5 +32,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (cells == 0 || cells != matrix.cells.size()) fuzz::report("a matrix without its cells");
     });
     fuzz::readDirections(path);
+    fuzz::readNumbers(path);
     return 0;
 }
