@@ -346,67 +346,112 @@ void Tile<Dim>::stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, s
     }
 }
 
+/// Voids near a tile, block by block with bounds of their distances.
+template <int Dim>
+class Tile<Dim>::Neighborhood {
+public:
+    Neighborhood(const std::vector<NearVoid<Dim>>& voids, double reach, const Vec<Dim>& first) {
+        std::vector<NearVoid<Dim>> near;
+        for (const NearVoid<Dim>& v : voids)
+            if (v.lower < reach) near.push_back(v);
+        count_ = near.size();
+        for (std::size_t i = 0; i < count_; i += Batch::kMost)
+            batches_.emplace_back(&near[i], std::min(count_ - i, Batch::kMost), first);
+        bounds_.resize(batches_.size());
+    }
+
+    std::size_t count() const { return count_; }
+
+    /// Turns to a block. @return a lower bound of the distances to all voids
+    float turnTo(std::size_t block, float h) {
+        const Blocks<Dim>& blocks = Blocks<Dim>::get();
+        std::array<float, Dim> middle;
+        for (std::size_t d = 0; d < Dim; ++d)
+            middle[d] = (blocks.first[d][block] + blocks.middle[d]) * h;
+        float least = Batch::kTaken;
+        for (std::size_t k = 0; k < batches_.size(); ++k) {
+            const std::size_t at = batches_[k].lowerBounds(middle, blocks.radius * h, bounds_[k]);
+            least = std::min(least, bounds_[k][at]);
+        }
+        return least;
+    }
+
+    /// Calls `visit(stamp)` for the voids whose bound is below what `limit()` is by then.
+    template <class Limit, class Visit>
+    void forEachWithin(const Limit& limit, const Visit& visit) const {
+        for (std::size_t k = 0; k < batches_.size(); ++k)
+            for (std::size_t i = 0; i < batches_[k].count; ++i)
+                if (bounds_[k][i] < limit()) visit(batches_[k].stamps[i]);
+    }
+
+private:
+    std::size_t count_ = 0;
+    std::vector<Batch> batches_;
+    std::vector<typename Batch::Row> bounds_;
+};
+
 template <int Dim>
 void Tile<Dim>::join(const std::vector<NearVoid<Dim>>& voids, const VoidJoin& how) {
-    const double reach = how.reach(voxelSize_);
-    std::vector<Stamp> stamps;
-    for (const NearVoid<Dim>& v : voids)
-        if (v.lower < reach) stamps.emplace_back(*v.ellipsoid, first_);
-    if (stamps.size() < 2) return;
-    if (how.blend > 0) blend(stamps, how.blend);
-    if (how.strut > 0 && stamps.size() >= Dim) addStruts(stamps, how);
-}
-
-template <int Dim>
-void Tile<Dim>::blend(const std::vector<Stamp>& stamps, double length) {
-    const auto h = static_cast<float>(voxelSize_);
-    const auto reach = static_cast<float>(kBlendReach * length);
-    for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
-        float* const values = &values_[block * kLanes];
-        const Float8 nearest = load(values);
-        if (!(largest(nearest) > -inside_)) continue;
-        Float8 sum{};
-        for (const Stamp& stamp : stamps) {
-            const auto position = stamp.positionOf(block, h);
-            const Float8 lower = stamp.form.lower(position);
-            if (noneOf(lower < reach)) continue;
-            const Float8 share = 1.0f - stamp.signedDistance(position, lower > inside_) / reach;
-            const Float8 square = choose(share > 0.0f, share * share, 0.0f);
-            sum += square * square;
-        }
-        const Float8 blended = reach * (1.0f - squareRoot(squareRoot(sum)));
-        Float8 value = choose(sum > 0.0f, smaller(nearest, blended), nearest);
-        value = choose(value < -inside_, -inside_, value);
-        store(values, value);
-        blockMax_[block] = largest(value);
-    }
-}
-
-template <int Dim>
-void Tile<Dim>::addStruts(const std::vector<Stamp>& stamps, const VoidJoin& how) {
-    const auto h = static_cast<float>(voxelSize_), radius = static_cast<float>(how.strut);
-    const auto rounding = static_cast<float>(how.rounding());
     using Nearest = NearestVoids<Dim, Float8, Word8>;
+    const auto h = static_cast<float>(voxelSize_);
+    Neighborhood near(voids, how.reach(voxelSize_), first_);
+    if (near.count() < 2) return;
+    const bool hasStruts = how.strut > 0 && how.strutShare > 0 && near.count() >= Dim;
+    const auto reach = static_cast<float>(kBlendReach * how.blend);
     const std::uint32_t below = Nearest::below(how.strutShare);
     for (std::size_t block = 0; block < Blocks<Dim>::kCount; ++block) {
         float* const values = &values_[block * kLanes];
         const Float8 before = load(values);
-        if (!(smallest(before) < inside_)) continue;
+        const float least = near.turnTo(block, h);
+        const bool blends = least < reach && largest(before) > -inside_;
+        if (!blends && !(hasStruts && smallest(before) < inside_)) continue;
+        Float8 sum{};
         Nearest found;
-        for (const Stamp& stamp : stamps) {
+        float farthest = hasStruts ? Batch::kTaken : -Batch::kTaken;
+        const auto limit = [&] { return blends ? std::max(reach, farthest) : farthest; };
+        near.forEachWithin(limit, [&](const Stamp& stamp) {
             const auto position = stamp.positionOf(block, h);
-            if (noneOf(stamp.form.lower(position) < found.farthest())) continue;
-            found.add(stamp.signedDistance(position, Int8{}), Word8{} + stamp.id);
+            const Float8 lower = stamp.form.lower(position);
+            const bool joins = blends && !noneOf(lower < reach);
+            const bool bounds = hasStruts && !noneOf(lower < found.farthest());
+            if (!joins && !bounds) return;
+            const Float8 distance =
+                stamp.signedDistance(position, joins ? lower > inside_ : Int8{});
+            if (joins) {
+                const Float8 share = 1.0f - distance / reach;
+                const Float8 square = choose(share > 0.0f, share * share, 0.0f);
+                sum += square * square;
+            }
+            if (bounds) {
+                found.add(distance, Word8{} + stamp.id);
+                farthest = largest(found.farthest());
+            }
+        });
+        Float8 value = before;
+        if (blends) {
+            const Float8 blended = reach * (1.0f - squareRoot(squareRoot(sum)));
+            value = choose(sum > 0.0f, smaller(before, blended), before);
+            value = choose(value < -inside_, -inside_, value);
         }
-        // Where the band cut off how deep the point lies.
-        const Float8 depth = choose(before > -inside_, before, smaller(before, found.nearest()));
-        const Float8 strut = radius - squareRoot(found.squareFromLine());
-        const Int8 kept = bitsAs<Int8>(found.chance() < below);
-        Float8 value = choose(kept, roundedMax(depth, strut, rounding), before);
-        value = choose(value > outside_, outside_, choose(value < -inside_, -inside_, value));
+        if (hasStruts && smallest(value) < inside_) value = withStruts(value, found, below, how);
         store(values, value);
         blockMax_[block] = largest(value);
     }
+}
+
+/// Eight distances with the struts between the nearest voids, rounded where they meet the solid.
+template <int Dim>
+template <class Nearest>
+Float8 Tile<Dim>::withStruts(Float8 before, const Nearest& found, std::uint32_t below,
+                             const VoidJoin& how) const {
+    const auto radius = static_cast<float>(how.strut),
+               rounding = static_cast<float>(how.rounding());
+    // Where the band cut off how deep the point lies.
+    const Float8 depth = choose(before > -inside_, before, smaller(before, found.nearest()));
+    const Float8 strut = radius - squareRoot(found.squareFromLine());
+    const Int8 kept = bitsAs<Int8>(found.chance() < below);
+    const Float8 value = choose(kept, roundedMax(depth, strut, rounding), before);
+    return choose(value > outside_, outside_, choose(value < -inside_, -inside_, value));
 }
 
 template <int Dim>

@@ -63,15 +63,16 @@ public:
 private:
     struct Stamp;
     struct Batch;
+    class Neighborhood;
     /// A block of eight voxels, and a void of a batch.
     struct Pair {
         std::uint16_t block, ellipsoid;
     };
     static constexpr std::size_t kMostPairs = 512;
 
-    void blend(const std::vector<Stamp>& stamps, double length);
-    /// The struts between some voids, and the roundings of them with what is there.
-    void addStruts(const std::vector<Stamp>& stamps, const VoidJoin& how);
+    template <class Nearest>
+    Float8 withStruts(Float8 before, const Nearest& found, std::uint32_t below,
+                      const VoidJoin& how) const;
     void stamp(const Batch& batch);
     void stamp(const Batch& batch, std::array<Pair, kMostPairs>& pairs, std::size_t count);
 
