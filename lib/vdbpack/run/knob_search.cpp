@@ -165,7 +165,7 @@ void KnobSearch::learn(const std::vector<double>& d, const KnobTrial& from, cons
 
 void KnobSearch::search(int rounds, double enough, std::size_t left) {
     double trust = 1;
-    for (int round = 0; round < rounds && worst(*best_, left) > enough; ++round) {
+    for (int round = 0; round < rounds && !isNear(*best_, enough, left); ++round) {
         const KnobTrial from = *best_;
         const std::vector<double> d = step(from, trust);
         std::vector<double> x = from.knobs;
@@ -185,6 +185,12 @@ void KnobSearch::search(int rounds, double enough, std::size_t left) {
         offer(*trial);
         trust = best_->knobs == x ? std::min(1.0, 2 * trust) : 0.5 * trust;
     }
+}
+
+bool KnobSearch::isNear(const KnobTrial& trial, double enough, std::size_t left) const {
+    for (std::size_t i = 0; i < targets_.size(); ++i)
+        if (!targets_[i].isStrict && !(trial.errors[i] <= targets_[i].slack)) return false;
+    return worst(trial, left) <= enough;
 }
 
 double KnobSearch::worst(const KnobTrial& trial, std::size_t left) const {

@@ -28,6 +28,8 @@ struct KnobTarget {
     double power = 0;      ///< the number goes as exp(power * knob 0)
     double floor = 0;      ///< errors are relative to this at the least
     bool isStrict = true;  ///< else it is only to be approached
+    /// Error up to which it is near enough, if it is not strict.
+    double slack = std::numeric_limits<double>::infinity();
 };
 
 /// A measurement at some knobs, in the order of the targets.
@@ -54,11 +56,16 @@ public:
     bool begin(const std::vector<double>& x);
     /// The Jacobian at the best knobs, by a measurement a free knob.
     void takeDifferences();
-    /// Steps until all strict targets but `left` are within `enough`, at most `rounds`.
+    /// Steps until a trial is `isNear`, at most `rounds`.
     void search(int rounds, double enough, std::size_t left = kNone);
 
+    /// What the search makes small: a weighted sum of squares of all errors.
+    double merit(const KnobTrial& trial) const;
     const KnobTrial& best() const { return *best_; }
     void setBest(KnobTrial trial) { best_ = std::move(trial); }
+    /// Whether all strict targets but `left` are within `enough`, and the others within their
+    /// slack.
+    bool isNear(const KnobTrial& trial, double enough, std::size_t left = kNone) const;
     /// Largest error of the strict targets but `left`.
     double worst(const KnobTrial& trial, std::size_t left = kNone) const;
     /// The strict target with that error.
@@ -70,7 +77,6 @@ public:
 
 private:
     std::optional<KnobTrial> measure(const std::vector<double>& x) const;
-    double merit(const KnobTrial& trial) const;
     void offer(KnobTrial trial);
     std::vector<double> step(const KnobTrial& from, double trust);
     void learn(const std::vector<double>& d, const KnobTrial& from, const KnobTrial& to);

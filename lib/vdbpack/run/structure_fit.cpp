@@ -46,17 +46,23 @@ constexpr double kCoarseVoxels = 4, kFineVoxels = 5;
 constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
-constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kFineRounds = 5, kRangeRounds = 4,
-              kScatterSeeds = 3;
+constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kDraftRounds = 4, kFineRounds = 4,
+              kRangeRounds = 4, kScatterSeeds = 3;
 /// Errors of DA and of scatters are relative to this at the least.
 constexpr double kLeastShare = 0.2;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
 /// refused.
-constexpr double kCoarseError = 0.02, kFineError = 0.02, kWarnedError = 0.03, kRefusedError = 0.1;
+constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025, kWarnedError = 0.03,
+                 kRefusedError = 0.1;
+/// Error of a coarse specimen by which a target must be out of reach.
+constexpr double kMissedError = 0.06;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
-constexpr double kThicknessScatterWeight = 0.3, kSeparationScatterWeight = 0.15;
+constexpr double kThicknessScatterWeight = 0.15, kSeparationScatterWeight = 0.1;
+/// Nor are distances from the distributions of a sample: they count from the first on, and up to
+/// the second the search goes on.
+constexpr double kNearDistance = 0.08, kEnoughDistance = 0.11, kDistanceWeight = 0.6;
 /// Of a target that cannot be met, while the others are.
-constexpr double kYieldingWeight = 0.06;
+constexpr double kYieldingWeight = 0.03;
 
 /// The numbers of a specimen.
 enum class Number {
@@ -65,10 +71,20 @@ enum class Number {
     anisotropy,
     connectivity,
     thicknessScatter,
-    spacingScatter
+    spacingScatter,
+    thicknessDistance,
+    spacingDistance
 };
 
-double numberOf(const Morphometry& m, Number number) {
+/// Of the distribution of a length from that of a sample: Kolmogorov and Smirnov's.
+double distanceTo(const LengthStatistics& have, const std::vector<double>& sample) {
+    LengthStatistics other;
+    other.quantiles = sample;
+    return ksDistance(have, other);
+}
+
+/// @param r  has the distributions of the sample, if distances are asked for.
+double numberOf(const Morphometry& m, Number number, const VoidRecipe& r) {
     switch (number) {
         case Number::thickness:
             return m.thickness->mean;
@@ -82,6 +98,10 @@ double numberOf(const Morphometry& m, Number number) {
             return m.thickness->sd / m.thickness->mean;
         case Number::spacingScatter:
             return m.separation->sd / m.separation->mean;
+        case Number::thicknessDistance:
+            return std::max(distanceTo(*m.thickness, r.thicknessQuantiles), kNearDistance);
+        case Number::spacingDistance:
+            return std::max(distanceTo(*m.separation, r.separationQuantiles), kNearDistance);
     }
     return 0;
 }
@@ -147,6 +167,11 @@ public:
             {0, kThicknessScatterWeight, 0, 0, false});
         aim("", Number::spacingScatter, r_.separationScatter,
             {0, kSeparationScatterWeight, 0, 0, false});
+        const KnobTarget distance{0, kDistanceWeight, 0, 1, false, kEnoughDistance - kNearDistance};
+        if (!r_.thicknessQuantiles.empty())
+            aim("", Number::thicknessDistance, kNearDistance, distance);
+        if (!r_.separationQuantiles.empty())
+            aim("", Number::spacingDistance, kNearDistance, distance);
         knobs_[kScale].isFree = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
         knobs_[kSpread].isFree = spreadIsOpen_ = r_.radius.empty();
         knobs_[kAspect].isFree = r_.aspect.empty() && r_.targetDa;
@@ -164,9 +189,9 @@ public:
     StructureFit run() {
         // Small and coarse first, then as it will be.
         const auto small = boxAbout(Vec<3>{{1, 1, 1}} * (kCoarsePeriods * period_));
-        coarse_ = {small.get(), voxelFor(thickness_ / kCoarseVoxels, kCoarsePeriods)};
+        coarse_ = {small.get(), voxelFor(thickness_ / kCoarseVoxels, kCoarsePeriods), {}};
         const double voxel = r_.voxelSize > 0 ? r_.voxelSize : thickness_ / kFineVoxels;
-        fine_ = {&s_.domain, voxel};
+        fine_ = {&s_.domain, voxel, {}};
         std::shared_ptr<const Domain<3>> cube;
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
@@ -179,10 +204,18 @@ public:
             cube = boxAbout(Vec<3>{{1, 1, 1}} * side);
             fine_.domain = cube.get();
         }
+        draft_ = {fine_.domain, std::max(fine_.voxel, thickness_ / kCoarseVoxels), {}};
         KnobSearch search(knobs_, targets_, [this](const Knobs& x) { return valuesAt(x); });
         beginFirst(search);
-        searchBoth(search);
-        judgeMissed(search);
+        searchCoarse(search);
+        std::size_t missed = KnobSearch::kNone;
+        if (search.worst(search.best()) > kMissedError) missed = yieldOne(search);
+        searchFine(search, missed);
+        if (missed == KnobSearch::kNone && search.worst(search.best()) > kWarnedError) {
+            missed = yieldOne(search);
+            searchFine(search, missed);
+        }
+        if (missed != KnobSearch::kNone) judge(search, missed);
         const KnobTrial best = search.best();
         StructureFit result;
         use(fine_);
@@ -204,6 +237,8 @@ private:
     struct Stage {
         const Domain<3>* domain = nullptr;
         double voxel = 0;
+        /// What the numbers would be in finer voxels, in what they are; none: the same.
+        std::vector<double> correction;
     };
 
     /// Larger where a cube of some periods would have too many.
@@ -216,7 +251,7 @@ private:
         if (!asked) return;
         target.asked = *asked;
         const bool isShare = number == Number::anisotropy || !target.isStrict;
-        if (isShare) target.floor = kLeastShare;
+        if (isShare && !(target.floor > 0)) target.floor = kLeastShare;
         names_.push_back(name);
         numbers_.push_back(number);
         targets_.push_back(target);
@@ -246,7 +281,7 @@ private:
         r.bvtvRange.clear();
         r.shell = 0;
         r.shellField.clear();
-        r.voxelSize = stage_.voxel;
+        r.voxelSize = stage_->voxel;
         r.radius = radiusSpec(x);
         r.radiusScale =
             knobs_[kScale].isFree || spreadIsOpen_ ? std::exp(x[kScale]) : r_.radiusScale;
@@ -264,8 +299,8 @@ private:
     }
 
     void use(const Stage& stage) {
-        if (stage.domain != stage_.domain) lastOf_.first.clear();
-        stage_ = stage;
+        lastOf_.first.clear();
+        stage_ = &stage;
     }
 
     /// @throws ParameterError where the dilation cannot reach BV/TV
@@ -275,12 +310,12 @@ private:
         Callbacks quiet;
         quiet.cancelled = s_.callbacks.cancelled;
         const VoidRecipe recipe = recipeOf(x);
-        VoidSetting<3> setting{recipe, *stage_.domain, 0, seed, 0, quiet};
+        VoidSetting<3> setting{recipe, *stage_->domain, 0, seed, 0, quiet};
         setting.packs = &packs_;
         MadeVoids<3> made = makeVoids(setting);
         packs_.dilation = made.report.amount.value_or(0);
         measureVoids(setting, 0, static_cast<const Pack<3>*>(nullptr), made);
-        const VoxelImage image = sampleLevelSet(*made.solid.grid, stage_.domain->bounds());
+        const VoxelImage image = sampleLevelSet(*made.solid.grid, stage_->domain->bounds());
         Morphometry m = measureMorphometry(image);
         if (!m.thickness || !m.separation || !m.anisotropy)
             throw ParameterError(fmt::format(
@@ -290,7 +325,7 @@ private:
 
     std::vector<double> numbersOf(const Morphometry& m) const {
         std::vector<double> values;
-        for (const Number number : numbers_) values.push_back(numberOf(m, number));
+        for (const Number number : numbers_) values.push_back(numberOf(m, number, r_));
         return values;
     }
 
@@ -298,7 +333,10 @@ private:
         try {
             const Morphometry m = specimen(x, s_.seed);
             lastOf_ = {x, {*m.thickness, *m.separation}};
-            return numbersOf(m);
+            std::vector<double> values = numbersOf(m);
+            for (std::size_t i = 0; i < stage_->correction.size(); ++i)
+                values[i] *= stage_->correction[i];
+            return values;
         } catch (const ParameterError& e) {
             unreachable_ = e.what();
             return std::nullopt;
@@ -316,44 +354,73 @@ private:
 
     /// Goes on from the best knobs with other specimens.
     void goOn(KnobSearch& search, const Stage& stage) {
+        if (stage_ == &stage) return;
         use(stage);
         const Knobs x = search.best().knobs;
         if (!search.begin(x)) throw ParameterError(unreachable_);
     }
 
-    /// In coarse specimens from the best knobs on, then in fine ones.
+    /// In coarse specimens from the best knobs on.
     /// @param left  as that of `KnobSearch::search`.
-    void searchBoth(KnobSearch& search, std::size_t left = KnobSearch::kNone) {
+    void searchCoarse(KnobSearch& search, std::size_t left = KnobSearch::kNone) {
         search.knobs()[kSpread].isFree = spreadIsOpen_;
-        goOn(search, coarse_);
         search.takeDifferences();
         search.search(kSpreadRounds, kCoarseError, left);
         // Another spread is another pack, whose numbers differ by chance.
         search.knobs()[kSpread].isFree = false;
         search.search(kCoarseRounds - kSpreadRounds, kCoarseError, left);
-        goOn(search, fine_);
-        search.search(kFineRounds, kFineError, left);
+    }
+
+    /// In coarse voxels, whose errors each measurement in fine ones corrects.
+    void searchFine(KnobSearch& search, std::size_t left) {
+        std::optional<KnobTrial> best;
+        draft_.correction.clear();
+        goOn(search, draft_);
+        for (int round = 0; round < kFineRounds; ++round) {
+            use(draft_);
+            search.search(kDraftRounds, round == 0 ? kFineError : kDraftError, left);
+            const KnobTrial draft = search.best();
+            goOn(search, fine_);
+            const KnobTrial fine = search.best();
+            if (!best || search.merit(fine) < search.merit(*best)) best = fine;
+            if (search.isNear(*best, kFineError, left)) break;
+            // So that the best knobs have the same numbers in coarse voxels.
+            draft_.correction.resize(fine.values.size(), 1);
+            for (std::size_t i = 0; i < fine.values.size(); ++i)
+                if (draft.values[i] > 0) draft_.correction[i] *= fine.values[i] / draft.values[i];
+        }
+        search.setBest(*best);
+    }
+
+    /// Where not all targets can be met, lets one of them yield, and searches again in coarse
+    /// specimens. @return which
+    std::size_t yieldOne(KnobSearch& search) {
+        const KnobTrial before = search.best();
+        // The others first: mostly the connectivity is what foams of that kind do not have.
+        const std::size_t worst = search.worstTarget(before);
+        std::size_t missed = worst;
+        for (std::size_t i = 0; i < numbers_.size(); ++i)
+            if (numbers_[i] == Number::connectivity) missed = i;
+        search.targets()[missed].weight = kYieldingWeight;
+        use(coarse_);
+        // Not from what half meets it.
+        if (!search.begin(first_)) throw ParameterError(unreachable_);
+        searchCoarse(search, missed);
+        const double others = search.worst(search.best(), missed);
+        if (missed != worst && others > kWarnedError && others > 0.5 * search.worst(before)) {
+            // It is not that one.
+            search.targets()[missed].weight = 1;
+            missed = worst;
+            search.targets()[missed].weight = kYieldingWeight;
+            search.setBest(before);
+        }
+        return missed;
     }
 
     /// Names a target that is missed, with the range that can be reached beside the others.
     /// @throws ParameterError with it if the target is far off and was asked for by itself.
-    void judgeMissed(KnobSearch& search) {
-        const KnobTrial before = search.best();
-        if (search.worst(before) <= kWarnedError) return;
-        // The others first: mostly the connectivity is what foams of that kind do not have.
-        std::size_t missed = search.worstTarget(before);
-        for (std::size_t i = 0; i < numbers_.size(); ++i)
-            if (numbers_[i] == Number::connectivity) missed = i;
-        search.targets()[missed].weight = kYieldingWeight;
-        searchBoth(search, missed);
-        const double others = search.worst(search.best(), missed);
-        if (others > kWarnedError && others > 0.5 * search.worst(before)) {
-            // It is not that one.
-            search.targets()[missed].weight = 1;
-            search.setBest(before);
-            missed = search.worstTarget(before);
-            search.targets()[missed].weight = kYieldingWeight;
-        }
+    void judge(KnobSearch& search, std::size_t missed) {
+        if (std::fabs(search.best().errors[missed]) <= kWarnedError) return;
         const KnobTrial found = search.best();
         double low = found.values[missed], high = low;
         use(coarse_);
@@ -381,14 +448,8 @@ private:
                     {names_[i], targets_[i].asked, best.values[i], std::nullopt});
         if (!r_.thicknessQuantiles.empty()) {
             if (lastOf_.first != best.knobs) valuesAt(best.knobs);
-            const auto toSample = [](const LengthStatistics& have,
-                                     const std::vector<double>& sample) {
-                LengthStatistics other;
-                other.quantiles = sample;
-                return ksDistance(have, other);
-            };
-            result.thicknessDistance = toSample(lastOf_.second[0], r_.thicknessQuantiles);
-            result.separationDistance = toSample(lastOf_.second[1], r_.separationQuantiles);
+            result.thicknessDistance = distanceTo(lastOf_.second[0], r_.thicknessQuantiles);
+            result.separationDistance = distanceTo(lastOf_.second[1], r_.separationQuantiles);
         }
         addScatter(best.knobs, result);
     }
@@ -422,7 +483,8 @@ private:
     bool spreadIsOpen_ = false;  ///< whether the spread of the radii is to be found
     double bvtv_ = 0, period_ = 0, thickness_ = 0;
     double strut_ = 0;  ///< thickness of struts in mean b
-    Stage coarse_, fine_, stage_;
+    Stage coarse_, draft_, fine_;
+    const Stage* stage_ = nullptr;
     /// Of the last specimen: its knobs, local thickness and spacing.
     std::pair<Knobs, std::array<LengthStatistics, 2>> lastOf_;
     std::string unreachable_;  ///< why the last knobs had no specimen

@@ -25,9 +25,10 @@ struct StructureFit {
 /// on measured specimens, with a Jacobian from differences that each further specimen corrects
 /// (Broyden (1965), doi:10.1090/S0025-5718-1965-0198670-6): first on a small, coarse one, then on
 /// one of eight trabecular periods (Tb.Th + Tb.Sp), or on the domain itself if this is a box of at
-/// least three and a half. All of them are cut from one pack, so that small changes of the
-/// parameters change little else. What the targets leave open stays near values that look like
-/// bone.
+/// least three and a half; there in coarse voxels too, whose errors some measurements in fine ones
+/// correct. All of them are cut from one pack, so that small changes of the parameters change
+/// little else. What the targets leave open stays near values that look like bone, and near the
+/// distributions of a sample.
 ///
 /// @param packs  receives the packs that were made, for the voids themselves.
 /// @throws ParameterError if a target is not reachable, with the range that is; Interrupted,
