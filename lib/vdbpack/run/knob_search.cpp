@@ -9,7 +9,7 @@ namespace vdbpack {
 namespace {
 
 /// What a knob's width away from its usual value weighs, as a relative error.
-constexpr double kPriorError = 0.01;
+constexpr double kPriorError = 0.02;
 /// Weight of a target whose range is looked for.
 constexpr double kPushingWeight = 0.1;
 /// Steps shorter than this share of a difference end a search; shorter ones than the second teach

@@ -13,7 +13,7 @@ namespace vdbpack {
 /// A parameter that is varied.
 struct Knob {
     double usual = 0;     ///< where it stays if no target asks for more
-    double width = 1;     ///< how far from there weighs as much as 1 % of a target
+    double width = 1;     ///< how far from there weighs as much as 2 % of a target
     double low = -1e300;  ///< limits of its values
     double high = 1e300;
     double step = 0.1;   ///< of differences

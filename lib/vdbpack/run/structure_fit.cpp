@@ -12,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
@@ -22,20 +23,26 @@ namespace vdbpack {
 
 namespace {
 
-/// What is varied. Logarithms but for spread, jitter and struts; the spread is the standard
-/// deviation of the logarithm of the radii, the blend that in mean b.
-enum KnobName : std::size_t { kScale, kSpread, kAspect, kJitter, kBlend, kStruts };
+/// What is varied; BV/TV if no target says it. Logarithms but for spread, jitter and struts; the
+/// spread is the standard deviation of the logarithm of the radii, the blend that in mean b.
+enum KnobName : std::size_t { kScale, kSpread, kAspect, kJitter, kBlend, kStruts, kBvtv };
 using Knobs = std::vector<double>;
 
 /// What looks like bone, and how far each may go.
 std::vector<Knob> usualKnobs() {
-    return {{0, 1e6, -40, 40, 0.05, 0.4},      {0.4, 0.3, 0.05, 0.75, 0.12, 0.2},
-            {0.336, 1, 0, 1.2, 0.15, 0.3},     {0.35, 0.4, 0, 1, 0.2, 0.3},
-            {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6}, {0.6, 0.4, 0, 1, -0.25, 0.35}};
+    return {{0, 1e6, -40, 40, 0.05, 0.4},
+            {0.4, 0.2, 0.05, 0.75, 0.12, 0.2},
+            {0.336, 1, 0, 1.2, 0.15, 0.3},
+            {0.35, 0.4, 0, 1, 0.2, 0.3},
+            {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},
+            {0.6, 0.4, 0, 1, -0.25, 0.35},
+            {0, 0.3, std::log(0.03), std::log(0.6), 0.1, 0.3}};
 }
 
-/// BV/TV if no target says it, and of plates a share of what they would have.
-constexpr double kUsualBvtv = 0.2, kShareOfPlates = 0.7;
+/// BV/TV if no target says or suggests it.
+constexpr double kUsualBvtv = 0.2;
+/// The most of the BV/TV of plates: means of local thickness weigh thick places more.
+constexpr double kMostOfPlates = 1.1;
 /// Mean b in trabecular periods (Tb.Th + Tb.Sp); Conn.D times a period cubed of usual bone.
 constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
 /// Standard deviation of the local spacing in its mean, for a spread of 1.
@@ -55,12 +62,16 @@ constexpr double kLeastShare = 0.2;
 constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025, kWarnedError = 0.03,
                  kRefusedError = 0.1;
 /// Error of a coarse specimen by which a target must be out of reach.
-constexpr double kMissedError = 0.06;
+constexpr double kMissedError = 0.05;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
 constexpr double kThicknessScatterWeight = 0.15, kSeparationScatterWeight = 0.1;
 /// Nor are distances from the distributions of a sample: they count from the first on, and up to
 /// the second the search goes on.
 constexpr double kNearDistance = 0.08, kEnoughDistance = 0.11, kDistanceWeight = 0.6;
+/// So far away they do not count if targets are missed.
+constexpr double kFarDistance = 0.17;
+/// Share of the solid that may lie beside its largest component; more of it counts.
+constexpr double kFewCrumbs = 0.005, kCrumbsWeight = 1;
 /// Of a target that cannot be met, while the others are.
 constexpr double kYieldingWeight = 0.03;
 
@@ -72,6 +83,7 @@ enum class Number {
     connectivity,
     thicknessScatter,
     spacingScatter,
+    crumbs,
     thicknessDistance,
     spacingDistance
 };
@@ -81,6 +93,10 @@ double distanceTo(const LengthStatistics& have, const std::vector<double>& sampl
     LengthStatistics other;
     other.quantiles = sample;
     return ksDistance(have, other);
+}
+
+bool isDistance(Number number) {
+    return number == Number::thicknessDistance || number == Number::spacingDistance;
 }
 
 /// @param r  has the distributions of the sample, if distances are asked for.
@@ -98,6 +114,8 @@ double numberOf(const Morphometry& m, Number number, const VoidRecipe& r) {
             return m.thickness->sd / m.thickness->mean;
         case Number::spacingScatter:
             return m.separation->sd / m.separation->mean;
+        case Number::crumbs:
+            return std::max(1 - m.largestComponent.value_or(0), kFewCrumbs);
         case Number::thicknessDistance:
             return std::max(distanceTo(*m.thickness, r.thicknessQuantiles), kNearDistance);
         case Number::spacingDistance:
@@ -109,6 +127,12 @@ double numberOf(const Morphometry& m, Number number, const VoidRecipe& r) {
 /// Thickness of trabeculae in their spacing, of usual bone.
 double usualSlenderness(double bvtv) {
     return 0.1 + 0.8 * bvtv;
+}
+
+/// The reverse, in what plates of that thickness would have.
+double usualBvtv(double slenderness) {
+    const double plates = slenderness / (1 + slenderness);
+    return std::clamp((slenderness - 0.1) / 0.8, 0.4 * plates, kMostOfPlates * plates);
 }
 
 VoidRecipe withoutTargets(VoidRecipe r) {
@@ -127,10 +151,8 @@ struct Guess {
 /// @param radius  mean b if no target is a length, mm.
 Guess guessOf(const VoidRecipe& r, double radius) {
     Guess g;
-    g.bvtv =
-        r.targetBvtv.value_or(r.targetTbth && r.targetTbsp
-                                  ? kShareOfPlates * *r.targetTbth / (*r.targetTbth + *r.targetTbsp)
-                                  : kUsualBvtv);
+    g.bvtv = r.targetBvtv.value_or(
+        r.targetTbth && r.targetTbsp ? usualBvtv(*r.targetTbth / *r.targetTbsp) : kUsualBvtv);
     const double slender = usualSlenderness(g.bvtv);
     g.period = r.targetTbth && r.targetTbsp ? *r.targetTbth + *r.targetTbsp
                : r.targetTbth               ? *r.targetTbth * (1 + 1 / slender)
@@ -155,10 +177,11 @@ public:
             guessOf(r_, r_.radius.empty() && s_.largestRadius == 0
                             ? 0
                             : SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean());
-        bvtv_ = guess.bvtv;
+        knobs_[kBvtv].usual = std::log(guess.bvtv);
+        knobs_[kBvtv].isFree = !r_.targetBvtv && (r_.targetTbth || r_.targetTbsp);
         period_ = guess.period;
         thickness_ = guess.thickness;
-        strut_ = std::clamp(0.9 * std::sqrt(bvtv_), 0.1, 0.25);
+        strut_ = std::clamp(0.9 * std::sqrt(guess.bvtv), 0.1, 0.25);
         aim("targetTbth", Number::thickness, r_.targetTbth, {0, 1, 1});
         aim("targetTbsp", Number::spacing, r_.targetTbsp, {0, 1, 1});
         aim("targetDa", Number::anisotropy, r_.targetDa, {0, 1, 0});
@@ -168,6 +191,7 @@ public:
         aim("", Number::spacingScatter, r_.separationScatter,
             {0, kSeparationScatterWeight, 0, 0, false});
         const KnobTarget distance{0, kDistanceWeight, 0, 1, false, kEnoughDistance - kNearDistance};
+        aim("", Number::crumbs, kFewCrumbs, {0, kCrumbsWeight, 0, 1, false});
         if (!r_.thicknessQuantiles.empty())
             aim("", Number::thicknessDistance, kNearDistance, distance);
         if (!r_.separationQuantiles.empty())
@@ -205,17 +229,20 @@ public:
             fine_.domain = cube.get();
         }
         draft_ = {fine_.domain, std::max(fine_.voxel, thickness_ / kCoarseVoxels), {}};
+        if (draft_.voxels() > 1.5 * coarse_.voxels()) draft_ = coarse_;
         KnobSearch search(knobs_, targets_, [this](const Knobs& x) { return valuesAt(x); });
         beginFirst(search);
         searchCoarse(search);
-        std::size_t missed = KnobSearch::kNone;
-        if (search.worst(search.best()) > kMissedError) missed = yieldOne(search);
-        searchFine(search, missed);
-        if (missed == KnobSearch::kNone && search.worst(search.best()) > kWarnedError) {
-            missed = yieldOne(search);
-            searchFine(search, missed);
+        if (search.worst(search.best()) > kCoarseError && leaveFar(search))
+            search.search(kCoarseRounds - kSpreadRounds, kCoarseError);
+        std::size_t left = KnobSearch::kNone;
+        if (search.worst(search.best()) > kMissedError) left = yieldOne(search);
+        searchFine(search, left);
+        if (left == KnobSearch::kNone && search.worst(search.best()) > kWarnedError) {
+            left = yieldOne(search);
+            if (left != KnobSearch::kNone) searchFine(search, left);
         }
-        if (missed != KnobSearch::kNone) judge(search, missed);
+        judge(search, left == KnobSearch::kNone ? search.worstTarget(search.best()) : left);
         const KnobTrial best = search.best();
         StructureFit result;
         use(fine_);
@@ -239,6 +266,8 @@ private:
         double voxel = 0;
         /// What the numbers would be in finer voxels, in what they are; none: the same.
         std::vector<double> correction;
+
+        double voxels() const { return domain->volume() / std::pow(voxel, 3); }
     };
 
     /// Larger where a cube of some periods would have too many.
@@ -276,7 +305,7 @@ private:
     /// The foam of some knobs, in a box of its own.
     VoidRecipe recipeOf(const Knobs& x) const {
         VoidRecipe r = withoutTargets(r_);
-        r.targetBvtv = bvtv_;
+        r.targetBvtv = r_.targetBvtv.value_or(std::exp(x[kBvtv]));
         r.bvtvField.clear();
         r.bvtvRange.clear();
         r.shell = 0;
@@ -318,8 +347,9 @@ private:
         const VoxelImage image = sampleLevelSet(*made.solid.grid, stage_->domain->bounds());
         Morphometry m = measureMorphometry(image);
         if (!m.thickness || !m.separation || !m.anisotropy)
-            throw ParameterError(fmt::format(
-                "`targetBvtv` {}: leaves nothing to measure; give a higher one", bvtv_));
+            throw ParameterError(
+                fmt::format("`targetBvtv` {}: leaves nothing to measure; give a higher one",
+                            *recipe.targetBvtv));
         return m;
     }
 
@@ -371,17 +401,19 @@ private:
         search.search(kCoarseRounds - kSpreadRounds, kCoarseError, left);
     }
 
-    /// In coarse voxels, whose errors each measurement in fine ones corrects.
+    /// In few voxels, whose errors each measurement of the specimen itself corrects.
     void searchFine(KnobSearch& search, std::size_t left) {
-        std::optional<KnobTrial> best;
+        std::optional<KnobTrial> best, last;
         draft_.correction.clear();
         goOn(search, draft_);
         for (int round = 0; round < kFineRounds; ++round) {
             use(draft_);
             search.search(kDraftRounds, round == 0 ? kFineError : kDraftError, left);
             const KnobTrial draft = search.best();
+            if (last && draft.knobs == last->knobs) break;
             goOn(search, fine_);
             const KnobTrial fine = search.best();
+            last = fine;
             if (!best || search.merit(fine) < search.merit(*best)) best = fine;
             if (search.isNear(*best, kFineError, left)) break;
             // So that the best knobs have the same numbers in coarse voxels.
@@ -392,12 +424,29 @@ private:
         search.setBest(*best);
     }
 
+    /// Lets go of distributions that are far from those of the sample, so that the targets are met
+    /// if no more can be. @return whether there is one
+    bool leaveFar(KnobSearch& search) const {
+        bool found = false;
+        for (std::size_t i = 0; i < numbers_.size(); ++i) {
+            if (!isDistance(numbers_[i]) || search.best().errors[i] < kFarDistance - kNearDistance)
+                continue;
+            search.targets()[i].weight = 0;
+            search.targets()[i].slack = std::numeric_limits<double>::infinity();
+            found = true;
+        }
+        return found;
+    }
+
     /// Where not all targets can be met, lets one of them yield, and searches again in coarse
-    /// specimens. @return which
+    /// specimens. @return which; none if a single one is missed
     std::size_t yieldOne(KnobSearch& search) {
         const KnobTrial before = search.best();
-        // The others first: mostly the connectivity is what foams of that kind do not have.
         const std::size_t worst = search.worstTarget(before);
+        if (search.worst(before, worst) <= kWarnedError) return KnobSearch::kNone;
+        for (std::size_t i = 0; i < numbers_.size(); ++i)
+            if (isDistance(numbers_[i])) search.targets()[i] = targets_[i];
+        // The others first: mostly the connectivity is what foams of that kind do not have.
         std::size_t missed = worst;
         for (std::size_t i = 0; i < numbers_.size(); ++i)
             if (numbers_[i] == Number::connectivity) missed = i;
@@ -406,6 +455,8 @@ private:
         // Not from what half meets it.
         if (!search.begin(first_)) throw ParameterError(unreachable_);
         searchCoarse(search, missed);
+        if (search.worst(search.best(), missed) > kCoarseError && leaveFar(search))
+            search.search(kCoarseRounds - kSpreadRounds, kCoarseError, missed);
         const double others = search.worst(search.best(), missed);
         if (missed != worst && others > kWarnedError && others > 0.5 * search.worst(before)) {
             // It is not that one.
@@ -481,7 +532,7 @@ private:
     std::vector<const char*> names_;   ///< of their parameters
     Knobs first_;
     bool spreadIsOpen_ = false;  ///< whether the spread of the radii is to be found
-    double bvtv_ = 0, period_ = 0, thickness_ = 0;
+    double period_ = 0, thickness_ = 0;
     double strut_ = 0;  ///< thickness of struts in mean b
     Stage coarse_, draft_, fine_;
     const Stage* stage_ = nullptr;
