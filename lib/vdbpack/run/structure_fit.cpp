@@ -23,9 +23,19 @@ namespace vdbpack {
 
 namespace {
 
-/// What is varied; BV/TV if no target says it. Logarithms but for spread, jitter and struts; the
-/// spread is the standard deviation of the logarithm of the radii, the blend that in mean b.
-enum KnobName : std::size_t { kScale, kSpread, kAspect, kJitter, kBlend, kStruts, kBvtv };
+/// What is varied; BV/TV if no target says it. Logarithms but for spread, jitter and the share of
+/// struts; the spread is the standard deviation of the logarithm of the radii, blend and width of
+/// struts are in mean b.
+enum KnobName : std::size_t {
+    kScale,
+    kSpread,
+    kAspect,
+    kJitter,
+    kBlend,
+    kStrutShare,
+    kBvtv,
+    kStrutWidth
+};
 using Knobs = std::vector<double>;
 
 /// What looks like bone, and how far each may go.
@@ -36,7 +46,8 @@ std::vector<Knob> usualKnobs() {
             {0.35, 0.4, 0, 1, 0.2, 0.3},
             {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},
             {0.6, 0.4, 0, 1, -0.25, 0.35},
-            {0, 0.3, std::log(0.03), std::log(0.6), 0.1, 0.3}};
+            {0, 0.3, std::log(0.03), std::log(0.6), 0.1, 0.3},
+            {0, 0.3, std::log(0.06), std::log(0.3), -0.2, 0.3}};
 }
 
 /// BV/TV if no target says or suggests it.
@@ -46,7 +57,7 @@ constexpr double kMostOfPlates = 1.1;
 /// Mean b in trabecular periods (Tb.Th + Tb.Sp); Conn.D times a period cubed of usual bone.
 constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
 /// Standard deviation of the local spacing in its mean, for a spread of 1.
-constexpr double kScatterOfSpread = 0.65;
+constexpr double kScatterOfSpread = 0.85;
 /// Voxels of a trabecula; of a small specimen, and of one that is measured for good.
 constexpr double kCoarseVoxels = 4, kFineVoxels = 5;
 /// Trabecular periods along a specimen.
@@ -54,7 +65,7 @@ constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kDraftRounds = 4, kFineRounds = 4,
-              kRangeRounds = 4, kScatterSeeds = 3;
+              kRangeRounds = 4, kScatterSeeds = 3, kScatterRounds = 2;
 /// Errors of DA and of scatters are relative to this at the least.
 constexpr double kLeastShare = 0.2;
 /// Relative error that ends the search; beyond the second a target is warned of, beyond the third
@@ -64,7 +75,7 @@ constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025, kW
 /// Error of a coarse specimen by which a target must be out of reach.
 constexpr double kMissedError = 0.05;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
-constexpr double kThicknessScatterWeight = 0.15, kSeparationScatterWeight = 0.1;
+constexpr double kThicknessScatterWeight = 0.15, kSeparationScatterWeight = 0.15;
 /// Nor are distances from the distributions of a sample: they count from the first on, and up to
 /// the second the search goes on.
 constexpr double kNearDistance = 0.08, kEnoughDistance = 0.11, kDistanceWeight = 0.6;
@@ -181,7 +192,7 @@ public:
         knobs_[kBvtv].isFree = !r_.targetBvtv && (r_.targetTbth || r_.targetTbsp);
         period_ = guess.period;
         thickness_ = guess.thickness;
-        strut_ = std::clamp(0.9 * std::sqrt(guess.bvtv), 0.1, 0.25);
+        knobs_[kStrutWidth].usual = std::log(std::clamp(0.9 * std::sqrt(guess.bvtv), 0.1, 0.25));
         aim("targetTbth", Number::thickness, r_.targetTbth, {0, 1, 1});
         aim("targetTbsp", Number::spacing, r_.targetTbsp, {0, 1, 1});
         aim("targetDa", Number::anisotropy, r_.targetDa, {0, 1, 0});
@@ -201,7 +212,8 @@ public:
         knobs_[kAspect].isFree = r_.aspect.empty() && r_.targetDa;
         knobs_[kJitter].isFree = !r_.jitter;
         knobs_[kBlend].isFree = !r_.blend;
-        knobs_[kStruts].isFree = !r_.strutShare && !(r_.strut && *r_.strut == 0);
+        knobs_[kStrutShare].isFree = !r_.strutShare && !(r_.strut && *r_.strut == 0);
+        knobs_[kStrutWidth].isFree = !r_.strut;
         if (r_.separationScatter && spreadIsOpen_)
             knobs_[kSpread].usual = std::clamp(*r_.separationScatter / kScatterOfSpread,
                                                knobs_[kSpread].low, knobs_[kSpread].high);
@@ -318,8 +330,8 @@ private:
         if (r_.aspect.empty()) r.aspect = fmt::format("constant:{:.6g}", std::exp(x[kAspect]));
         r.jitter = r_.jitter.value_or(x[kJitter]);
         r.blend = r_.blend.value_or(std::exp(x[kBlend]) * mean);
-        r.strut = r_.strut.value_or(strut_ * mean);
-        r.strutShare = r_.strutShare.value_or(x[kStruts]);
+        r.strut = r_.strut.value_or(std::exp(x[kStrutWidth]) * mean);
+        r.strutShare = r_.strutShare.value_or(x[kStrutShare]);
         if (!r.orientation.field.empty() || !directed()) {
             r.orientation.field.clear();
             r.orientation.axis = "0,0,1";
@@ -378,7 +390,7 @@ private:
         use(coarse_);
         for (int round = 0; !search.begin(first_); ++round) {
             if (round == 4 || r_.strut) throw ParameterError(unreachable_);
-            strut_ *= 0.7;
+            first_[kStrutWidth] -= 0.35;
         }
     }
 
@@ -399,6 +411,34 @@ private:
         // Another spread is another pack, whose numbers differ by chance.
         search.knobs()[kSpread].isFree = false;
         search.search(kCoarseRounds - kSpreadRounds, kCoarseError, left);
+        for (int round = 0; round < kScatterRounds && meetScatter(search, left); ++round)
+            ;
+    }
+
+    std::size_t indexOf(Number number) const {
+        const auto at = std::find(numbers_.begin(), numbers_.end(), number);
+        return at == numbers_.end() ? KnobSearch::kNone
+                                    : static_cast<std::size_t>(at - numbers_.begin());
+    }
+
+    /// Where the spacing is distributed otherwise than in the sample, changes the spread as its
+    /// scatter asks for, and the other knobs with it.
+    /// @return whether that came nearer
+    bool meetScatter(KnobSearch& search, std::size_t left) const {
+        const std::size_t scatter = indexOf(Number::spacingScatter),
+                          distance = indexOf(Number::spacingDistance);
+        if (!spreadIsOpen_ || scatter == KnobSearch::kNone || distance == KnobSearch::kNone)
+            return false;
+        const KnobTrial before = search.best();
+        if (before.errors[distance] <= targets_[distance].slack) return false;
+        const double share = targets_[scatter].asked / before.values[scatter];
+        auto x = before.knobs;
+        x[kSpread] = std::clamp(x[kSpread] * std::clamp(share, 0.7, 1.4), knobs_[kSpread].low,
+                                knobs_[kSpread].high);
+        if (search.begin(x)) search.search(kCoarseRounds - kSpreadRounds, kCoarseError, left);
+        if (search.merit(search.best()) < search.merit(before)) return true;
+        search.setBest(before);
+        return false;
     }
 
     /// In few voxels, whose errors each measurement of the specimen itself corrects.
@@ -533,7 +573,6 @@ private:
     Knobs first_;
     bool spreadIsOpen_ = false;  ///< whether the spread of the radii is to be found
     double period_ = 0, thickness_ = 0;
-    double strut_ = 0;  ///< thickness of struts in mean b
     Stage coarse_, draft_, fine_;
     const Stage* stage_ = nullptr;
     /// Of the last specimen: its knobs, local thickness and spacing.
