@@ -70,6 +70,26 @@ TEST_CASE("a search goes to the limits of knobs and no farther", "[run]") {
     CHECK(search.best().values[0] > 1.9);  // stays
 }
 
+TEST_CASE("a search goes on until what is only approached is near enough", "[run]") {
+    std::vector<KnobTarget> targets{{1.3, 1, 1}, {1.5, 0.3, 0}};
+    targets[1].isStrict = false;
+    const auto measure = [](const std::vector<double>& x) {
+        const auto all = *numbersAt(x);
+        return std::optional(std::vector<double>{all[0], all[2]});
+    };
+    const auto errorAfter = [&](double slack) {
+        targets[1].slack = slack;
+        KnobSearch search(threeKnobs(), targets, measure);
+        REQUIRE(search.begin({std::log(1.3), 0, 0}));
+        search.takeDifferences();
+        search.search(20, 0.1);
+        CHECK(search.isNear(search.best(), 0.1));
+        return std::fabs(search.best().errors[1]);
+    };
+    CHECK(errorAfter(1) > 0.1);  // met at once
+    CHECK(errorAfter(0.02) <= 0.02);
+}
+
 TEST_CASE("a search takes shorter steps where there is nothing to measure", "[run]") {
     int nothing = 0;
     KnobSearch search(threeKnobs(), {{1.5, 1, 0}}, [&](const std::vector<double>& x) {

@@ -22,6 +22,11 @@ struct TargetReport {
     double asked = 0, reached = 0;
     /// Standard deviation over specimens of other seeds; absent: not measured
     std::optional<double> scatter;
+
+    /// Such as Tb.Th.
+    std::string symbol() const;
+    /// With a space before it, or empty.
+    std::string unit() const;
 };
 
 struct VoidReport {

@@ -138,6 +138,11 @@ void addPack(Keys& keys, const Report& r) {
         keys.add("voids", grouped(r.voids->count),
                  (r.voids->bvtv ? fmt::format("BV/TV {:.4f}, ", *r.voids->bvtv) : "") +
                      fmt::format("{} {} culled", grouped(r.voids->culled), words.spheres));
+    if (r.voids)
+        for (const TargetReport& t : r.voids->targets)
+            keys.add(t.symbol(), fmt::format("{:.4g}{}", t.reached, t.unit()),
+                     fmt::format("{:g} asked, measured in a specimen of {:.4g} mm", t.asked,
+                                 r.voids->specimen));
 }
 
 void addSolid(Keys& keys, const Morphometry& m) {

@@ -166,15 +166,8 @@ std::string voidsText(const Report& r, const Words& words) {
 /// What a structure was asked to have, and has.
 void addTargets(Summary& out, const VoidReport& v) {
     if (v.targets.empty()) return;
-    constexpr std::pair<const char*, const char*> kNames[] = {{"targetTbth", "Tb.Th"},
-                                                              {"targetTbsp", "Tb.Sp"},
-                                                              {"targetDa", "DA"},
-                                                              {"targetConnd", "Conn.D"}};
     for (const TargetReport& t : v.targets)
-        for (const auto& [name, symbol] : kNames)
-            if (t.name == name)
-                out.line("", fmt::format(
-                                 "{:<7}{:.4g} of {:g} asked{}", symbol, t.reached, t.asked,
+        out.line("", fmt::format("{:<7}{:.4g} of {:g} asked{}", t.symbol(), t.reached, t.asked,
                                  t.scatter ? fmt::format(", standard deviation {:.2g}", *t.scatter)
                                            : std::string()));
     if (v.thicknessDistance && v.separationDistance)

@@ -101,7 +101,12 @@ public:
         add("--target-bvtv", voids.targetBvtv.value_or(0));
         add("--bvtv-field", voids.bvtvField);
         add("--bvtv-range", voids.bvtvRange);
+        add("--trabecular", voids.trabecular);
+        add("--like", voids.like);
         add("--target-tbth", voids.targetTbth.value_or(0), " mm");
+        add("--target-tbsp", voids.targetTbsp.value_or(0), " mm");
+        add("--target-da", voids.targetDa.value_or(0));
+        add("--target-connd", voids.targetConnd.value_or(0), " /mm³");
         add("--void-voxel", voids.voxelSize, " mm");
         add("--void-radius", voids.radius);
         add("--void-aspect", voids.aspect);

@@ -21,13 +21,14 @@ struct StructureFit {
     double specimen = 0;  ///< side of the cube, or shortest of the box, that was measured, mm
 };
 
-/// Finds radii and their spread, aspect, jitter, blend and struts of a foam, by Gauss-Newton steps
-/// on measured specimens, with a Jacobian from differences that each further specimen corrects
-/// (Broyden (1965), doi:10.1090/S0025-5718-1965-0198670-6): first on a small, coarse one, then on
-/// one of eight trabecular periods (Tb.Th + Tb.Sp), or on the domain itself if this is a box of at
-/// least three and a half; there in coarse voxels too, whose errors some measurements in fine ones
-/// correct. All of them are cut from one pack, so that small changes of the parameters change
-/// little else. What the targets leave open stays near values that look like bone, and near the
+/// Finds radii and their spread, aspect, jitter, blend and struts of a foam, and its BV/TV if no
+/// target says it, by Gauss-Newton steps on measured specimens, with a Jacobian from differences
+/// that each further specimen corrects (Broyden (1965), doi:10.1090/S0025-5718-1965-0198670-6):
+/// first on a small, coarse one, then on one of eight trabecular periods (Tb.Th + Tb.Sp), or on the
+/// domain itself if this is a box of at least three and a half. There too most steps are taken on
+/// specimens of few voxels, whose errors the few measurements of the specimen itself correct. All
+/// of one size are cut from one pack, so that small changes of the parameters change little else.
+/// What the targets leave open stays near values that look like bone, in one piece, and near the
 /// distributions of a sample.
 ///
 /// @param packs  receives the packs that were made, for the voids themselves.
