@@ -189,7 +189,8 @@ void KnobSearch::search(int rounds, double enough, std::size_t left) {
 
 bool KnobSearch::isNear(const KnobTrial& trial, double enough, std::size_t left) const {
     for (std::size_t i = 0; i < targets_.size(); ++i)
-        if (!targets_[i].isStrict && !(trial.errors[i] <= targets_[i].slack)) return false;
+        if (!targets_[i].isStrict && !(std::fabs(trial.errors[i]) <= targets_[i].slack))
+            return false;
     return worst(trial, left) <= enough;
 }
 

@@ -403,7 +403,7 @@ void Tile<Dim>::join(const std::vector<NearVoid<Dim>>& voids, const VoidJoin& ho
         float* const values = &values_[block * kLanes];
         const Float8 before = load(values);
         const float least = near.turnTo(block, h);
-        const bool blends = least < reach && largest(before) > -inside_;
+        const bool blends = how.blend > 0 && least < reach && largest(before) > -inside_;
         if (!blends && !(hasStruts && smallest(before) < inside_)) continue;
         Float8 sum{};
         Nearest found;
