@@ -165,23 +165,19 @@ TEST_CASE("a foam is like a sample that was made by other means", "[run][voids][
 TEST_CASE("a foam is like a lattice of struts in an image", "[run][voids][.slow]") {
     const TemporaryFolder folder;
     const std::string sample = folder.file("lattice.nrrd"), file = folder.file("v.vdb");
-    const double h = 0.04;
-    const ImageGrid grid = gridAround(2.2, {{h, h, h}});
-    writeNrrd(sample,
-              Voxels<std::uint8_t>::of(grid,
-                                       [](const Vec<3>& at) {
-                                           const double x = std::remainder(at[0], 0.8),
-                                                        y = std::remainder(at[1], 0.8),
-                                                        z = std::remainder(at[2], 1);
-                                           return std::min({std::hypot(x, y) - 0.02,
-                                                            std::hypot(x, z), std::hypot(y, z)}) <
-                                                  0.11;
-                                       }),
-              "uint8");
+    ImageGrid grid = gridAround(2.4, {{0.03, 0.03, 0.03}});
+    grid.size = {160, 160, 160};
+    grid.origin = {{0.015, 0.015, 0.015}};
+    const auto inSolid = [](const Vec<3>& at) {
+        const double x = std::remainder(at[0], 0.8), y = std::remainder(at[1], 0.8),
+                     z = std::remainder(at[2], 1);
+        return std::hypot(x, y) < 0.1265 || std::hypot(x, z) < 0.11 || std::hypot(y, z) < 0.11;
+    };
+    writeNrrd(sample, Voxels<std::uint8_t>::of(grid, inSolid), "uint8");
     MeasureRecipe measure;
     measure.pack = sample;
     const Morphometry asked = *runMeasure(measure).morphometry;
-    const std::string box = "box:4.5,4.5,4.5";
+    const std::string box = "box:4.8,4.8,4.8";
     auto recipe = structure(box, file);
     recipe.voids.like = sample;
     runVoids(recipe);
