@@ -40,14 +40,14 @@ using Knobs = std::vector<double>;
 
 /// What looks like bone, and how far each may go.
 std::vector<Knob> usualKnobs() {
-    return {{0, 1e6, -40, 40, 0.05, 0.4},
-            {0.4, 0.2, 0.05, 0.75, 0.12, 0.2},
-            {0.336, 1, 0, 1.2, 0.15, 0.3},
-            {0.35, 0.4, 0, 1, 0.2, 0.3},
-            {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},
-            {0.6, 0.4, 0, 1, -0.25, 0.35},
-            {0, 0.3, std::log(0.03), std::log(0.6), 0.1, 0.3},
-            {0, 0.3, std::log(0.06), std::log(0.3), -0.2, 0.3}};
+    return {{0, 1e6, -40, 40, 0.05, 0.4},                         // scale
+            {0.4, 0.2, 0.05, 0.75, 0.12, 0.2},                    // spread
+            {0.336, 1, 0, 1.2, 0.15, 0.3},                        // aspect
+            {0.35, 0.4, 0, 1, 0.2, 0.3},                          // jitter
+            {-2.5, 0.8, -3.9, -0.9, 0.4, 0.6},                    // blend
+            {0.6, 0.4, 0, 1, -0.25, 0.35},                        // share of struts
+            {0, 0.3, std::log(0.03), std::log(0.6), 0.1, 0.3},    // BV/TV
+            {0, 0.3, std::log(0.06), std::log(0.3), -0.2, 0.3}};  // width of struts
 }
 
 /// BV/TV if no target says or suggests it.
@@ -508,10 +508,20 @@ private:
         return missed;
     }
 
-    /// Names a target that is missed, with the range that can be reached beside the others.
-    /// @throws ParameterError with it if the target is far off and was asked for by itself.
+    /// Names the targets that are missed: `missed` with the range that can be reached beside the
+    /// others, and then those of the others that are.
+    /// @throws ParameterError if one is far off and was asked for by itself.
     void judge(KnobSearch& search, std::size_t missed) {
-        if (std::fabs(search.best().errors[missed]) <= kWarnedError) return;
+        const KnobTrial found = search.best();
+        if (std::fabs(found.errors[missed]) > kWarnedError)
+            say(found, missed, "beside the other targets, " + rangeText(search, missed));
+        for (std::size_t i = 0; i < targets_.size(); ++i)
+            if (targets_[i].isStrict && i != missed && std::fabs(found.errors[i]) > kWarnedError)
+                say(found, i, "is not met beside the other targets");
+    }
+
+    /// The values of a target that are found beside the others, from the best knobs on.
+    std::string rangeText(KnobSearch& search, std::size_t missed) {
         const KnobTrial found = search.best();
         double low = found.values[missed], high = low;
         use(coarse_);
@@ -523,12 +533,15 @@ private:
             high = std::max(high, range.second);
             search.setBest(found);
         }
-        const std::string text = fmt::format(
-            "`{}` {:.4g}: beside the other targets, values from {:.3g} to {:.3g} were found",
-            names_[missed], targets_[missed].asked, low, high);
+        return fmt::format("values from {:.3g} to {:.3g} were found", low, high);
+    }
+
+    void say(const KnobTrial& found, std::size_t missed, const std::string& what) const {
+        const std::string text =
+            fmt::format("`{}` {:.4g}: {}", names_[missed], targets_[missed].asked, what);
         const bool ofBone = !r_.thicknessQuantiles.empty() || !r_.trabecular.empty();
         if (std::fabs(found.errors[missed]) > kRefusedError && !ofBone)
-            throw ParameterError(text + "; give one of these, or leave another target out");
+            throw ParameterError(text + "; give another value, or leave another target out");
         s_.callbacks.warn(fmt::format("{}; this structure has {:.4g}", text, found.values[missed]));
     }
 
