@@ -21,6 +21,9 @@ namespace {
 /// Side of the cube in which the relation is measured, and of the windows, in mean cells.
 constexpr double kSampleSide = 6, kWindow = 3;
 constexpr int kRounds = 3;
+/// Voxels along a mean cell, in the plane and in space, in which BV/TV by place is measured; larger
+/// ones stay.
+constexpr std::array<double, 2> kMeasuredVoxels{60, 10};
 /// Points along the side of a cell, in the plane and in space; those that ask what is wanted.
 constexpr std::array<int, 2> kPoints{24, 8};
 constexpr int kAsked = 2;
@@ -238,10 +241,12 @@ template <int Dim>
 std::vector<double> localDilation(const VoidRegion<Dim>& region,
                                   const std::vector<Ellipsoid<Dim>>& voids,
                                   const std::function<double(const Vec<Dim>&)>& wanted,
-                                  const StampOptions<Dim>& stamp, const Callbacks& callbacks) {
+                                  const StampOptions<Dim>& fine, const Callbacks& callbacks) {
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;
     const double cell = meanCell(region.domain.bounds(), voids);
+    StampOptions<Dim> stamp = fine;
+    stamp.voxelSize = std::max(fine.voxelSize, cell / kMeasuredVoxels[Dim - 2]);
     const Relation relation = measuredRelation(region.domain.bounds(), cell, voids, stamp, quiet);
     Cells<Dim> cells(region, cell, wanted);
     callbacks.stopIfCancelled();

@@ -22,7 +22,8 @@ namespace vdbpack {
 /// @param wanted  BV/TV by place, from 0 to 1; changes within the length of a cell are smoothed.
 ///                The mean is met to about 0.01: what follows may scale all factors.
 /// @param stamp   how the voids will be stamped.
-/// Cost: about that of stamping the voids five times. The same for any number of threads.
+/// Cost: at most that of stamping the voids five times; in fine voxels less than once, as BV/TV is
+/// measured in coarser ones. The same for any number of threads.
 /// @throws Interrupted, and as `stampVoids`
 template <int Dim>
 std::vector<double> localDilation(const VoidRegion<Dim>& region,
