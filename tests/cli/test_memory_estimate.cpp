@@ -238,7 +238,13 @@ TEST_CASE("estimated memory is memory taken", "[estimate][.slow]") {
           "pack ball:20 --radius uniform:1,2 -o " + folder.file("s.stl"),
           "pack ball:20 --radius uniform:1,2 -o levelsets:" + folder.file("l.vdb"),
           std::string("voids box:60,60,60 --voids boolean --target-bvtv 0.3 --void-radius "
-                      "constant:1 --void-voxel 0.15")}) {
+                      "constant:1 --void-voxel 0.15"),
+          std::string("voids box:12,12,12 --voids foam --target-bvtv 0.1 --void-radius "
+                      "uniform:0.3,0.5 --void-voxel 0.05"),
+          "voids box:8,8,8 --voids foam --target-bvtv 0.1 --void-radius uniform:0.3,0.5 "
+          "--void-voxel 0.05 --preview " +
+              folder.file("p.png"),
+          std::string("voids box:5,5,5 --target-bvtv 0.2 --target-tbsp 0.8 --void-voxel 0.022")}) {
         CAPTURE(line);
         const auto [estimated, taken] = estimatedAndTaken(line, 200);
         CHECK(estimated > 0.8 * taken);

@@ -36,8 +36,8 @@ constexpr double kFace = 125, kCutFace = 40, kVoxel = 1.5;
 /// For each voxel along the wall of a shape: memory of its contour, and of its level set or fog
 /// volume; and bytes in a file of those.
 constexpr double kShapeContour = 330, kShapeGrid = 150, kShapeFile = 18;
-/// Triangles of a contour for each voxel's face.
-constexpr double kContourTriangles = 3.1;
+/// Triangles of a contour for each voxel's face; bytes of its picture.
+constexpr double kContourTriangles = 3.1, kDrawnFace = 500;
 
 /// Bytes of a voxel of a label map: in memory, as a number of a .nii, and compressed, measured.
 constexpr double kLabelVoxel = 4.2, kLabelNumber = 2, kPackedLabel = 0.06;
@@ -141,7 +141,7 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
     const double built =
         (e.field.watertight && !written ? kBandVoxel : kFieldVoxel) * e.field.voxels();
     const double spheres = sphereBytes(e, settings);
-    double voids = stampBytes(e);
+    double voids = stampBytes(e) + kMoved * e.voids.packed;
     for (const auto& output : settings.outputs) all.files.push_back({output, fileBytes(output, e)});
     // Contours are complete in memory before they are written.
     for (const auto& file : all.files)
@@ -152,7 +152,10 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
             : 0;
     const double shape = shapeBytes(e, settings.outputs);
     const bool draws = !settings.preview.file.empty() || isPage(settings.reportFile);
-    const double picture = draws ? kDrawnSphere * e.count : 0;
+    const double drawn = e.count > 0 || e.dim == 2 || !(e.voids.voxelSize > 0)
+                             ? 0
+                             : (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2);
+    const double picture = draws ? kDrawnSphere * e.count + kDrawnFace * drawn : 0;
     all.parts = {
         {"program", kProgram, "the program", "that is the least there can be, raise `memoryLimit`"},
         {"mesh", kTriangle * (static_cast<double>(e.field.triangles) + contour),
@@ -174,13 +177,18 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
         {"voids", voids,
          fmt::format("about {:.3g} voids in voxels of {:.4g} mm", e.voids.count, e.voids.voxelSize),
          "choose a larger `voids.voxelSize` or larger voids, or clip the domain"},
-        {"picture", picture, "a picture", "leave the picture out"},
+        {"picture", picture, drawn > 0 ? "a picture of the contour" : "a picture",
+         "leave the picture out"},
         {"labels", kLabelVoxel * e.labelVoxels,
          fmt::format("a label map of about {:.2g} voxels", e.labelVoxels),
          "choose a larger `voxelSpacing`"},
         {"image", kImageVoxel * e.imageVoxels,
          fmt::format("an image of about {:.2g} voxels", e.imageVoxels),
          "choose a larger `voxelSize`"},
+        {"specimen", kImageVoxel * e.voids.specimenVoxels,
+         fmt::format("a specimen of about {:.2g} voxels in which voids are measured",
+                     e.voids.specimenVoxels),
+         "choose a larger `voids.voxelSize` or a larger `targetTbth`"},
     };
     return all;
 }

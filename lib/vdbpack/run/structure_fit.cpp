@@ -68,19 +68,21 @@ constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kDraftRounds = 4, kFineRound
               kRangeRounds = 4, kScatterSeeds = 3, kScatterRounds = 2;
 /// Errors of DA and of scatters are relative to this at the least.
 constexpr double kLeastShare = 0.2;
-/// Relative error that ends the search; beyond the second a target is warned of, beyond the third
-/// refused.
-constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025, kWarnedError = 0.03,
-                 kRefusedError = 0.1;
+/// Relative errors that end a search.
+constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025;
+/// Beyond the first a target is named, beyond the second it yields to the others, beyond the third
+/// it is refused.
+constexpr double kWarnedError = 0.03, kToleratedError = 0.06, kRefusedError = 0.1;
 /// Error of a coarse specimen by which a target must be out of reach.
-constexpr double kMissedError = 0.05;
+constexpr double kMissedError = 0.07;
 /// Scatters are not numbers that were asked for: an error of them counts this much.
 constexpr double kThicknessScatterWeight = 0.15, kSeparationScatterWeight = 0.15;
 /// Nor are distances from the distributions of a sample: they count from the first on, and up to
 /// the second the search goes on.
 constexpr double kNearDistance = 0.08, kEnoughDistance = 0.11, kDistanceWeight = 0.6;
-/// So far away they do not count if targets are missed.
-constexpr double kFarDistance = 0.17;
+/// So far away they do not count if targets are missed; and never, if usual foams are as far as the
+/// second.
+constexpr double kFarDistance = 0.17, kHopelessDistance = 0.3;
 /// Share of the solid that may lie beside its largest component; more of it counts.
 constexpr double kFewCrumbs = 0.005, kCrumbsWeight = 1;
 /// Of a target that cannot be met, while the others are.
@@ -245,12 +247,12 @@ public:
         KnobSearch search(knobs_, targets_, [this](const Knobs& x) { return valuesAt(x); });
         beginFirst(search);
         searchCoarse(search);
-        if (search.worst(search.best()) > kCoarseError && leaveFar(search))
+        if (search.worst(search.best()) > kCoarseError && leaveDistances(search, kFarDistance))
             search.search(kCoarseRounds - kSpreadRounds, kCoarseError);
         std::size_t left = KnobSearch::kNone;
         if (search.worst(search.best()) > kMissedError) left = yieldOne(search);
         searchFine(search, left);
-        if (left == KnobSearch::kNone && search.worst(search.best()) > kWarnedError) {
+        if (left == KnobSearch::kNone && search.worst(search.best()) > kToleratedError) {
             left = yieldOne(search);
             if (left != KnobSearch::kNone) searchFine(search, left);
         }
@@ -405,6 +407,7 @@ private:
     /// In coarse specimens from the best knobs on.
     /// @param left  as that of `KnobSearch::search`.
     void searchCoarse(KnobSearch& search, std::size_t left = KnobSearch::kNone) {
+        leaveDistances(search, kHopelessDistance);
         search.knobs()[kSpread].isFree = spreadIsOpen_;
         search.takeDifferences();
         search.search(kSpreadRounds, kCoarseError, left);
@@ -464,13 +467,12 @@ private:
         search.setBest(*best);
     }
 
-    /// Lets go of distributions that are far from those of the sample, so that the targets are met
-    /// if no more can be. @return whether there is one
-    bool leaveFar(KnobSearch& search) const {
+    /// Lets go of distributions at least that far from those of the sample, so that the targets
+    /// are met if no more can be. @return whether there is one
+    bool leaveDistances(KnobSearch& search, double far) const {
         bool found = false;
         for (std::size_t i = 0; i < numbers_.size(); ++i) {
-            if (!isDistance(numbers_[i]) || search.best().errors[i] < kFarDistance - kNearDistance)
-                continue;
+            if (!isDistance(numbers_[i]) || search.best().errors[i] < far - kNearDistance) continue;
             search.targets()[i].weight = 0;
             search.targets()[i].slack = std::numeric_limits<double>::infinity();
             found = true;
@@ -495,7 +497,8 @@ private:
         // Not from what half meets it.
         if (!search.begin(first_)) throw ParameterError(unreachable_);
         searchCoarse(search, missed);
-        if (search.worst(search.best(), missed) > kCoarseError && leaveFar(search))
+        if (search.worst(search.best(), missed) > kCoarseError &&
+            leaveDistances(search, kFarDistance))
             search.search(kCoarseRounds - kSpreadRounds, kCoarseError, missed);
         const double others = search.worst(search.best(), missed);
         if (missed != worst && others > kWarnedError && others > 0.5 * search.worst(before)) {
@@ -608,6 +611,16 @@ VoidRecipe usualFoam(const VoidRecipe& asked) {
     r.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean()).spec();
     if (!(r.voxelSize > 0)) r.voxelSize = guess.thickness / kFineVoxels;
     return r;
+}
+
+double specimenVoxels(const VoidRecipe& asked, double volume) {
+    if (!hasStructureTargets(asked)) return 0;
+    const Guess guess = guessOf(asked, 0);
+    if (!(guess.period > 0)) return 0;
+    const double voxel = asked.voxelSize > 0 ? asked.voxelSize : guess.thickness / kFineVoxels;
+    const double cube = std::pow(kFinePeriods * guess.period / voxel, 3);
+    const double whole = volume / std::pow(voxel, 3);
+    return std::min(kMostVoxels, std::max(cube, whole <= kMostVoxels ? whole : 0));
 }
 
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {

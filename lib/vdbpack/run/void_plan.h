@@ -14,6 +14,8 @@ struct VoidExtent {
     double voxelSize = 0;  ///< mm
     double reach = 0;      ///< as that of StampOptions, mm
     double left = 1;       ///< share of the domain that lies outside of all voids
+    double packed = 0;     ///< spheres of the pack that they are made from
+    double specimenVoxels = 0;  ///< of the largest specimen measured to find them
 };
 
 /// The voids that the recipe specifies, or that its target needs.
