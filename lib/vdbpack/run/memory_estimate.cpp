@@ -107,7 +107,10 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
         const auto built = source.build(0, 0);
         e.volume = built.space ? built.space->volume() : built.plane->volume();
         e.area = built.space ? built.space->wallArea() : built.plane->wallArea();
-        if (built.space) e.shapeVoxel = shapeVoxelSize(built.space->bounds());
+        if (built.space) {
+            e.isBox = built.space->facts().kind == "box";
+            e.shapeVoxel = shapeVoxelSize(built.space->bounds());
+        }
     } else if (e.dim == 2) {
         // The slice is not known yet: at most its rectangle.
         const Vec<3> size = source.fileBounds().size();

@@ -21,6 +21,7 @@ struct Extent {
     double area = 0;          ///< of its wall, mm^(dim-1)
     FieldPlan field;          ///< without triangles: the domain is a shape
     VoidExtent voids;
+    bool isBox = false;      ///< the domain, a box along the axes
     double shapeVoxel = 0;   ///< of the level set of a shape, mm, if one is written; 0: a file
     double imageVoxels = 0;  ///< of the image in which a solid is measured
     double labelVoxels = 0;  ///< of the label maps that are written

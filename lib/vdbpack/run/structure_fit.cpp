@@ -613,14 +613,15 @@ VoidRecipe usualFoam(const VoidRecipe& asked) {
     return r;
 }
 
-double specimenVoxels(const VoidRecipe& asked, double volume) {
+double specimenVoxels(const VoidRecipe& asked, double box) {
     if (!hasStructureTargets(asked)) return 0;
     const Guess guess = guessOf(asked, 0);
     if (!(guess.period > 0)) return 0;
     const double voxel = asked.voxelSize > 0 ? asked.voxelSize : guess.thickness / kFineVoxels;
-    const double cube = std::pow(kFinePeriods * guess.period / voxel, 3);
-    const double whole = volume / std::pow(voxel, 3);
-    return std::min(kMostVoxels, std::max(cube, whole <= kMostVoxels ? whole : 0));
+    const bool whole =
+        std::cbrt(box) > kLeastPeriods * guess.period && box / std::pow(voxel, 3) <= kMostVoxels;
+    const double cube = std::pow(kFinePeriods * guess.period, 3);
+    return std::min(kMostVoxels, (whole ? box : cube) / std::pow(voxel, 3));
 }
 
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {

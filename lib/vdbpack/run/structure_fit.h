@@ -40,8 +40,8 @@ StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs);
 /// but BV/TV; unchanged without such targets. For predictions.
 VoidRecipe usualFoam(const VoidRecipe& recipe);
 
-/// Voxels of the largest specimen that such a fit measures, at most; 0 without such targets.
-/// @param volume  of the domain, mm³.
-double specimenVoxels(const VoidRecipe& recipe, double volume);
+/// Voxels of the largest specimen that such a fit is expected to measure; 0 without such targets.
+/// @param box  volume of the domain if this is a box, mm³; 0: it is none.
+double specimenVoxels(const VoidRecipe& recipe, double box);
 
 }  // namespace vdbpack

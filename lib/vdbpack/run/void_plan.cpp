@@ -127,7 +127,7 @@ VoidExtent planVoids(const VoidRecipe& asked, const Extent& e, double largestRad
         if (b > 0) plan = planned(r, e, b * aspect, b);
     }
     if (r.cull == Cull::touch) plan.reach = largestRadius;
-    plan.specimenVoxels = specimenVoxels(asked, e.volume);
+    plan.specimenVoxels = specimenVoxels(asked, e.isBox ? e.volume : 0);
     return plan;
 }
 
