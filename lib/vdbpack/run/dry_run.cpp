@@ -1,5 +1,6 @@
 #include "vdbpack/run/dry_run.h"
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/pack_to_count.h"
@@ -25,6 +26,8 @@ namespace {
 /// Spheres of a pack that is its own trial, and of the larger trial of others; beside existing
 /// spheres, whose radii do not scale with the others. The smaller trial has kRatio times fewer.
 constexpr double kTrial = 40000, kTrialBesides = 400000, kRatio = 4;
+/// Of a trial whose spheres do not fit.
+constexpr double kSmallerScale = 1.5;
 /// Voxels of the voids of a trial, at most, in those of the run.
 constexpr double kCoarserVoxels = 2;
 
@@ -82,6 +85,32 @@ Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale, const 
     return trial;
 }
 
+/// A trial of at most that scale; of a smaller one where such large spheres do not fit into thin
+/// parts.
+Trial tryLarge(const PackRecipe& recipe, const DomainSource& source, double scale,
+               const VoidExtent& voids, const Callbacks& callbacks) {
+    for (;;) {
+        try {
+            return tryOut(recipe, source, scale, voids, callbacks);
+        } catch (const InputError&) {
+            if (!(scale > 1)) throw;
+        }
+        scale = std::max(1.0, scale / kSmallerScale);
+    }
+}
+
+/// The same of `kRatio` times fewer spheres than a trial; that trial itself if they do not fit.
+Trial trySmall(const PackRecipe& recipe, const DomainSource& source, const Trial& large,
+               const VoidExtent& voids, const Callbacks& callbacks) {
+    if (!(large.scale > 1)) return large;
+    try {
+        return tryOut(recipe, source, large.scale * std::pow(kRatio, 1.0 / source.dim()), voids,
+                      callbacks);
+    } catch (const InputError&) {
+        return large;
+    }
+}
+
 /// The line through two points, at `x`; through the second alone where they are too close.
 double line(double x1, double y1, double x2, double y2, double x) {
     if (std::fabs(x2 - x1) < 1e-9 * (std::fabs(x1) + std::fabs(x2))) return y2;
@@ -97,10 +126,8 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     PackRecipe sized = recipe;
     if (!recipe.voids.empty() && recipe.voids.radius.empty())
         sized.voids.radius = defaultVoidRadius(requested.sizes.max() * radii.scale);
-    const Trial large = tryOut(sized, source, scale, extent.voids, callbacks);
-    const Trial small = scale > 1 ? tryOut(sized, source, scale * std::pow(kRatio, 1.0 / dim),
-                                           extent.voids, callbacks)
-                                  : large;
+    const Trial large = tryLarge(sized, source, scale, extent.voids, callbacks);
+    const Trial small = trySmall(sized, source, large, extent.voids, callbacks);
     DryRun run;
     run.trial = large.report;
     run.voxelSize = extent.field.voxelSize;
@@ -114,10 +141,10 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     }
     // Radii are scaled to a target count; else the count follows from them.
     const double each = requested.sizes.meanBall(dim), filled = solid * run.trial.volume;
-    run.count = scale > 1 ? filled / each : large.count;
+    run.count = large.scale > 1 ? filled / each : large.count;
     run.sizes = requested.sizes.spec();
     if (requested.targetCount > 0) {
-        if (scale > 1) run.count = requested.targetCount;
+        if (large.scale > 1) run.count = requested.targetCount;
         run.sizes =
             scaledSizes(requested.sizes, std::pow(filled / (run.count * each), 1.0 / dim), dim)
                 .spec();
