@@ -37,14 +37,17 @@ TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli]
     CHECK(told.contactsBefore[0] > 2);
     REQUIRE(told.contactsAfter.has_value());
     CHECK((*told.contactsAfter)[2] > (*told.contactsAfter)[1]);
+    CHECK((*told.contactsAfter)[0] > 4);
     const auto json = toJson(run);
     CHECK(json["densified"]["asked"] == 0.62);
     CHECK(json["densified"]["contacts"].size() == 3);
     CHECK(json["seconds"]["densify"] > 0);
     CHECK(toJson(before)["densified"].is_null());
     Report report = run.report;
-    CHECK_THAT(summary(report),
-               Contains("densified  from 0.5") && Contains("`contactTolerance` 0.01"));
+    CHECK_THAT(summary(report), Contains("densified  from 0.5") && !Contains("contactTolerance"));
+    // Where hardly any could be drawn together.
+    (*report.densified->contactsAfter)[0] = 0.3;
+    CHECK_THAT(summary(report), Contains("`contactTolerance` 0.01"));
     report.contactTolerance = 0.01;
     CHECK_THAT(summary(report), !Contains("contactTolerance"));
     // One name and one place in the order each.

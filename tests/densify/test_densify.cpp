@@ -10,6 +10,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/verify/verify.h"
@@ -118,6 +119,71 @@ TEMPLATE_TEST_CASE_SIG("a densified pack is denser, sound, and of the requested 
     CHECK(ksDistance(all, cdf) <= ksDistance(radii, cdf) + 2.0 / static_cast<double>(all.size()));
 }
 
+TEST_CASE("spheres of a densified pack touch their neighbors", "[densify]") {
+    const std::string spec = "uniform:1,2";
+    const auto domain = box<3>(40);
+    const auto before = front(*domain, spec);
+    for (const double fraction : {0.625, 0.645}) {
+        CAPTURE(fraction);
+        const auto result = densify(*domain, before, to<3>(fraction, spec));
+        REQUIRE(result.reached);
+        const auto contacts = countContacts(result.spheres, 1e-3);
+        CHECK(contacts.meanOfSpheres > 4.8);
+        CHECK(contacts.largestComponent > 0.99);
+        CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > 4.2);
+        checkSound(result.spheres, *domain);
+    }
+}
+
+TEST_CASE("disks of a densified pack touch their neighbors", "[densify]") {
+    const auto domain = box<2>(150);
+    const auto before = front(*domain, "uniform:1,2");
+    const auto result = densify(*domain, before, to<2>(0.84, "uniform:1,2"));
+    REQUIRE(result.reached);
+    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 3);
+    CHECK(countContacts(result.spheres, 1e-4).meanOfSpheres > 2.7);
+    checkSound(result.spheres, *domain);
+}
+
+TEMPLATE_TEST_CASE_SIG("spheres are drawn together only if that is wanted, and by a short way",
+                       "[densify]", ((int Dim), Dim), 2, 3) {
+    const std::string spec = "uniform:1,2";
+    const auto domain = ballDomain<Dim>(Dim == 3 ? 14 : 40);
+    const auto before = front(*domain, spec);
+    auto options = to<Dim>(solidFraction(before, *domain) + 0.015, spec);
+    const auto touching = densify(*domain, before, options);
+    options.contacts = false;
+    const auto apart = densify(*domain, before, options);
+    REQUIRE(touching.reached);
+    REQUIRE(apart.reached);
+    CHECK(countContacts(apart.spheres, 1e-3).meanOfSpheres < 1);
+    CHECK(countContacts(touching.spheres, 1e-3).meanOfSpheres > Dim);
+    REQUIRE(touching.spheres.size() == apart.spheres.size());
+    for (std::size_t i = 0; i < apart.spheres.size(); ++i) {
+        CHECK(touching.spheres[i].radius == apart.spheres[i].radius);
+        CHECK(length(touching.spheres[i].center - apart.spheres[i].center) < 0.5);
+    }
+}
+
+TEST_CASE("a pack interrupted while its spheres are drawn together is sound", "[densify]") {
+    const std::string spec = "uniform:1,2";
+    const auto domain = box<3>(20);
+    const auto before = front(*domain, spec);
+    auto options = to<3>(0.6, spec);
+    bool drawn = false;
+    Callbacks callbacks;
+    callbacks.progress = [&](const Progress& p) {
+        drawn = drawn || p.stage == "densify, contacts";
+    };
+    callbacks.cancelled = [&] { return drawn; };
+    const auto result = densify(*domain, before, options, callbacks);
+    CHECK(drawn);
+    CHECK(result.interrupted);
+    CHECK(result.reached);
+    options.contacts = false;
+    CHECK(result.spheres == densify(*domain, before, options).spheres);
+}
+
 TEST_CASE("spheres stay near their places, and exchange radii that are nearly equal", "[densify]") {
     const std::string spec = "uniform:1,2";
     const auto domain = box<3>(40);
@@ -220,6 +286,7 @@ TEST_CASE("fixed spheres stay where they are, and the others keep off them", "[d
     CHECK(result.reached);
     for (std::size_t i = 0; i < fixed; ++i) CHECK(result.spheres[i] == sorted[i]);
     CHECK(result.spheres[fixed].center != sorted[fixed].center);
+    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 4);
     checkSound(result.spheres, *domain);
 }
 
@@ -270,6 +337,7 @@ TEST_CASE("a gap is kept while a pack gets denser", "[densify]") {
     auto grown = result.spheres;
     for (auto& s : grown) s.radius += gap / 2;
     CHECK(checkOverlap(grown).max == 0);
+    CHECK(countContacts(grown, 1e-3).meanOfSpheres > 4);
     for (auto& s : grown) s.radius += gap / 2;
     CHECK(protrusion(grown, *domain) <= 0);
 }
@@ -303,6 +371,7 @@ TEST_CASE("no sphere leaves a wall of triangles", "[densify]") {
     CHECK(result.reached);
     CHECK(checkOverlap(result.spheres).max == 0);
     CHECK(checkProtrusion(result.spheres, mesh).max == 0);
+    CHECK(countContacts(result.spheres, 1e-3).meanOfSpheres > 4);
 }
 
 TEST_CASE("a fraction out of reach is approached from below", "[densify]") {

@@ -98,6 +98,7 @@ public:
             else
                 climb(std::numeric_limits<double>::infinity());
         }
+        if (moved_ && options_.contacts && !result_.interrupted) drawTogether();
         result_.after = reachedFraction();
         result_.reached = result_.apart && result_.after >= options_.fraction - kRounding;
         if (ranks_) {
@@ -186,15 +187,17 @@ private:
         ++stage_;
         for (std::size_t k = first; k < paces_.size(); ++k) {
             // From the same start each time: what has jammed stays jammed.
-            const bool apart = ranks_ ? relaxOverRanks(paces_[k], fraction, spheres, labels, *homes)
-                                      : relax(paces_[k], fraction, spheres, regions);
+            const bool apart =
+                relax(spheres, regions, labels, homes, [&](Relaxation<Dim>& relaxation) {
+                    return isRelaxed(relaxation, paces_[k], fraction, spheres.size());
+                });
             if (result_.interrupted) return false;
             if (!apart) continue;
             result_.labels = std::move(labels);
             homes_ = std::move(homes);
             result_.spheres = std::move(spheres);
             result_.regions = std::move(regions);
-            return result_.apart = true;
+            return moved_ = result_.apart = true;
         }
         return false;
     }
@@ -257,13 +260,38 @@ private:
         return outcome.apart;
     }
 
-    /// The same as `relax`, over ranks.
-    bool relaxOverRanks(const RelaxationPace& pace, double fraction,
-                        std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels,
-                        const LabelHomes& homes) {
+    /// Draws near spheres together. Where that leaves overlaps, the pack stays as it is.
+    void drawTogether() {
+        std::vector<Sphere<Dim>> spheres = result_.spheres;
+        const auto onStep = [&](double done) {
+            callbacks_.report("densify, contacts", done, static_cast<double>(spheres.size()));
+        };
+        const bool apart = relax(
+            spheres, result_.regions, result_.labels, homes_, [&](Relaxation<Dim>& relaxation) {
+                const auto outcome = relaxation.drawTogether(callbacks_, onStep);
+                result_.steps += static_cast<std::uint64_t>(outcome.steps);
+                result_.interrupted = outcome.interrupted;
+                return outcome.apart;
+            });
+        if (apart) result_.spheres = std::move(spheres);
+    }
+
+    /// Moves spheres by `work(relaxation)`, which returns whether no overlap is left. If so,
+    /// @return true, and `spheres` have moved.
+    template <class Work>
+    bool relax(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions,
+               const std::vector<std::uint32_t>& labels, const std::optional<LabelHomes>& homes,
+               const Work& work) {
+        return ranks_ ? relaxOverRanks(spheres, labels, *homes, work)
+                      : relaxHere(spheres, regions, work);
+    }
+
+    template <class Work>
+    bool relaxOverRanks(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels,
+                        const LabelHomes& homes, const Work& work) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), *ranks_, labels, 0,
                                    options_.seed + stage_);
-        if (!isRelaxed(relaxation, pace, fraction, spheres.size())) return false;
+        if (!work(relaxation)) return false;
         const auto settled =
             homes.delivered(*ranks_, relaxation.settled(), [](const auto& s) { return s.label; });
         std::vector<std::uint32_t> places(spheres.size());
@@ -279,12 +307,12 @@ private:
         return true;
     }
 
-    /// Relaxes at one pace. @return whether no overlap is left; `spheres` have moved then.
-    bool relax(const RelaxationPace& pace, double fraction, std::vector<Sphere<Dim>>& spheres,
-               const std::vector<std::int32_t>& regions) {
+    template <class Work>
+    bool relaxHere(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions,
+                   const Work& work) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
                                    options_.seed + stage_);
-        if (!isRelaxed(relaxation, pace, fraction, spheres.size())) return false;
+        if (!work(relaxation)) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
         for (std::size_t i = places_.size(); i < moved.size(); ++i)
@@ -331,6 +359,7 @@ private:
     Paces paces_;
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
+    bool moved_ = false;               ///< whether the result is no longer the input pack
     std::uint64_t stage_ = 0;          ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first

@@ -27,6 +27,9 @@ struct DensifyOptions {
     /// spheres; without `sizes` their radii are those of the region.
     std::vector<std::int32_t> regions;
 
+    /// Whether near spheres are drawn together until they touch, where spheres have moved.
+    bool contacts = true;
+
     /// Other ranks that densify the same pack with the same call; null: there are none. Each has
     /// the spheres that it placed, which do not overlap: no regions, none is fixed, and `sizes` are
     /// given.
@@ -56,7 +59,8 @@ struct DensifyResult {
 };
 
 /// Makes a pack denser: further spheres are added where there is most room, and all of them are
-/// relaxed (`Relaxation`) until none overlap. The radii as a whole are kept.
+/// relaxed (`Relaxation`) until none overlap. Then near spheres are drawn together until they
+/// touch. The radii as a whole are kept.
 ///
 /// Where the requested fraction is not reached, the densest pack without overlaps is returned. The
 /// same for any number of threads. Cost: 15 to 30 µs of processor time per sphere for 0.01 to 0.03

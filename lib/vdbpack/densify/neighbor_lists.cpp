@@ -188,7 +188,7 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
     for (const auto& level : cells_.levels()) {
         if (level.count[0] == 0) continue;
         const double reach = (static_cast<double>(largest) + static_cast<double>(level.largest)) *
-                                 static_cast<double>(1 + delta_) * (1 + 1e-6) +
+                                 static_cast<double>(listGrow_) * (1 + 1e-6) +
                              static_cast<double>(skin_);
         cells_.forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
             around.add(now_.bodies.data(), from, to);
@@ -198,7 +198,7 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
 
 template <int Dim>
 void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around) {
-    const float grow = 1 + delta_;
+    const float grow = listGrow_;
     const Body body = now_.bodies[slot];
     std::uint32_t* const found = around.found.data();
     std::uint32_t count = 0;

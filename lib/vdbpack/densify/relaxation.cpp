@@ -19,6 +19,8 @@ namespace {
 /// Radii are enlarged by this share while spheres are pushed apart: an overlap that is small
 /// beside it is none of the true radii. It costs three times as much of the solid fraction.
 constexpr double kDelta = 4e-4;
+/// Share of an overlap that a sphere gains as velocity in a step.
+constexpr float kPush = 0.3f;
 /// Overlaps below this share of delta are none of the true radii, with a margin for rounding.
 constexpr float kApart = 0.97f;
 /// Where the worst overlap is small, and yet falls by less than the factor kStays in half a memory,
@@ -135,6 +137,7 @@ void Relaxation<Dim>::setRadii(const std::vector<Sphere<Dim>>& spheres) {
     smallest_ = static_cast<float>(smallest / quantum_);
     // Rounding to whole quanta must not matter.
     delta_ = static_cast<float>(std::max(kDelta, 100.0 / static_cast<double>(least_)));
+    listGrow_ = 1 + delta_;
     skin_ = 0.5f * least_;
 }
 
@@ -192,12 +195,14 @@ std::vector<std::uint32_t> Relaxation<Dim>::places() const {
 }
 
 template <int Dim>
-float Relaxation<Dim>::stepAll(bool exchanges, float inertia, float cap, float& fastest) {
+float Relaxation<Dim>::stepAll(const Step& step, float& fastest) {
     tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
-        if (exchanges)
-            stepRun<true>(runs_[k], inertia, cap);
+        if (step.exchanges)
+            stepRun<true, false>(runs_[k], step);
+        else if (step.range > 1)
+            stepRun<false, true>(runs_[k], step);
         else
-            stepRun<false>(runs_[k], inertia, cap);
+            stepRun<false, false>(runs_[k], step);
     });
     Extremes all;
     for (const Run& run : runs_) {
@@ -210,6 +215,24 @@ float Relaxation<Dim>::stepAll(bool exchanges, float inertia, float cap, float& 
 }
 
 template <int Dim>
+typename Relaxation<Dim>::Extremes Relaxation<Dim>::stateOfAll(const Callbacks& callbacks) const {
+    Extremes all;
+    all.cancelled = callbacks.isCancelled();
+    for (const Run& run : runs_) {
+        all.coincides = std::max(all.coincides, std::uint32_t{run.coincides});
+        all.grown = std::max(all.grown, run.grown);
+    }
+    return agreed(all);
+}
+
+template <int Dim>
+void Relaxation<Dim>::advance(float fastest) {
+    std::swap(now_.bodies, next_);
+    spent_ += std::sqrt(fastest);
+    ++listed_;
+}
+
+template <int Dim>
 typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
     const RelaxationPace& pace, int steps, const Callbacks& callbacks,
     const std::function<bool(int, double)>& goOn) {
@@ -218,27 +241,23 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         outcome.apart = true;
         return outcome;
     }
-    const auto inertia = static_cast<float>(pace.inertia);
-    const float cap = static_cast<float>(pace.cap) * least_;
+    Step step;
+    step.inertia = static_cast<float>(pace.inertia);
+    step.cap = static_cast<float>(pace.cap) * least_;
+    step.push = kPush;
     rebuild(true);
     Stuck stuck(pace);
-    float fastest = cap * cap;  // squared, of the last step
+    float fastest = step.cap * step.cap;  // squared, of the last step
     for (;; ++outcome.steps) {
-        Extremes all;
-        all.cancelled = callbacks.isCancelled();
-        for (const Run& run : runs_) {
-            all.coincides = std::max(all.coincides, std::uint32_t{run.coincides});
-            all.grown = std::max(all.grown, run.grown);
-        }
-        all = agreed(all);
+        const Extremes all = stateOfAll(callbacks);
         if (all.cancelled) {
             outcome.interrupted = true;
             return outcome;
         }
-        renewLists(all, fastest, cap, outcome.worst);
-        const bool exchanges =
+        renewLists(all, fastest, step.cap, outcome.worst);
+        step.exchanges =
             pace.swapEvery > 0 && clock_ % static_cast<std::uint64_t>(pace.swapEvery) == 0;
-        const float worst = stepAll(exchanges, inertia, cap, fastest);
+        const float worst = stepAll(step, fastest);
         // Of the positions before this step, which is not taken if they are good.
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
         if (worst < kApart * delta_ && keepsWall()) {
@@ -246,10 +265,8 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
             return outcome;
         }
         if (outcome.steps == steps || (goOn && !goOn(outcome.steps, outcome.worst))) return outcome;
-        std::swap(now_.bodies, next_);
-        spent_ += std::sqrt(fastest);
-        ++listed_;
-        if (exchanges) {
+        advance(fastest);
+        if (step.exchanges) {
             tbb::parallel_for(std::size_t(0), runs_.size(),
                               [&](std::size_t k) { swapRun(runs_[k]); });
             refreshNear();

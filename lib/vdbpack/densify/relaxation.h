@@ -66,6 +66,12 @@ public:
     Outcome run(const RelaxationPace& pace, int steps, const Callbacks& callbacks,
                 const std::function<bool(int, double)>& goOn = {});
 
+    /// Draws near spheres together until they touch; for spheres that are apart. Where these are
+    /// not apart in the end, they are no pack.
+    /// @param onStep  called before every step with the share of them that is done.
+    Outcome drawTogether(const Callbacks& callbacks,
+                         const std::function<void(double)>& onStep = {});
+
     /// A vacancy for each of further spheres: the point with the most room of some points drawn
     /// near a sphere. They may overlap other spheres and one another. Radii in mm.
     /// @param regions  of each further sphere, near whose spheres it is placed; empty: anywhere.
@@ -145,11 +151,25 @@ private:
         std::uint32_t coincides = 0, cancelled = 0;
     };
 
+    /// How spheres move in a step.
+    struct Step {
+        float inertia = 0;       ///< share of its velocity that a sphere keeps
+        float cap = 0;           ///< largest step, quanta
+        float push = 0;          ///< share of an overlap that a sphere gains as velocity
+        float pull = 0;          ///< gaps count as negative overlaps, but for no more than this
+        float range = 1;         ///< how far they do, in sums of the radii
+        bool exchanges = false;  ///< whether squeeze and contacts are counted
+    };
+
     void setRadii(const std::vector<Sphere<Dim>>& spheres);
     void placeSlots(const std::vector<Sphere<Dim>>& spheres);
     void resizeSlots(std::size_t n);
     /// One step of all runs, into `next_`. @return the worst overlap, and the squared largest step.
-    float stepAll(bool exchanges, float inertia, float cap, float& fastest);
+    float stepAll(const Step& step, float& fastest);
+    /// What is to be known of all runs before a step.
+    Extremes stateOfAll(const Callbacks& callbacks) const;
+    /// Takes up the positions of the last step. @param fastest  of `stepAll`.
+    void advance(float fastest);
 
     /// The point with the most room of some drawn near a slot, mm.
     /// @param radius  quanta. @param around  scratch space.
@@ -196,8 +216,8 @@ private:
     bool keepsWall();
 
     // relaxation_step.cpp
-    template <bool kSqueeze>
-    void stepRun(Run& run, float inertia, float cap);
+    template <bool kSqueeze, bool kPull>
+    void stepRun(Run& run, const Step& step);
 
     // exchanges.cpp
     void swapRun(Run& run);
@@ -226,9 +246,10 @@ private:
     float least_ = 0;                ///< smallest radius of those that move, quanta
     float smallest_ = 0, most_ = 0;  ///< radii of all, quanta
     float delta_ = 0;
-    float skin_ = 0;   ///< quanta
-    float spent_ = 0;  ///< upper bound of the way of any sphere since lists were made, quanta
-    int listed_ = 0;   ///< steps since then
+    float listGrow_ = 1;  ///< radii are enlarged by this factor where neighbors are listed
+    float skin_ = 0;      ///< quanta
+    float spent_ = 0;     ///< upper bound of the way of any sphere since lists were made, quanta
+    int listed_ = 0;      ///< steps since then
 
     Slots now_, sorted_;
     std::vector<Body> next_;

@@ -251,7 +251,7 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
     };
     const std::size_t own = now_.labels.size();
     std::vector<std::vector<std::uint32_t>> told(count);
-    const double grow = static_cast<double>(1 + delta_) * (1 + 1e-6);
+    const double grow = static_cast<double>(listGrow_) * (1 + 1e-6);
     const auto further = static_cast<double>(further_);
     for (std::size_t i = 0; i < own; ++i) {
         const Body& body = now_.bodies[i];

@@ -8,8 +8,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Share of an overlap that a sphere gains as velocity in a step.
-constexpr float kPush = 0.3f;
+/// Where gaps count, a sphere with more listed neighbors (in whole eights) gains less velocity from
+/// each of them: all together would make it oscillate.
+constexpr float kFewNeighbors = 24;
 
 /// The sum of the overlaps of a sphere, quanta.
 struct Push {
@@ -18,12 +19,19 @@ struct Push {
     float contacts = 0;  ///< number of the overlaps
 };
 
+/// How overlaps and gaps become forces.
+struct Law {
+    float grow;         ///< factor on radii
+    float range, pull;  ///< of the step
+};
+
 /// From the spheres `ids` up to `end`, whole eights.
 /// @param kSqueeze  whether squeeze and contacts are counted.
+/// @param kPull     whether gaps count, as negative overlaps.
 /// @param worst     of each lane, raised to the largest overlap divided by the distance.
-template <bool kSqueeze>
+template <bool kSqueeze, bool kPull>
 VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const std::uint32_t* ids,
-                                  const std::uint32_t* end, float grow, Float8& worst) {
+                                  const std::uint32_t* end, const Law& law, Float8& worst) {
     Float8 fx = {}, fy = {}, fz = {}, squeeze = {};
     Int8 touching = {};
     for (; ids != end; ids += 8) {
@@ -32,11 +40,14 @@ VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const st
         const Float8 dy = difference(other.y, body.y);
         const Float8 dz = difference(other.z, body.z);
         const Float8 d2 = dx * dx + dy * dy + dz * dz;
-        const Float8 reach = (other.radius + body.radius) * grow;
+        const Float8 reach = (other.radius + body.radius) * law.grow;
         // Eights are filled up with the sphere itself, at distance 0.
-        const Int8 near = (d2 < reach * reach) & (d2 > 0);
+        const Float8 far = kPull ? reach * law.range : reach;
+        const Int8 near = (d2 < far * far) & (d2 > 0);
         const Float8 d = squareRoot(d2);
-        const Float8 push = where8(near, reach / d - 1);
+        Float8 push = reach / d - 1;
+        if constexpr (kPull) push = larger(push, -law.pull);
+        push = where8(near, push);
         fx -= push * dx;
         fy -= push * dy;
         fz -= push * dz;
@@ -56,14 +67,17 @@ VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const st
 
 /// Adds the overlaps with the planes `plane` up to `last`, and moves `plane` there.
 /// @param worst  raised to the largest overlap divided by the distance.
+template <bool kPull>
 VDBPACK_INLINE void addPushOfWall(const WallPlane* planes, std::uint32_t& plane, std::uint32_t last,
-                                  const Body& body, float grow, Push& push, float& worst) {
-    const float reach = body.radius * grow;
+                                  const Body& body, const Law& law, Push& push, float& worst) {
+    const float reach = body.radius * law.grow;
+    const float least = kPull ? reach - reach * law.range : 0;
     for (; plane < last; ++plane) {
         const WallPlane& p = planes[plane];
         const float away = p.distance(body);
-        const float over = reach - away;
-        if (!(over > 0)) continue;
+        float over = reach - away;
+        if (!(over > least)) continue;
+        if constexpr (kPull) over = larger(over, -law.pull * reach);
         push.x += over * p.nx;
         push.y += over * p.ny;
         push.z += over * p.nz;
@@ -80,27 +94,30 @@ VDBPACK_INLINE std::uint32_t moved(std::uint32_t at, float by) {
 }  // namespace
 
 template <int Dim>
-template <bool kSqueeze>
-void Relaxation<Dim>::stepRun(Run& run, float inertia, float cap) {
+template <bool kSqueeze, bool kPull>
+void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     const Body* bodies = now_.bodies.data();
     Body* next = next_.data();
-    const float grow = 1 + delta_;
+    const Law law{1 + delta_, step.range, step.pull};
     const std::uint32_t* ids = run.ids.data();
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
     std::uint32_t plane = 0;
-    const float capSquare = cap * cap;
+    const float inertia = step.inertia;
+    const float cap = step.cap, capSquare = cap * cap;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
         const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
-        Push push = pushOfSpheres<kSqueeze>(bodies, body, ids, end, grow, worst);
+        Push push = pushOfSpheres<kSqueeze, kPull>(bodies, body, ids, end, law, worst);
+        float share = step.push;
+        if constexpr (kPull) share *= std::min(1.0f, kFewNeighbors / static_cast<float>(end - ids));
         ids = end;
         if (const std::uint32_t last = run.planeEnds[i - run.first]; plane < last)
-            addPushOfWall(run.planes.data(), plane, last, body, grow, push, worstWall);
+            addPushOfWall<kPull>(run.planes.data(), plane, last, body, law, push, worstWall);
         Motion& motion = now_.motions[i];
-        float vx = inertia * motion.x + kPush * push.x;
-        float vy = inertia * motion.y + kPush * push.y;
-        float vz = inertia * motion.z + kPush * push.z;
+        float vx = inertia * motion.x + share * push.x;
+        float vy = inertia * motion.y + share * push.y;
+        float vz = inertia * motion.z + share * push.z;
         float speed = vx * vx + vy * vy + vz * vz;
         if (speed > capSquare) {
             const float slower = cap / std::sqrt(speed);
@@ -120,9 +137,12 @@ void Relaxation<Dim>::stepRun(Run& run, float inertia, float cap) {
     run.fastest = fastest;
 }
 
-template void Relaxation<2>::stepRun<false>(Run&, float, float);
-template void Relaxation<2>::stepRun<true>(Run&, float, float);
-template void Relaxation<3>::stepRun<false>(Run&, float, float);
-template void Relaxation<3>::stepRun<true>(Run&, float, float);
+#define VDBPACK_INSTANTIATE(Dim)                                             \
+    template void Relaxation<Dim>::stepRun<false, false>(Run&, const Step&); \
+    template void Relaxation<Dim>::stepRun<true, false>(Run&, const Step&);  \
+    template void Relaxation<Dim>::stepRun<false, true>(Run&, const Step&);
+VDBPACK_INSTANTIATE(2)
+VDBPACK_INSTANTIATE(3)
+#undef VDBPACK_INSTANTIATE
 
 }  // namespace vdbpack

@@ -34,7 +34,7 @@ void Relaxation<Dim>::listPlanes(Run& run) {
         if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
             const Body& body = now_.bodies[i];
             for (const WallPlane& plane : walls_[wall])
-                if (plane.distance(body) < body.radius * (1 + delta_) + skin_)
+                if (plane.distance(body) < body.radius * listGrow_ + skin_)
                     run.planes.push_back(plane);
         }
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));

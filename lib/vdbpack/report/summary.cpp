@@ -135,7 +135,7 @@ void addDensified(Summary& out, const Report& r, const Words& words) {
                          "smaller radius: {:.2f}, {:.2f}, {:.2f} (before: {:.2f}, {:.2f}, {:.2f})",
                          after[0], after[1], after[2], before[0], before[1], before[2]));
     constexpr double kNextTolerance = Report::Densified::kContactTolerances[1];
-    if (r.contactTolerance < kNextTolerance)
+    if (r.contactTolerance < kNextTolerance && after[0] < 0.5 * after[1])
         out.line("", fmt::format("contacts and bonds of densified {} need a wider tolerance: "
                                  "`contactTolerance` {:.2g}",
                                  words.spheres, kNextTolerance));

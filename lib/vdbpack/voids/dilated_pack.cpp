@@ -85,6 +85,7 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
     denser.fraction = kFraction[Dim - 2];
     denser.sizes = front.sizes;
     denser.seed = seed;
+    denser.contacts = false;  // the fits are those of packs that hardly touch
     auto dense = densify(*room, packed.pack.spheres, denser, quiet);
     if (dense.interrupted) throw Interrupted();
     pack.spheres = std::move(dense.spheres);
