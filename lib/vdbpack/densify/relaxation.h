@@ -158,6 +158,7 @@ private:
         float push = 0;          ///< share of an overlap that a sphere gains as velocity
         float pull = 0;          ///< gaps count as negative overlaps, but for no more than this
         float range = 1;         ///< how far they do, in sums of the radii
+        bool drifts = true;      ///< where gaps count: whether spheres move on that nothing pushes
         bool exchanges = false;  ///< whether squeeze and contacts are counted
     };
 

@@ -21,10 +21,20 @@ constexpr float kRange = 0.012f;
 /// distance: of kFirst in the first step, and kFade times as much in each further one. In the end,
 /// the pull leaves overlaps far smaller than delta.
 constexpr float kFirst = 5e-3f, kFade = 0.905f;
-/// Steps with a pull, and most of all. Without a pull, the last overlaps take 3 to 30 steps.
-constexpr int kPulls = 85, kMostSteps = 400;
-/// A sphere keeps this share of its velocity in a step, and gains this share of overlaps and gaps.
-constexpr float kInertia = 0.8f, kPush = 0.6f;
+/// Steps with a pull, and most of all. Without a pull, the last overlaps take 3 to 20 steps; a few
+/// among a million spheres take 200.
+constexpr int kPulls = 85, kMostSteps = 600;
+/// Before these steps, the exact wall is queried: the spheres are close to where they will be.
+constexpr int kFirstWall = 60, kSecondWall = kPulls;
+/// A sphere gains this share of overlaps and gaps as velocity.
+constexpr float kPush = 0.6f;
+
+/// The share of its velocity that a sphere keeps in a step: rising without a pull, as in Nesterov's
+/// method (1983), since what is left takes ever softer modes.
+float inertiaAt(int step) {
+    return 1 - 3.0f / static_cast<float>(15 + std::max(0, step - kPulls));
+}
+
 /// Gap up to which neighbors are listed beyond those in range, and the largest step; in smallest
 /// radii.
 constexpr float kSkin = 0.15f, kCap = 0.05f;
@@ -45,7 +55,6 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
     listGrow_ = (1 + delta_) * (1 + kRange);
     skin_ = kSkin * least_;
     Step step;
-    step.inertia = kInertia;
     step.cap = kCap * least_;
     step.push = kPush;
     step.pull = kFirst;
@@ -59,7 +68,10 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
         }
         if (onStep) onStep(std::min(1.0, static_cast<double>(outcome.steps) / kPulls));
         if (listsExpired(all)) rebuild(false);
+        if (outcome.steps == kFirstWall || outcome.steps == kSecondWall) keepsWall();
+        step.inertia = inertiaAt(outcome.steps);
         if (outcome.steps == kPulls) step.pull = 0;
+        step.drifts = outcome.steps < kPulls;
         float fastest = 0;
         const float worst = stepAll(step, fastest);
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));

@@ -103,18 +103,19 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
     std::uint32_t plane = 0;
-    const float inertia = step.inertia;
     const float cap = step.cap, capSquare = cap * cap;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
         const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
         Push push = pushOfSpheres<kSqueeze, kPull>(bodies, body, ids, end, law, worst);
-        float share = step.push;
+        float share = step.push, inertia = step.inertia;
         if constexpr (kPull) share *= std::min(1.0f, kFewNeighbors / static_cast<float>(end - ids));
         ids = end;
         if (const std::uint32_t last = run.planeEnds[i - run.first]; plane < last)
             addPushOfWall<kPull>(run.planes.data(), plane, last, body, law, push, worstWall);
         Motion& motion = now_.motions[i];
+        if constexpr (kPull)
+            if (!step.drifts && push.x == 0 && push.y == 0 && push.z == 0) inertia = 0;
         float vx = inertia * motion.x + share * push.x;
         float vy = inertia * motion.y + share * push.y;
         float vz = inertia * motion.z + share * push.z;
