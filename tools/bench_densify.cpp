@@ -6,6 +6,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/measure/bond_order.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/pack/packer.h"
@@ -162,14 +163,16 @@ void run(const Job& job, const DomainSource& source, const Domain<Dim>& domain,
     Pack<Dim> pack;
     pack.spheres = spheres;
     const double overlap = checkOverlap(spheres).max, out = source.protrusion(spheres).max;
+    const ContactNetwork contacts = countContacts(spheres, 1e-3);
     fmt::print(
         "{:<22} {:<12} {:>8} {:>6.4f} {:>6} {:>6.4f} {:>6} {:>6} {:>7.2f} {:>6.1f} {:>6.4f} "
-        "{:>6.4f} {:>7.1e} {:>7.1e} {}\n",
+        "{:>6.4f} {:>5.2f} {:>5.2f} {:>6.4f} {:>7.1e} {:>7.1e} {}\n",
         std::filesystem::path(job.domain).filename().string(), job.spec, spheres.size(),
         result.before, std::isfinite(job.fraction) ? fmt::format("{:.3f}", job.fraction) : "max",
         result.after, interior ? fmt::format("{:.4f}", *interior) : "-", result.steps, seconds,
         1e6 * seconds * threads / static_cast<double>(spheres.size()), ks, solidLikeShare(spheres),
-        overlap, out, hashText(packHash(pack)));
+        contacts.meanOfSpheres, countContacts(spheres, 1e-4).meanOfSpheres,
+        contacts.largestComponent, overlap, out, hashText(packHash(pack)));
     std::fflush(stdout);
     if (overlap > 0 || out > kVerifyTolerance) throw std::runtime_error("a pack is not sound");
 }
@@ -211,13 +214,15 @@ void benchDensify(int threads, bool quick, std::vector<std::string> words) {
     fmt::print(
         "{} threads; solid fractions of the front, target, reached, and deeper than three "
         "largest\nradii; us: microseconds of processor per sphere; ks: distance from SPEC; "
-        "cryst: crystalline share\n",
+        "cryst: crystalline share;\nz3, z4: coordination number for gaps up to 0.001 and 0.0001 of "
+        "the smaller radius; joined: share of\nthe spheres in the largest connected component "
+        "(0.001)\n",
         threads);
     fmt::print(
-        "{:<22} {:<12} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>6} {:>7} "
-        "{:>7} hash\n",
+        "{:<22} {:<12} {:>8} {:>6} {:>6} {:>6} {:>6} {:>6} {:>7} {:>6} {:>6} {:>6} "
+        "{:>5} {:>5} {:>6} {:>7} {:>7} hash\n",
         "domain", "radii", "spheres", "front", "target", "after", "inner", "steps", "s", "us", "ks",
-        "cryst", "overlap", "out");
+        "cryst", "z3", "z4", "joined", "overlap", "out");
     for (const auto& word : words) {
         const Job job = parseJob(word);
         withThreads(threads, [&] { runJob(job, threads); });
