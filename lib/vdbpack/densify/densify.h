@@ -64,7 +64,7 @@ struct DensifyResult {
 ///
 /// Where the requested fraction is not reached, the densest pack without overlaps is returned. The
 /// same for any number of threads. Cost: 15 to 30 µs of processor time per sphere for 0.01 to 0.03
-/// more than the front's fraction, 400 µs for the densest pack.
+/// more than the front's fraction, 400 µs for the densest pack; 4 µs for contacts.
 /// @param spheres  mm; from any program. They may overlap and protrude by less than their radii.
 /// @throws ParameterError for an impossible fraction or gap; InputError for unusable spheres or a
 /// domain without volume; ResourceError above 2^31 spheres.
