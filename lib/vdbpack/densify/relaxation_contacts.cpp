@@ -22,7 +22,7 @@ constexpr float kRange = 0.012f;
 /// the pull leaves overlaps far smaller than delta.
 constexpr float kFirst = 5e-3f, kFade = 0.905f;
 /// Steps with a pull, and most of all. Without a pull, the last overlaps take 3 to 20 steps; a few
-/// among a million spheres take 200.
+/// among a million spheres take 340.
 constexpr int kPulls = 85, kMostSteps = 600;
 /// Before these steps, the exact wall is queried: the spheres are close to where they will be.
 constexpr int kFirstWall = 60, kSecondWall = kPulls;
