@@ -103,8 +103,8 @@ public:
     explicit Schedule(const BlockLattice<3>& lattice)
         : lattice_(lattice), successors_(lattice.size()), before_(lattice.size()) {
         for (std::uint32_t b = 0; b < lattice.size(); ++b) {
-            auto lower = lattice.lowerNeighbors(b);
-            for (const std::uint32_t donor : lattice.poolDonors(b)) lower.push_back(donor);
+            std::vector<std::uint32_t> lower = lattice.poolDonors(b);
+            for (const auto& n : lattice.lowerNeighbors(b)) lower.push_back(n.block);
             std::sort(lower.begin(), lower.end());
             lower.erase(std::unique(lower.begin(), lower.end()), lower.end());
             before_[b] = static_cast<std::uint16_t>(lower.size());

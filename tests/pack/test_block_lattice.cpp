@@ -20,7 +20,7 @@ TEMPLATE_TEST_CASE_SIG("blocks cover the domain and wait for lower neighbors onl
     for (std::uint32_t b = 0; b < lattice.size(); ++b) {
         own += lattice.own(b).volume();
         search += lattice.search(b).volume();
-        for (const auto lower : lattice.lowerNeighbors(b)) CHECK(at[lower] < at[b]);
+        for (const auto lower : lattice.lowerNeighbors(b)) CHECK(at[lower.block] < at[b]);
         for (const auto donor : lattice.poolDonors(b)) CHECK(at[donor] < at[b]);
     }
     // Both cover the lattice once: the searched parts lag behind but leave nothing out.
@@ -36,7 +36,7 @@ TEST_CASE("of two blocks side by side one always waits for the other", "[pack][b
     const BlockLattice<3> lattice(bounds, 10, 2, 0x1p-20);
     std::set<std::pair<std::uint32_t, std::uint32_t>> waits;
     for (std::uint32_t b = 0; b < lattice.size(); ++b)
-        for (const auto lower : lattice.lowerNeighbors(b)) waits.insert({b, lower});
+        for (const auto lower : lattice.lowerNeighbors(b)) waits.insert({b, lower.block});
     for (std::uint32_t a = 0; a < lattice.size(); ++a)
         for (std::uint32_t b = 0; b < a; ++b) {
             const auto common = intersection(lattice.own(a).grown(1), lattice.own(b).grown(1));

@@ -18,7 +18,8 @@ const char* const kDomainHelp =
     "DICOM "
     "or TIFF files), level set (.vdb) or shape about the origin: "
     "box:LX,LY,LZ  "
-    "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R";
+    "box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R  "
+    "periodic:LX,LY,LZ  periodic:LX,LY";
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
     "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz, .data or "
@@ -217,6 +218,13 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
         ->option_text("CLIP")
         ->group("Domain")
         ->take_all();
+    command
+        .add_option("--periodic", domain.periodic,
+                    "axes along which a box or rectangle repeats, such as xy: it has no walls "
+                    "there. periodic:LX,LY,LZ repeats along all")
+        ->option_text("AXES")
+        ->group("Domain")
+        ->expected(1);
     command.add_option("--voxel", domain.voxelSize, "voxel size of the distance field, mm")
         ->option_text("H [automatic]")
         ->check(positive())

@@ -41,6 +41,7 @@ constexpr OptionName kOptionNames[] = {
     {"packGrid", "--grid"},
     {"packUnit", "--pack-unit"},
     {"vacancySamples", "--places"},
+    {"periodic", "--periodic"},
     {"preview.color", "--preview-color"},
     {"preview.cut", "--preview-cut"},
     {"preview.file", "--preview"},

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <type_traits>
 #include <variant>
 
@@ -39,7 +40,9 @@ template <class Recipe>
 std::string offeredFile(const Recipe& recipe) {
     const std::string& domain = recipe.domain.source;
     const bool plane =
-        !recipe.domain.slice.empty() || startsWith(domain, "rect:") || startsWith(domain, "disc:");
+        !recipe.domain.slice.empty() || startsWith(domain, "rect:") ||
+        startsWith(domain, "disc:") ||
+        (startsWith(domain, "periodic:") && std::count(domain.begin(), domain.end(), ',') == 1);
     if constexpr (std::is_same_v<Recipe, PackJob>)
         return offeredFile(
             domain, (extensionOf(domain) == ".vdb" ? "_pack" : "") + seedPart(recipe.study), plane);

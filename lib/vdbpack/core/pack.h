@@ -1,6 +1,7 @@
 // A set of spheres with what is known about each of them.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
@@ -35,6 +36,7 @@ template <int Dim>
 struct Pack : PackAttributes {
     std::vector<Sphere<Dim>> spheres;
     double sliceHeight = 0;  ///< 2D: the z written for every circle, mm
+    PeriodicCell<Dim> cell;  ///< in which they repeat; by default they do not
 };
 
 /// Calls `visit(name, values)` for each attribute but the id, empty or not, in the order in which

@@ -35,6 +35,9 @@ constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
 constexpr double kRounding = 1e-9;
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
+/// Increments in one stage from a front of radii 1 to 2 without walls: cells of 10,000 and of
+/// 1,000,000 spheres.
+constexpr std::array<double, 2> kGainsAtOnce{0.047, 0.0425};
 /// Fractions above this are no packs of spheres: only a single crystal comes close.
 template <int Dim>
 constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
@@ -96,7 +99,7 @@ public:
             else if (std::isfinite(options_.fraction))
                 reach(options_.fraction);
             else
-                climb(std::numeric_limits<double>::infinity());
+                reachMost();
         }
         if (moved_ && options_.contacts && !result_.interrupted) drawTogether();
         result_.after = reachedFraction();
@@ -122,6 +125,17 @@ private:
         if (attemptGain(wanted) || result_.interrupted) return;
         stage_ = 0;
         climb(wanted);
+    }
+
+    /// Goes to the densest pack; in a periodic cell of space from as near as can be at once, since
+    /// stages end up to 0.007 below that.
+    void reachMost() {
+        if (Dim == 3 && domain_->cell().any())
+            for (const double gain : kGainsAtOnce) {
+                if (attemptGain(result_.before + gain) || result_.interrupted) break;
+                stage_ = 0;
+            }
+        climb(std::numeric_limits<double>::infinity());
     }
 
     /// Climbs in stages until the smallest one fails, or `most` is reached.
@@ -371,6 +385,13 @@ template <int Dim>
 DensifyResult<Dim> densify(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                            const DensifyOptions& options, const Callbacks& callbacks) {
     checkOptions<Dim>(options, spheres.size(), domain.volume());
+    if (const PeriodicCell<Dim> cell = domain.cell(); cell.any()) {
+        if (options.ranks)
+            throw ParameterError("a periodic cell is densified by one process; run it without MPI");
+        double largest = options.sizes ? options.sizes->max() : 0;
+        for (const auto& s : spheres) largest = std::max(largest, s.radius);
+        requireLongCell(cell, largest + 0.5 * options.gap);
+    }
     return Densifier<Dim>(domain, spheres, options, callbacks).run();
 }
 

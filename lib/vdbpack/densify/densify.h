@@ -67,7 +67,8 @@ struct DensifyResult {
 /// more than the front's fraction, 400 µs for the densest pack; 4 µs for contacts.
 /// @param spheres  mm; from any program. They may overlap and protrude by less than their radii.
 /// @throws ParameterError for an impossible fraction or gap; InputError for unusable spheres or a
-/// domain without volume; ResourceError above 2^31 spheres.
+/// domain without volume, or a periodic cell shorter than four diameters; ResourceError above 2^31
+/// spheres.
 template <int Dim>
 DensifyResult<Dim> densify(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                            const DensifyOptions& options, const Callbacks& callbacks = {});

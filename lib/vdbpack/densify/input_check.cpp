@@ -11,8 +11,13 @@ namespace vdbpack {
 namespace {
 
 template <int Dim>
-bool isAnyOverlap(const std::vector<Sphere<Dim>>& spheres) {
-    requireUsable(spheres);
+bool isAnyOverlap(const std::vector<Sphere<Dim>>& given, const PeriodicCell<Dim>& cell) {
+    requireUsable(given);
+    double largest = 0;
+    for (const auto& s : given) largest = std::max(largest, s.radius);
+    SpheresWithImages<Dim> repeated;
+    if (cell.any()) repeated = withImages(given, cell, largest);
+    const std::vector<Sphere<Dim>>& spheres = cell.any() ? repeated.spheres : given;
     std::atomic<bool> found{false};
     const CellLevels<Dim> cells(spheres);
     cells.forEachPair(
@@ -31,7 +36,7 @@ bool isAnyOverlap(const std::vector<Sphere<Dim>>& spheres) {
 template <int Dim>
 bool isAccepted(const std::vector<Sphere<Dim>>& spheres, std::size_t fixed,
                 const Domain<Dim>& domain) {
-    if (isAnyOverlap(spheres)) return false;
+    if (isAnyOverlap(spheres, domain.cell())) return false;
     const auto sampler = domain.sampler();
     return std::all_of(spheres.begin() + static_cast<std::ptrdiff_t>(fixed), spheres.end(),
                        [&](const Sphere<Dim>& s) {

@@ -43,8 +43,9 @@ void Relaxation<Dim>::moveHomes() {
 template <int Dim>
 void Relaxation<Dim>::sort() {
     if (ranks_) return sortOverRanks();
-    const std::size_t n = now_.labels.size();
     moveHomes();
+    if (cell_.any()) addImages();
+    const std::size_t n = now_.labels.size();
     wraps_ = cells_.sort(now_.homes, now_.bodies.data(), smallest_, most_,
                          {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)});
     forAll(n, [&](std::size_t to) {
@@ -53,6 +54,7 @@ void Relaxation<Dim>::sort() {
         listedRadii_[to] = now_.bodies[i].radius;
     });
     std::swap(now_, sorted_);
+    if (cell_.any()) findImages(cells_.order());
 }
 
 template <int Dim>

@@ -80,6 +80,7 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
                             std::size_t fixed, const std::vector<std::int32_t>& regions,
                             std::uint64_t seed)
     : quantum_(quantumOf(spheres, nullptr)),
+      cell_(domain.cell()),
       given_(spheres),
       regions_(regions),
       fixed_(static_cast<std::uint32_t>(fixed)),
@@ -90,6 +91,13 @@ Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<
         throw ResourceError(fmt::format("densify: {} {} are more than 2^31 - 1; pack in parts", n,
                                         Measure<Dim>::kSpheres));
     if (n == 0 || fixed == n) return;
+    for (int d = 0; d < Dim; ++d) {
+        if (!cell_.isAlong(d)) continue;
+        const auto at = static_cast<std::size_t>(d);
+        cellLow_[at] = static_cast<std::int64_t>(std::ceil(cell_.box.lo[d] / quantum_));
+        // Rounding to whole quanta does not matter, as for radii and positions.
+        period_[at] = static_cast<std::int64_t>(std::nearbyint(cell_.length(d) / quantum_));
+    }
     setRadii(spheres);
     placeSlots(spheres);
     ready_ = true;
@@ -179,7 +187,8 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::spheres() const {
     forAll(now_.labels.size(), [&](std::size_t i) {
         const std::uint32_t label = now_.labels[i];
         if (!isFixed(label))
-            spheres[label].center = walls_.position(whereIs(now_.homes[i], now_.bodies[i]));
+            spheres[label].center =
+                walls_.position(wrapped(whereIs(now_.homes[i], now_.bodies[i])));
     });
     return spheres;
 }
@@ -190,7 +199,7 @@ std::vector<std::uint32_t> Relaxation<Dim>::places() const {
     std::iota(places.begin(), places.end(), 0u);
     if (ready_)
         for (std::size_t i = 0; i < now_.labels.size(); ++i)
-            places[now_.labels[i]] = now_.places[i];
+            if (now_.labels[i] != kOfOthers) places[now_.labels[i]] = now_.places[i];
     return places;
 }
 

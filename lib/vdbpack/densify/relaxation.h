@@ -177,6 +177,20 @@ private:
     Vec<Dim> vacancyNear(std::uint32_t slot, double radius, RandomStream& random,
                          std::vector<Body>& around);
 
+    // relaxation_images.cpp
+    struct Image {
+        std::uint32_t slot, source;  ///< of the image, and of that which it is one of
+        Home shift;                  ///< quanta
+    };
+    /// Puts the slots into the periodic cell, and images of those that are near others across its
+    /// faces behind them: slots that stay where they are until `refreshImages` moves them.
+    void addImages();
+    /// After all were sorted. @param order  where each slot was before.
+    void findImages(const std::vector<std::uint32_t>& order);
+    void refreshImages();
+    /// The cell's image of a position; as whole quanta.
+    Home wrapped(Home home) const;
+
     // relaxation_ranks.cpp
     Extremes agreed(const Extremes& own) const;
     void sortOverRanks();
@@ -232,13 +246,17 @@ private:
     /// Calls `visit(slot)` for (at least) all whose surface is closer than `reach`.
     template <class Visit>
     void forEachNear(const Home& home, double reach, const Visit& visit) const;
-    bool isFixed(std::uint32_t label) const { return label < fixed_; }
+    static constexpr std::uint32_t kOfOthers = 0xffffffff;  ///< label of images
+    bool isFixed(std::uint32_t label) const { return label < fixed_ || label == kOfOthers; }
     /// Whether the spheres in two slots may exchange positions.
     bool isAlike(std::uint32_t a, std::uint32_t b) const {
         return regions_.empty() || regions_[now_.labels[a]] == regions_[now_.labels[b]];
     }
 
     double quantum_;  ///< mm
+    PeriodicCell<Dim> cell_;
+    Home cellLow_{}, period_{};  ///< of the cell, quanta; 0: no period
+    std::vector<Image> images_;
     std::vector<Sphere<Dim>> given_;
     std::vector<std::int32_t> regions_;
     std::uint32_t fixed_;

@@ -325,7 +325,7 @@ void Relaxation<Dim>::addNear(const Layers& layers) {
 
 template <int Dim>
 void Relaxation<Dim>::refreshNear() {
-    if (!ranks_) return;
+    if (!ranks_) return refreshImages();
     std::vector<Ranks::Bytes> bytes;
     for (const auto& list : tell_) {
         std::vector<Body> bodies;

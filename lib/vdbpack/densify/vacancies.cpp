@@ -37,7 +37,11 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
                                                     const std::vector<std::int32_t>& regions,
                                                     std::uint64_t salt) {
     std::vector<Sphere<Dim>> placed(radii.size());
-    if (!ready_) return placed;
+    if (!ready_ || radii.empty()) return placed;
+    if (cell_.any()) {  // with images as far as vacancies are sought
+        further_ = static_cast<float>(*std::max_element(radii.begin(), radii.end()) / quantum_);
+        sort();
+    }
     // The slots of each region in the order of the cells, and how many spheres are added to it.
     struct Region {
         std::vector<std::uint32_t> slots;
@@ -46,7 +50,8 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
     std::map<std::int32_t, Region> all;
     const bool many = !regions.empty() && !regions_.empty();
     for (std::uint32_t slot = 0; slot < now_.labels.size(); ++slot)
-        all[many ? regions_[now_.labels[slot]] : 0].slots.push_back(slot);
+        if (now_.labels[slot] != kOfOthers)
+            all[many ? regions_[now_.labels[slot]] : 0].slots.push_back(slot);
     std::vector<std::size_t> numbers(radii.size());  // of each further sphere within its region
     for (std::size_t k = 0; k < radii.size(); ++k) numbers[k] = all[many ? regions[k] : 0].added++;
     tbb::parallel_for(

@@ -32,9 +32,11 @@ void checkPositive(double value, const char* shape, const char* what) {
 template <int Dim>
 class BoxDomain : public ConvexShape<Dim> {
 public:
-    BoxDomain(const Box<Dim>& box, std::string kind)
+    /// @param wraps  axes along which it repeats: there are no walls along these.
+    BoxDomain(const Box<Dim>& box, std::string kind, const std::array<bool, Dim>& wraps = {})
         : ConvexShape<Dim>(std::move(kind)),
           box_(box),
+          wraps_(wraps),
           center_(box.center()),
           half_(box.size() * 0.5) {}
 
@@ -43,20 +45,27 @@ public:
     double wallArea() const override {
         double sum = 0;
         for (int i = 0; i < Dim; ++i) {
-            double face = 2;
+            double face = hasWalls(i) ? 2 : 0;
             for (int j = 0; j < Dim; ++j)
                 if (j != i) face *= 2 * half_[j];
             sum += face;
         }
         return sum;
     }
-    double volumeDeeperThan(double depth) const override { return box_.grown(-depth).volume(); }
+    double volumeDeeperThan(double depth) const override {
+        Box<Dim> deep = box_.grown(-depth);
+        for (int i = 0; i < Dim; ++i)
+            if (!hasWalls(i)) deep.lo[i] = box_.lo[i], deep.hi[i] = box_.hi[i];
+        return deep.volume();
+    }
+    PeriodicCell<Dim> cell() const override { return {box_, wraps_}; }
 
     bool chord(const Vec<Dim>& x, double depth, double& lo, double& hi) const override {
         for (int i = 0; i + 1 < Dim; ++i)
-            if (!(std::abs(x[i] - center_[i]) < half_[i] - depth)) return false;
-        lo = box_.lo[Dim - 1] + depth;
-        hi = box_.hi[Dim - 1] - depth;
+            if (!(std::abs(x[i] - center_[i]) < half_[i] - (hasWalls(i) ? depth : 0))) return false;
+        const double from = hasWalls(Dim - 1) ? depth : 0;
+        lo = box_.lo[Dim - 1] + from;
+        hi = box_.hi[Dim - 1] - from;
         return lo < hi;
     }
 
@@ -64,6 +73,7 @@ public:
         double inside = -std::numeric_limits<double>::infinity();
         double outside = 0;
         for (int i = 0; i < Dim; ++i) {
+            if (!hasWalls(i)) continue;
             const double q = std::abs(x[i] - center_[i]) - half_[i];
             inside = std::max(inside, q);
             if (q > 0) outside += q * q;
@@ -77,6 +87,7 @@ public:
         int nearestAxis = 0;
         double nearest = std::numeric_limits<double>::infinity();
         for (int i = 0; i < Dim; ++i) {
+            if (!hasWalls(i)) continue;
             p[i] = std::clamp(x[i], box_.lo[i], box_.hi[i]);
             outside = outside || p[i] != x[i];
             const double q = half_[i] - std::abs(x[i] - center_[i]);
@@ -99,14 +110,17 @@ public:
         }
         for (int i = 0; i < Dim; ++i)
             for (const double face : {box_.lo[i], box_.hi[i]}) {
-                if (!(std::abs(x[i] - face) < reach)) continue;
+                if (!hasWalls(i) || !(std::abs(x[i] - face) < reach)) continue;
                 points.push_back({x, std::abs(x[i] - face)});
                 points.back().point[i] = face;
             }
     }
 
 private:
+    bool hasWalls(int axis) const { return !wraps_[static_cast<std::size_t>(axis)]; }
+
     Box<Dim> box_;
+    std::array<bool, Dim> wraps_;
     Vec<Dim> center_;
     Vec<Dim> half_;
 };
@@ -250,19 +264,34 @@ private:
 
 }  // namespace
 
+namespace {
+
 template <int Dim>
-std::shared_ptr<const Domain<Dim>> boxDomain(const Box<Dim>& box) {
-    const char* name = Dim == 3 ? "box" : "rect";
+void checkBox(const Box<Dim>& box, const char* name) {
     for (int i = 0; i < Dim; ++i)
         if (!std::isfinite(box.lo[i]) || !std::isfinite(box.hi[i]) || !(box.lo[i] < box.hi[i]))
             throw ParameterError(
                 fmt::format("{}: axis {} runs from {} to {}; give finite bounds in mm, the lower "
                             "one first",
                             name, "xyz"[i], box.lo[i], box.hi[i]));
+}
+
+}  // namespace
+
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> boxDomain(const Box<Dim>& box) {
+    const char* name = Dim == 3 ? "box" : "rect";
+    checkBox(box, name);
     if constexpr (Dim == 3)
         return std::make_shared<SliceableBox>(box, name);
     else
         return std::make_shared<BoxDomain<Dim>>(box, name);
+}
+
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> periodicDomain(const PeriodicCell<Dim>& cell) {
+    checkBox(cell.box, "periodic");
+    return std::make_shared<BoxDomain<Dim>>(cell.box, "periodic", cell.wraps);
 }
 
 template <int Dim>
@@ -285,6 +314,8 @@ std::shared_ptr<const Domain<3>> cylinderDomain(double radius, double height) {
 
 template std::shared_ptr<const Domain<2>> boxDomain<2>(const Box<2>&);
 template std::shared_ptr<const Domain<3>> boxDomain<3>(const Box<3>&);
+template std::shared_ptr<const Domain<2>> periodicDomain<2>(const PeriodicCell<2>&);
+template std::shared_ptr<const Domain<3>> periodicDomain<3>(const PeriodicCell<3>&);
 template std::shared_ptr<const Domain<2>> ballDomain<2>(double, const Vec<2>&);
 template std::shared_ptr<const Domain<3>> ballDomain<3>(double, const Vec<3>&);
 

@@ -11,6 +11,11 @@ namespace vdbpack {
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> boxDomain(const Box<Dim>& box);
 
+/// The inside of a box that repeats along the axes that wrap, with walls along the others.
+/// @throws ParameterError unless finite and not empty.
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> periodicDomain(const PeriodicCell<Dim>& cell);
+
 /// The inside of a ball (2D: disc). @throws ParameterError unless the radius (mm) is positive.
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> ballDomain(double radius, const Vec<Dim>& center = {});

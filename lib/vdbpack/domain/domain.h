@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/depth_range.h"
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/vec.h"
 
 #include <cstdint>
@@ -66,8 +67,8 @@ public:
 
 /// Facts for a report; zero where they do not apply.
 struct DomainFacts {
-    std::string
-        kind;  ///< "mesh", "levelset", "box", "ball", "cylinder", "rect", "disc", "slice", ...
+    std::string kind;  ///< "mesh", "levelset", "box", "ball", "cylinder", "rect", "disc", "slice",
+                       ///< "periodic", ...
     std::uint64_t triangles = 0;
     double meshVolume = 0;  ///< mm³, without cavities
     double voxelSize = 0;   ///< mm
@@ -97,6 +98,10 @@ public:
     virtual double fieldDepth() const = 0;
     virtual std::unique_ptr<DomainSampler<Dim>> sampler() const = 0;
     virtual DomainFacts facts() const = 0;
+    /// The cell in which it repeats: its box is `bounds()`, and there are no walls along the axes
+    /// that wrap. Samplers answer for points beyond its faces as for their images. By default no
+    /// axis wraps.
+    virtual PeriodicCell<Dim> cell() const { return {}; }
     /// The domain whose wall a shell is measured from: this one, or a larger one around it, such
     /// as the same with its cavities filled. Lives as long as this one.
     virtual const Domain& envelope() const { return *this; }

@@ -41,11 +41,33 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
     return box;
 }
 
+/// The axes in a text such as "xy". @throws ParameterError
+std::array<bool, 3> axesIn(const std::string& axes, int dim) {
+    std::array<bool, 3> found{};
+    for (const char c : axes) {
+        const auto at = std::string("xyz").substr(0, static_cast<std::size_t>(dim)).find(c);
+        if (at == std::string::npos || found[at])
+            throw ParameterError(
+                fmt::format("`periodic` '{}' is malformed; write each axis once: {}", axes,
+                            dim == 3 ? "x, y, z, xy, xz, yz or xyz" : "x, y or xy"));
+        found[at] = true;
+    }
+    return found;
+}
+
+template <int Dim>
+std::shared_ptr<const Domain<Dim>> boxWith(const Box<Dim>& box, const std::array<bool, 3>& wraps) {
+    PeriodicCell<Dim> cell{box, {}};
+    std::copy_n(wraps.begin(), Dim, cell.wraps.begin());
+    return cell.any() ? periodicDomain<Dim>(cell) : boxDomain<Dim>(box);
+}
+
 }  // namespace
 
 const char* const kShapeForms =
-    "box:LX,LY,LZ, box:x0,y0,z0,x1,y1,z1, ball:R, cylinder:R,H, rect:W,H, rect:x0,y0,x1,y1 or "
-    "disc:R";
+    "box:LX,LY,LZ, box:x0,y0,z0,x1,y1,z1, ball:R, cylinder:R,H, rect:W,H, rect:x0,y0,x1,y1, "
+    "disc:R, "
+    "periodic:LX,LY,LZ or periodic:LX,LY";
 
 bool namesUnknownShape(const std::string& text) {
     const auto colon = text.find(':');
@@ -84,22 +106,42 @@ Vec<3> parseVoxelSpacing(const std::string& text) {
     return {{v[0], v[1], v[2]}};
 }
 
-std::optional<NamedShape> parseShape(const std::string& text) {
+std::optional<NamedShape> parseShape(const std::string& text, const std::string& periodic) {
     const auto colon = text.find(':');
     if (colon == std::string::npos) return std::nullopt;
     const std::string kind = text.substr(0, colon), rest = text.substr(colon + 1);
     const std::string what = fmt::format("'{}'", text);
     NamedShape shape;
-    if (kind == "box") {
+    if (!periodic.empty() && kind != "box" && kind != "rect")
+        throw ParameterError(fmt::format(
+            "`periodic` {}: {} is {}; it is for box: and rect:", periodic, what,
+            kind == "periodic" ? "periodic along all axes already" : "no box and no rectangle"));
+    if (kind == "periodic") {
+        const char* form = "periodic:LX,LY,LZ or periodic:LX,LY";
+        const auto v = numbersIn(what, rest, form);
+        shape.wraps = {true, true, v.size() == 3};
+        if (v.size() == 3) {
+            shape.box = boxFrom<3>(what, v, form);
+            shape.space = boxWith<3>(shape.box, shape.wraps);
+        } else if (v.size() == 2) {
+            shape.kind = NamedShape::Kind::rect;
+            shape.rect = boxFrom<2>(what, v, form);
+            shape.plane = boxWith<2>(shape.rect, shape.wraps);
+        } else {
+            malformed(what, form);
+        }
+    } else if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
         shape.kind = NamedShape::Kind::box;
         shape.box = boxFrom<3>(what, numbersIn(what, rest, form), form);
-        shape.space = boxDomain<3>(shape.box);
+        shape.wraps = axesIn(periodic, 3);
+        shape.space = boxWith<3>(shape.box, shape.wraps);
     } else if (kind == "rect") {
         const char* form = "rect:W,H or rect:x0,y0,x1,y1";
         shape.kind = NamedShape::Kind::rect;
         shape.rect = boxFrom<2>(what, numbersIn(what, rest, form), form);
-        shape.plane = boxDomain<2>(shape.rect);
+        shape.wraps = axesIn(periodic, 2);
+        shape.plane = boxWith<2>(shape.rect, shape.wraps);
     } else if (kind == "cylinder") {
         const auto v = numbersIn(what, rest, "cylinder:R,H");
         if (v.size() != 2) malformed(what, "cylinder:R,H");

@@ -60,7 +60,9 @@ public:
 
     Box<Dim> bounds() const override {
         Box<Dim> box = outer_.bounds();
+        const PeriodicCell<Dim> cell = outer_.cell();
         for (int d = 0; d < Dim; ++d) {
+            if (cell.isAlong(d)) continue;
             const double by = std::min(inset_, 0.5 * (box.hi[d] - box.lo[d]));
             box.lo[d] += by;
             box.hi[d] -= by;
@@ -77,6 +79,7 @@ public:
         return std::make_unique<InsetSampler<Dim>>(outer_.sampler(), inset_);
     }
     DomainFacts facts() const override { return outer_.facts(); }
+    PeriodicCell<Dim> cell() const override { return outer_.cell(); }
 
 private:
     const Domain<Dim>& outer_;

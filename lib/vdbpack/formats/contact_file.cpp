@@ -44,8 +44,8 @@ void writeContacts(const Pack<Dim>& pack, const std::vector<Contact>& contacts,
         appendNumber(text, view.id(contact.i));
         appendNumber(text += ',', view.id(contact.j));
         appendNumber(text += ',', fromMillimeters(contact.gap, unit));
-        const auto normal =
-            normalized(pack.spheres[contact.j].center - pack.spheres[contact.i].center);
+        const auto normal = normalized(
+            pack.cell.nearest(pack.spheres[contact.j].center - pack.spheres[contact.i].center));
         for (int d = 0; d < 3; ++d) appendNumber(text += ',', d < Dim ? normal[d] : 0.0);
         for (const std::uint32_t end : {contact.i, contact.j})
             appendNumber(text += ',', std::int64_t{view.region().empty() ? 0 : view.region()[end]});

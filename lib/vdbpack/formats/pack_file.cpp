@@ -118,7 +118,7 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             writeLammps(view, options, nullptr, out);
             break;
         case PackFormat::lammpsBonds: {
-            const auto bonds = listContacts(pack.spheres, options.contactTolerance);
+            const auto bonds = listContacts(pack.spheres, options.contactTolerance, pack.cell);
             writeLammps(view, options, &bonds, out);
             break;
         }
@@ -189,6 +189,11 @@ Pack<2> asCircles(const Pack<3>& pack) {
         circles.spheres.push_back({{{s.center[0], s.center[1]}}, s.radius});
     }
     static_cast<PackAttributes&>(circles) = pack;
+    for (int d = 0; d < 2 && pack.cell.any(); ++d) {
+        circles.cell.wraps[static_cast<std::size_t>(d)] = pack.cell.isAlong(d);
+        circles.cell.box.lo[d] = pack.cell.box.lo[d];
+        circles.cell.box.hi[d] = pack.cell.box.hi[d];
+    }
     return circles;
 }
 

@@ -62,6 +62,15 @@ std::array<double, BondOrder<Dim>::kComponents> harmonics(const Vec<Dim>& n) {
     }
 }
 
+/// The spheres, with all images that bonds join.
+template <int Dim>
+SpheresWithImages<Dim> withBonded(const std::vector<Sphere<Dim>>& spheres,
+                                  const PeriodicCell<Dim>& cell) {
+    double largest = 0;
+    for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+    return withImages(spheres, cell, (1 + kBond) * largest * (1 + 1e-9));
+}
+
 /// Calls `visit(j, offset of center j)` for the bonds of sphere i.
 template <int Dim, class Visit>
 void forEachBond(const CellLevels<Dim>& cells, const std::vector<Sphere<Dim>>& spheres,
@@ -78,12 +87,13 @@ void forEachBond(const CellLevels<Dim>& cells, const std::vector<Sphere<Dim>>& s
 }
 
 template <int Dim>
-BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, const CellLevels<Dim>& cells) {
+BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
+                         const CellLevels<Dim>& cells) {
     BondOrder<Dim> order;
-    order.direction.resize(spheres.size());
-    order.strength.resize(spheres.size());
+    order.direction.resize(own);
+    order.strength.resize(own);
     tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, spheres.size(), 256),
+        tbb::blocked_range<std::size_t>(0, own, 256),
         [&](const tbb::blocked_range<std::size_t>& part) {
             for (std::size_t i = part.begin(); i < part.end(); ++i) {
                 std::array<double, BondOrder<Dim>::kComponents> sum{};
@@ -107,24 +117,30 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, const CellLeve
 }  // namespace
 
 template <int Dim>
-BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres) {
+BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell) {
     requireUsable(spheres);
-    return bondOrder(spheres, CellLevels<Dim>(spheres, kBond));
+    if (!cell.any()) return bondOrder(spheres, spheres.size(), CellLevels<Dim>(spheres, kBond));
+    const auto all = withBonded(spheres, cell);
+    return bondOrder(all.spheres, all.own, CellLevels<Dim>(all.spheres, kBond));
 }
 
 template <int Dim>
-double solidLikeShare(const std::vector<Sphere<Dim>>& spheres) {
-    requireUsable(spheres);
-    if (spheres.empty()) return 0;
+double solidLikeShare(const std::vector<Sphere<Dim>>& given, const PeriodicCell<Dim>& cell) {
+    requireUsable(given);
+    if (given.empty()) return 0;
+    SpheresWithImages<Dim> repeated;
+    if (cell.any()) repeated = withBonded(given, cell);
+    const std::vector<Sphere<Dim>>& spheres = cell.any() ? repeated.spheres : given;
     const CellLevels<Dim> cells(spheres, kBond);
-    const auto order = bondOrder(spheres, cells);
+    const auto order = bondOrder(spheres, given.size(), cells);
     const auto count = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, spheres.size(), 256), std::uint64_t(0),
+        tbb::blocked_range<std::size_t>(0, given.size(), 256), std::uint64_t(0),
         [&](const tbb::blocked_range<std::size_t>& part, std::uint64_t sum) {
             for (std::size_t i = part.begin(); i < part.end(); ++i) {
                 int alike = 0;
                 forEachBond(cells, spheres, i, [&](std::uint32_t j, const Vec<Dim>&) {
-                    const auto &a = order.direction[i], &b = order.direction[j];
+                    const std::size_t k = cell.any() ? repeated.source[j] : j;
+                    const auto &a = order.direction[i], &b = order.direction[k];
                     double product = 0;
                     for (std::size_t c = 0; c < a.size(); ++c)
                         product += static_cast<double>(a[c]) * static_cast<double>(b[c]);
@@ -135,12 +151,12 @@ double solidLikeShare(const std::vector<Sphere<Dim>>& spheres) {
             return sum;
         },
         std::plus<>());
-    return static_cast<double>(count) / static_cast<double>(spheres.size());
+    return static_cast<double>(count) / static_cast<double>(given.size());
 }
 
-template BondOrder<2> bondOrder(const std::vector<Sphere<2>>&);
-template BondOrder<3> bondOrder(const std::vector<Sphere<3>>&);
-template double solidLikeShare(const std::vector<Sphere<2>>&);
-template double solidLikeShare(const std::vector<Sphere<3>>&);
+template BondOrder<2> bondOrder(const std::vector<Sphere<2>>&, const PeriodicCell<2>&);
+template BondOrder<3> bondOrder(const std::vector<Sphere<3>>&, const PeriodicCell<3>&);
+template double solidLikeShare(const std::vector<Sphere<2>>&, const PeriodicCell<2>&);
+template double solidLikeShare(const std::vector<Sphere<3>>&, const PeriodicCell<3>&);
 
 }  // namespace vdbpack

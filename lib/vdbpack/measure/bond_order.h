@@ -1,6 +1,7 @@
 // Bond order: crystalline order of spheres.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
 
 #include <array>
@@ -24,9 +25,11 @@ struct BondOrder {
     std::vector<float> strength;  ///< q6 (2D: the absolute psi6); fcc 0.575, hexagonal 1
 };
 
+/// @param cell  in which the spheres repeat: bonds join images, too.
 /// @throws InputError as `checkOverlap`.
 template <int Dim>
-BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres);
+BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres,
+                         const PeriodicCell<Dim>& cell = {});
 
 /// Share of the spheres in crystalline order: at least 7 (2D: 4) of their bonds join spheres
 /// of nearly the same order, the product of the two unit vectors above 0.7. 0 for no spheres; below
@@ -36,6 +39,6 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres);
 /// The same for any number of threads; about 3 microseconds a sphere and thread.
 /// @throws InputError as `checkOverlap`.
 template <int Dim>
-double solidLikeShare(const std::vector<Sphere<Dim>>& spheres);
+double solidLikeShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell = {});
 
 }  // namespace vdbpack

@@ -56,6 +56,17 @@ private:
 /// A sum of numbers from -1 to 1 that does not depend on their order.
 constexpr double kFixed = 0x1p31;
 
+/// The spheres with all images that own ones may touch.
+template <int Dim>
+SpheresWithImages<Dim> withPartners(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                                    const PeriodicCell<Dim>& cell) {
+    requireContactTolerance(tolerance);
+    requireUsable(spheres);
+    double largest = 0;
+    for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+    return withImages(spheres, cell, (1 + tolerance) * largest * (1 + 1e-9));
+}
+
 }  // namespace
 
 void requireContactTolerance(double tolerance) {
@@ -66,7 +77,7 @@ void requireContactTolerance(double tolerance) {
 
 template <int Dim>
 PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
-                            double tolerance) {
+                            double tolerance, const std::vector<std::uint32_t>* source) {
     requireContactTolerance(tolerance);
     requireUsable(spheres);
     PartContacts result;
@@ -83,8 +94,14 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
             double d2) {
             counts[i].fetch_add(1, std::memory_order_relaxed);
             counts[j].fetch_add(1, std::memory_order_relaxed);
-            components.join(i, j);
-            if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;
+            if (source) {
+                if (std::min(i, j) >= own) return;
+                components.join((*source)[i], (*source)[j]);
+                if (std::max(i, j) >= own && std::min(i, j) > (*source)[std::max(i, j)]) return;
+            } else {
+                components.join(i, j);
+                if (std::max(i, j) >= own && (isBefore(a, b) ? i : j) >= own) return;
+            }
             Found& mine = found.local();
             mine.smallest = std::min(mine.smallest, std::sqrt(d2) - a.radius - b.radius);
             if (!(d2 > 0)) return;
@@ -176,8 +193,15 @@ ContactNetwork networkOf(const ContactSums& sums, int dim) {
 
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
-                           const std::vector<float>& depth) {
-    PartContacts all = contactsOfPart(spheres, spheres.size(), tolerance);
+                           const std::vector<float>& depth, const PeriodicCell<Dim>& cell) {
+    PartContacts all;
+    if (cell.any()) {
+        const auto repeated = withPartners(spheres, tolerance, cell);
+        all = contactsOfPart(repeated.spheres, repeated.own, tolerance, &repeated.source);
+        all.component.resize(repeated.own);
+    } else {
+        all = contactsOfPart(spheres, spheres.size(), tolerance);
+    }
     all.sums.add(spheres, tolerance, depth, all.partners);
     ContactCheck result;
     static_cast<ContactNetwork&>(result) = networkOf(all.sums, Dim);
@@ -208,17 +232,25 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
 }
 
 template <int Dim>
-std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance) {
+std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& given, double tolerance,
+                                  const PeriodicCell<Dim>& cell) {
     requireContactTolerance(tolerance);
-    requireUsable(spheres);
+    requireUsable(given);
+    SpheresWithImages<Dim> repeated;
+    if (cell.any()) repeated = withPartners(given, tolerance, cell);
+    const std::vector<Sphere<Dim>>& spheres = cell.any() ? repeated.spheres : given;
     tbb::enumerable_thread_specific<std::vector<Contact>> found;
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
             double d2) {
+            std::uint32_t first = std::min(i, j), second = std::max(i, j);
+            if (second >= given.size()) {  // an image: the pair is found from both sides
+                if (first >= given.size() || first > repeated.source[second]) return;
+                second = repeated.source[second];
+            }
             // The radii are added first, so that the gap is the same for (i, j) and (j, i).
-            found.local().push_back(
-                {std::min(i, j), std::max(i, j), std::sqrt(d2) - (a.radius + b.radius)});
+            found.local().push_back({first, second, std::sqrt(d2) - (a.radius + b.radius)});
         },
         [] { return false; });
     std::size_t total = 0;
@@ -235,9 +267,12 @@ std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, doubl
     return contacts;
 }
 
+namespace {
+
+/// @param source  of each sphere as in `SpheresWithImages`; null: there are no images.
 template <int Dim>
-std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing) {
-    requireUsable(spheres);
+std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
+                               const std::vector<std::uint32_t>* source) {
     if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double smallest = kInfinity;
@@ -250,6 +285,7 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
         cells.forEachPair(
             [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
                 double d2) {
+                if (source) i = (*source)[i], j = (*source)[j];
                 if (i < standing && j < standing) return;
                 double& mine = found.local();
                 mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
@@ -261,19 +297,43 @@ std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::
     }
 }
 
-template std::vector<Contact> listContacts<2>(const std::vector<Sphere<2>>&, double);
-template std::vector<Contact> listContacts<3>(const std::vector<Sphere<3>>&, double);
-template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t);
-template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t);
-template PartContacts contactsOfPart(const std::vector<Sphere<2>>&, std::size_t, double);
-template PartContacts contactsOfPart(const std::vector<Sphere<3>>&, std::size_t, double);
+}  // namespace
+
+template <int Dim>
+std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
+                                  const PeriodicCell<Dim>& cell) {
+    requireUsable(spheres);
+    if (!cell.any() || spheres.size() <= standing) return leastGap(spheres, standing, nullptr);
+    double reach = 0;
+    for (const Sphere<Dim>& s : spheres) reach = std::max(reach, s.radius);
+    // Images as far away as a gap that was found among nearer ones.
+    for (reach *= 1.5;; reach *= 4) {
+        const auto repeated = withImages(spheres, cell, reach);
+        const auto gap = leastGap(repeated.spheres, standing, &repeated.source);
+        if (gap && *gap < 0.3 * reach) return gap;
+        if (reach > 2 * length(cell.box.size())) return gap;
+    }
+}
+
+template std::vector<Contact> listContacts<2>(const std::vector<Sphere<2>>&, double,
+                                              const PeriodicCell<2>&);
+template std::vector<Contact> listContacts<3>(const std::vector<Sphere<3>>&, double,
+                                              const PeriodicCell<3>&);
+template std::optional<double> smallestGap<2>(const std::vector<Sphere<2>>&, std::size_t,
+                                              const PeriodicCell<2>&);
+template std::optional<double> smallestGap<3>(const std::vector<Sphere<3>>&, std::size_t,
+                                              const PeriodicCell<3>&);
+template PartContacts contactsOfPart(const std::vector<Sphere<2>>&, std::size_t, double,
+                                     const std::vector<std::uint32_t>*);
+template PartContacts contactsOfPart(const std::vector<Sphere<3>>&, std::size_t, double,
+                                     const std::vector<std::uint32_t>*);
 template void ContactSums::add(const std::vector<Sphere<2>>&, double, const std::vector<float>&,
                                std::vector<std::int32_t>&);
 template void ContactSums::add(const std::vector<Sphere<3>>&, double, const std::vector<float>&,
                                std::vector<std::int32_t>&);
 template ContactCheck countContacts<2>(const std::vector<Sphere<2>>&, double,
-                                       const std::vector<float>&);
+                                       const std::vector<float>&, const PeriodicCell<2>&);
 template ContactCheck countContacts<3>(const std::vector<Sphere<3>>&, double,
-                                       const std::vector<float>&);
+                                       const std::vector<float>&, const PeriodicCell<3>&);
 
 }  // namespace vdbpack

@@ -1,6 +1,7 @@
 // Contacts between spheres, and the network that they form.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/symmetric.h"
 
@@ -47,10 +48,12 @@ void requireContactTolerance(double tolerance);
 ///                   (overlapping ones do), a sphere and the wall if |depth - radius| is at most
 ///                   this share of its radius; 0 to 1.
 /// @param depth      distance of each center to the wall, mm; empty: walls are not counted.
+/// @param cell       in which the spheres repeat: contacts with images count.
 /// @throws ParameterError for another tolerance or number of depths; InputError as `checkOverlap`.
 template <int Dim>
 ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
-                           const std::vector<float>& depth = {});
+                           const std::vector<float>& depth = {},
+                           const PeriodicCell<Dim>& cell = {});
 
 /// What the contacts of a pack add up to, of which parts can be counted one by one.
 struct ContactSums {
@@ -80,9 +83,11 @@ struct PartContacts {
 
 /// Finds the contacts of the first `own` spheres. The others are those of other parts that they
 /// may touch; a pair of two parts adds to the sums of one of them.
+/// @param source  where the others are images of own spheres: of which (`SpheresWithImages`);
+///                null: they are not. The two images of a pair add to the sums once.
 template <int Dim>
 PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own,
-                            double tolerance);
+                            double tolerance, const std::vector<std::uint32_t>* source = nullptr);
 
 /// The network of all parts, without its components.
 ContactNetwork networkOf(const ContactSums& sums, int dim);
@@ -96,18 +101,20 @@ struct Contact {
 /// Lists the pairs of spheres that `countContacts` counts, sorted by i, then j: the same list for
 /// any number of threads. 16 bytes a contact, twice that while the list is made.
 ///
-/// @param tolerance  as of `countContacts`.
+/// @param tolerance, cell  as of `countContacts`.
 /// @throws as `countContacts`.
 template <int Dim>
-std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance);
+std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& spheres, double tolerance,
+                                  const PeriodicCell<Dim>& cell = {});
 
 /// The smallest distance between the surfaces of two spheres, mm; negative if they overlap.
 /// Exact at any distance.
 ///
 /// @param standing  pairs among the first `standing` spheres do not count.
+/// @param cell      in which the spheres repeat: images count.
 /// @return nothing if there is no pair. @throws InputError as `checkOverlap`.
 template <int Dim>
-std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres,
-                                  std::size_t standing = 0);
+std::optional<double> smallestGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing = 0,
+                                  const PeriodicCell<Dim>& cell = {});
 
 }  // namespace vdbpack

@@ -133,7 +133,9 @@ std::optional<LocalFraction> localFraction(const std::vector<Sphere<Dim>>& spher
                         wanted, edge));
     const CoarseGrid<Dim> grid(bounds, edge);
     if (grid.cells() == 0) return std::nullopt;
-    const auto covered = coveredParts(spheres, grid, kPart * std::pow(edge, Dim), rows);
+    const PeriodicCell<Dim> cell = domain.cell();
+    const auto covered = coveredParts(cell.any() ? withImages(spheres, cell, 0).spheres : spheres,
+                                      grid, kPart * std::pow(edge, Dim), rows);
     const auto inside = cellsInside(grid, domain, edge);
     LocalFraction result;
     result.edge = edge;

@@ -52,17 +52,25 @@ void addPairs(const std::vector<Sphere<Dim>>& spheres, const std::vector<std::ui
 template <int Dim>
 std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
                                                const std::vector<float>& depth, double reach,
-                                               double volume, int bins, const SphereRows& rows) {
+                                               double volume, int bins, const SphereRows& rows,
+                                               const PeriodicCell<Dim>& cell) {
     if (!(reach > 0 && std::isfinite(reach)) || bins < 1 || bins > 1'000'000)
         throw ParameterError(
             fmt::format("pair correlation: {} bins up to {} mm; give a positive number of each, "
                         "at most 1,000,000 bins",
                         bins, reach));
-    if (depth.size() != spheres.size())
+    if (depth.size() != spheres.size() && !(depth.empty() && cell.all()))
         throw ParameterError(fmt::format("pair correlation: {} depths for {} {}; give one each",
                                          depth.size(), spheres.size(), Measure<Dim>::kSpheres));
+    if (reach > 0.5 * cell.shortest() || (cell.any() && rows.ranks))
+        throw ParameterError(
+            fmt::format("pair correlation: {} mm in a periodic cell {} mm long; give at most half "
+                        "its length, to one process",
+                        reach, cell.shortest()));
     requireUsable(spheres);
-    const auto isDeep = [&](std::size_t i) { return static_cast<double>(depth[i]) >= reach; };
+    const auto isDeep = [&](std::size_t i) {
+        return depth.empty() || static_cast<double>(depth[i]) >= reach;
+    };
     std::uint64_t deep = 0;
     for (std::size_t i = 0; i < spheres.size(); ++i) deep += isDeep(i);
     deep = sumOver(rows.ranks, deep);
@@ -80,7 +88,10 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
         for (std::size_t i = 0; i < spheres.size(); ++i)
             if (isReference(i)) references.push_back(static_cast<std::uint32_t>(i));
         result.references = references.size();
-        addPairs(spheres, references, reach, counts);
+        if (cell.any())
+            addPairs(withImages(spheres, cell, reach).spheres, references, reach, counts);
+        else
+            addPairs(spheres, references, reach, counts);
     } else {
         std::vector<std::int64_t> marks(spheres.size());
         for (std::size_t i = 0; i < spheres.size(); ++i) marks[i] = isReference(i);
@@ -109,9 +120,11 @@ std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& s
 
 template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<2>>&,
                                                         const std::vector<float>&, double, double,
-                                                        int, const SphereRows&);
+                                                        int, const SphereRows&,
+                                                        const PeriodicCell<2>&);
 template std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<3>>&,
                                                         const std::vector<float>&, double, double,
-                                                        int, const SphereRows&);
+                                                        int, const SphereRows&,
+                                                        const PeriodicCell<3>&);
 
 }  // namespace vdbpack

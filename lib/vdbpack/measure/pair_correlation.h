@@ -1,6 +1,7 @@
 // Pair correlation of sphere centers.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 
@@ -22,14 +23,15 @@ struct PairCorrelation {
 /// Uses centers that are at least `reach` deep, so that no spherical shell leaves the domain; at
 /// most a fixed choice of 100,000 of them. Spheres of all sizes have the same weight.
 ///
-/// @param depth   distance of each center to the wall, mm.
-/// @param reach   mm, > 0.
+/// @param depth   distance of each center to the wall, mm; empty in a cell without walls.
+/// @param reach   mm, > 0; at most half the length of a periodic cell, beyond which centers are
+///                paired with several images of one.
 /// @param volume  of the part of the domain that is at least `reach` deep (2D: area), mm^dim: with
 ///                the centers in it, the mean density.
 /// @param bins    > 0.
 /// @param rows    where ranks share the pack: called by all of them, with the same arguments but
-/// for
-///                the spheres of each.
+///                for the spheres of each.
+/// @param cell    in which the spheres repeat: images count; not over ranks.
 /// @return nothing for fewer than 100 references, with which g is noise.
 /// @throws ParameterError for other arguments, InputError for an unusable sphere.
 /// The same for any number of threads and ranks. Cost: about 1 microsecond per reference at `reach`
@@ -37,7 +39,7 @@ struct PairCorrelation {
 template <int Dim>
 std::optional<PairCorrelation> pairCorrelation(const std::vector<Sphere<Dim>>& spheres,
                                                const std::vector<float>& depth, double reach,
-                                               double volume, int bins,
-                                               const SphereRows& rows = {});
+                                               double volume, int bins, const SphereRows& rows = {},
+                                               const PeriodicCell<Dim>& cell = {});
 
 }  // namespace vdbpack

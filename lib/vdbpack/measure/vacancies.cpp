@@ -153,7 +153,9 @@ Vacancies<Dim> findVacancies(const std::vector<Sphere<Dim>>& spheres, const Doma
     if (bounds.empty() || !(volume > 0) || !(bounds.volume() > 0)) return {};
 
     const SampleBlocks<Dim> blocks(bounds, volume, samplePoints);
-    const CellLevels<Dim> cells(spheres);
+    const PeriodicCell<Dim> cell = domain.cell();
+    const double most = 0.5 * cell.shortest();  // farther away no point is from an image
+    const CellLevels<Dim> cells(cell.any() ? withImages(spheres, cell, most).spheres : spheres);
     const VacancySearch<Dim> search(cells, blocks, radius, 4 * length(bounds.size()));
     Samplers<Dim> samplers(domain);
     tbb::enumerable_thread_specific<Vacancies<Dim>> found;

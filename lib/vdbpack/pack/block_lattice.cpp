@@ -1,6 +1,7 @@
 #include "vdbpack/pack/block_lattice.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/pack/front/block_spheres.h"
 
 #include <fmt/format.h>
 
@@ -11,14 +12,20 @@
 namespace vdbpack {
 
 template <int Dim>
-BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum) {
+BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum,
+                                const PeriodicCell<Dim>& cell)
+    : wraps_(cell.wraps) {
     lag_ = std::ceil(lag / quantum) * quantum;
     double total = 1;
     for (int d = 0; d < Dim; ++d) {
         lo_[d] = std::floor(bounds.lo[d] / quantum) * quantum;
+        if (cell.isAlong(d)) {  // all centers lie in the cell
+            lo_[d] = std::ceil(bounds.lo[d] / quantum) * quantum;
+            hi_[d] = std::floor(bounds.hi[d] / quantum) * quantum;
+        }
         const double extent = bounds.hi[d] - lo_[d];
         // Up to half as long again as wanted: a short block costs more than it saves.
-        const double blocks = std::max(1.0, std::ceil(extent / side - 0.5));
+        const double blocks = std::max(cell.isAlong(d) ? 2.0 : 1.0, std::ceil(extent / side - 0.5));
         total *= blocks;
         if (!(total < 5e7))
             throw ResourceError(fmt::format(
@@ -33,24 +40,29 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
     std::iota(axes.begin(), axes.end(), std::size_t{0});
     std::stable_sort(axes.begin(), axes.end(),
                      [&](std::size_t a, std::size_t b) { return count_[a] > count_[b]; });
-    chain_ = 1;
-    for (std::size_t k = 0; k < Dim; ++k) {
-        weight_[axes[k]] = 1 << k;
-        chain_ += static_cast<std::size_t>(count_[axes[k]] - 1) << k;
-    }
+    for (std::size_t k = 0; k < Dim; ++k) weight_[axes[k]] = 1 << k;
     order_.resize(static_cast<std::size_t>(total));
+    orderBlocks();
+    findChain();
+}
+
+/// The order of the blocks, and whose pools they take.
+template <int Dim>
+void BlockLattice<Dim>::orderBlocks() {
     std::iota(order_.begin(), order_.end(), 0u);
     std::vector<int> ranks(order_.size());
     for (const std::uint32_t b : order_) ranks[b] = rank(indexOf(b));
     std::stable_sort(order_.begin(), order_.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return ranks[a] < ranks[b]; });
+    place_.resize(order_.size());
+    for (std::uint32_t k = 0; k < order_.size(); ++k) place_[order_[k]] = k;
 
     // Pools: along each row, then from the ends of rows to the starts of later ones.
     donors_.resize(order_.size());
     std::vector<std::uint32_t> starts, ends;
     for (const std::uint32_t b : order_) {
         Index i = indexOf(b);
-        const std::size_t along = axes[0];
+        const std::size_t along = axes_[0];
         if (i[along] > 0) {
             Index before = i;
             --before[along];
@@ -67,6 +79,20 @@ BlockLattice<Dim>::BlockLattice(const Box<Dim>& bounds, double side, double lag,
     endsPool_.assign(order_.size(), true);
     for (const auto& donors : donors_)
         for (const std::uint32_t donor : donors) endsPool_[donor] = false;
+}
+
+template <int Dim>
+void BlockLattice<Dim>::findChain() {
+    chain_ = 1;
+    for (std::size_t k = 0; k < Dim; ++k)
+        chain_ += static_cast<std::size_t>(count_[axes_[k]] - 1) << k;
+    if (std::none_of(wraps_.begin(), wraps_.end(), [](bool w) { return w; })) return;
+    std::vector<std::size_t> chains(order_.size(), 1);  // up to each block
+    for (const std::uint32_t b : order_) {
+        for (const Neighbor& n : lowerNeighbors(b))
+            chains[b] = std::max(chains[b], chains[n.block] + 1);
+        chain_ = std::max(chain_, chains[b]);
+    }
 }
 
 template <int Dim>
@@ -103,7 +129,7 @@ Box<Dim> BlockLattice<Dim>::own(std::uint32_t b) const {
     Box<Dim> box;
     for (int d = 0; d < Dim; ++d) {
         box.lo[d] = lo_[d] + side_[d] * i[static_cast<std::size_t>(d)];
-        box.hi[d] = box.lo[d] + side_[d];
+        box.hi[d] = std::min(box.lo[d] + side_[d], hi_[d]);
     }
     return box;
 }
@@ -143,20 +169,46 @@ std::vector<std::uint32_t> BlockLattice<Dim>::blocksIn(const Box<Dim>& box) cons
 }
 
 template <int Dim>
-std::vector<std::uint32_t> BlockLattice<Dim>::lowerNeighbors(std::uint32_t b) const {
+template <class Visit>
+void BlockLattice<Dim>::forEachNeighbor(std::uint32_t b, const Visit& visit) const {
     const Index i = indexOf(b);
-    const int own = rank(i);
-    std::vector<std::uint32_t> lower;
     const int neighbors = Dim == 3 ? 27 : 9;
     for (int n = 0; n < neighbors; ++n) {
         Index j = i;
+        Neighbor found{};
         int rest = n;
-        for (std::size_t d = 0; d < Dim; ++d, rest /= 3) j[d] += rest % 3 - 1;
-        if (rank(j) >= own) continue;
-        const std::uint32_t other = blockAt(j);
-        if (other != kNone) lower.push_back(other);
+        for (std::size_t d = 0; d < Dim; ++d, rest /= 3) {
+            found.offset[d] = 1 - rest % 3;
+            j[d] -= found.offset[d];
+            if (!wraps_[d]) continue;
+            found.laps[d] = j[d] < 0 ? -1 : j[d] >= count_[d] ? 1 : 0;
+            j[d] -= found.laps[d] * count_[d];
+        }
+        found.block = blockAt(j);
+        if (found.block != kNone && found.block != b) visit(found);
     }
+}
+
+template <int Dim>
+std::vector<typename BlockLattice<Dim>::Neighbor> BlockLattice<Dim>::lowerNeighbors(
+    std::uint32_t b) const {
+    std::vector<Neighbor> lower;
+    forEachNeighbor(b, [&](const Neighbor& n) {
+        if (place_[n.block] < place_[b]) lower.push_back(n);
+    });
     return lower;
+}
+
+template <int Dim>
+std::uint32_t BlockLattice<Dim>::laterBehind(std::uint32_t b) const {
+    std::uint32_t bits = 0;
+    forEachNeighbor(b, [&](const Neighbor& n) {
+        std::array<int, Dim> seen = n.offset;  // from `b`
+        for (int& o : seen) o = -o;
+        const bool behind = std::all_of(seen.begin(), seen.end(), [](int o) { return o <= 0; });
+        if (behind && place_[n.block] > place_[b]) bits |= neighborBit(seen);
+    });
+    return bits;
 }
 
 template <int Dim>

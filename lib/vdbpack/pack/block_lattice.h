@@ -2,9 +2,11 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/periodic_cell.h"
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace vdbpack {
@@ -16,6 +18,11 @@ namespace vdbpack {
 /// none grow towards each other. A row is a line of blocks along the first axis; its pool of
 /// pending radii is handed from block to block, and at its end to a later row that starts after
 /// it anyway. The weights 1, 2, 4 go to the axes from the longest to the shortest.
+///
+/// Along an axis that wraps, the first and the last blocks are neighbors too, but ranks do not
+/// wrap: the first block starts from nothing, and the last one from spheres on both sides. Ranks of
+/// neighbors across a face may be equal; of those the one with the lower number comes first. So
+/// the order of the blocks stays one without cycles.
 template <int Dim>
 class BlockLattice {
 public:
@@ -26,7 +33,9 @@ public:
     ///                 that edge.
     /// @param lag      how far the search for vacancies lags behind the front, mm.
     /// @param quantum  faces are multiples of this power of two, mm.
-    BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum);
+    /// @param cell     of the domain: at least two blocks along the axes that wrap.
+    BlockLattice(const Box<Dim>& bounds, double side, double lag, double quantum,
+                 const PeriodicCell<Dim>& cell = {});
 
     std::size_t size() const { return order_.size(); }
     /// Blocks on the longest chain of dependencies: the least time, in blocks, on any number of
@@ -36,10 +45,20 @@ public:
     /// Where block `b` grows, and where it leaves no vacancy; see BlockFront::fill.
     Box<Dim> own(std::uint32_t b) const;
     Box<Dim> search(std::uint32_t b) const;
+    /// The neighbors (`neighborBit`) that lie behind block `b` along some axis, ahead along none,
+    /// and yet come later: those across a face of the cell.
+    std::uint32_t laterBehind(std::uint32_t b) const;
     /// Blocks that grow or search within `box`, mm.
     std::vector<std::uint32_t> blocksIn(const Box<Dim>& box) const;
-    /// Finished neighbors of `b`, in a fixed order.
-    std::vector<std::uint32_t> lowerNeighbors(std::uint32_t b) const;
+    /// A neighbor of a block, or an image of one.
+    struct Neighbor {
+        std::uint32_t block;
+        std::array<int, Dim> offset;            ///< of the block as seen from it: -1, 0 or 1
+        typename PeriodicCell<Dim>::Laps laps;  ///< cells by which its image is shifted
+    };
+    /// Finished neighbors of `b`, in a fixed order. Of two blocks along an axis that wraps, each is
+    /// the neighbor of the other on both sides.
+    std::vector<Neighbor> lowerNeighbors(std::uint32_t b) const;
     /// Where block `to` lies as seen from its neighbor `from`: -1, 0 or 1 along each axis.
     std::array<int, Dim> offset(std::uint32_t from, std::uint32_t to) const;
     /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
@@ -59,8 +78,15 @@ private:
     Index indexOf(std::uint32_t b) const;
     std::uint32_t blockAt(const Index& i) const;
     int rank(const Index& i) const;
+    /// Calls `visit(Neighbor)` for all neighbors of a block.
+    template <class Visit>
+    void forEachNeighbor(std::uint32_t b, const Visit& visit) const;
+    void orderBlocks();
+    void findChain();
 
+    std::array<bool, Dim> wraps_{};
     Vec<Dim> lo_;
+    Vec<Dim> hi_ = Box<Dim>::filled(std::numeric_limits<double>::infinity());  // where it wraps
     Vec<Dim> side_;
     double lag_ = 0;
     Index count_{};
@@ -68,6 +94,7 @@ private:
     std::array<std::size_t, Dim> axes_{};  // by falling number of blocks
     std::size_t chain_ = 0;
     std::vector<std::uint32_t> order_;
+    std::vector<std::uint32_t> place_;  // of each block in the order
     std::vector<std::vector<std::uint32_t>> donors_;
     std::vector<bool> endsPool_;
 };

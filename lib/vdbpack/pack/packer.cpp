@@ -45,6 +45,22 @@ void requireCountable(const Domain<Dim>& domain, const PackOptions& options) {
             sizes.mean(), 0.6 * expected, Measure<Dim>::kSpheres, 0.5 * most));
 }
 
+/// Refuses what the front of a periodic cell cannot do.
+template <int Dim>
+void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
+                     const std::vector<Sphere<Dim>>& existing) {
+    if (options.order != Order::sweep)
+        throw ParameterError("`order`: a periodic cell is packed in the order sweep; leave it out");
+    if (options.ranks)
+        throw ParameterError("a periodic cell is packed by one process; run it without MPI");
+    if (!options.species.empty())
+        throw ParameterError(
+            "a periodic cell takes spheres of one species; cut voids afterwards instead");
+    double largest = options.sizes.quantile(1);
+    for (const Sphere<Dim>& s : existing) largest = std::max(largest, s.radius);
+    requireLongCell(cell, largest + shellOf(options));
+}
+
 /// Whether the bounds of a domain could hold the smallest radius.
 template <int Dim>
 bool fitsBounds(const Domain<Dim>& domain, const PackOptions& options) {
@@ -94,6 +110,7 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     if (options.gap > 0) inset = insetDomain(outer, shellOf(options));
     const Domain<Dim>& domain = inset ? *inset : outer;
     requireCountable(domain, options);
+    if (const auto cell = domain.cell(); cell.any()) requirePeriodic(cell, options, existing);
     PackResult<Dim> result;
     result.quantum = quantumFor(options.sizes);
     // Blocks for radii that no part of a thin domain can hold would be many, and all empty.

@@ -37,8 +37,9 @@ public:
           options_(options),
           callbacks_(callbacks),
           settings_(frontSettings(domain, options)),
+          cell_(domain.cell()),
           lattice_(domain.bounds(), blockSide(domain, options, settings_), 2 * settings_.maxRadius,
-                   settings_.quantum),
+                   settings_.quantum, cell_),
           blocks_(lattice_.size()),
           ranks_(options.ranks) {
         addExisting(existing);
@@ -52,15 +53,14 @@ public:
         callbacks_.report("pack", 0, 0);
         successors_.resize(lattice_.size());
         for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
-            auto before = lattice_.lowerNeighbors(b);
-            const auto& donors = lattice_.poolDonors(b);
-            before.insert(before.end(), donors.begin(), donors.end());
+            std::vector<std::uint32_t> before = lattice_.poolDonors(b);
+            for (const auto& n : lattice_.lowerNeighbors(b)) before.push_back(n.block);
             std::sort(before.begin(), before.end());
             before.erase(std::unique(before.begin(), before.end()), before.end());
             blocks_[b].waiting.store(static_cast<int>(before.size()));
             for (const std::uint32_t p : before) successors_[p].push_back(b);
             if (isOwn(b))
-                for (const std::uint32_t n : lattice_.lowerNeighbors(b)) ++blocks_[n].readers;
+                for (const auto& n : lattice_.lowerNeighbors(b)) ++blocks_[n.block].readers;
         }
         if (ranks_) {
             fillWithOthers();
@@ -101,13 +101,17 @@ private:
                               !sampler->isWallCloser(grown.center, radius) &&
                               sampler->contains(grown.center);
             const double far = grown.radius + 2 * settings_.maxRadius;
-            for (const std::uint32_t b :
-                 lattice_.blocksIn(Box<Dim>{grown.center, grown.center}.grown(far))) {
-                BlockSpheres<Dim>& here = blocks_[b].existing;
-                if (open)
-                    here.unexplored.push_back(static_cast<std::uint32_t>(here.spheres.size()));
-                here.spheres.push_back(grown);
-            }
+            const Box<Dim> at{grown.center, grown.center};
+            cell_.forEachShift(at, domain_.bounds().grown(far), [&](const Vec<Dim>& shift) {
+                const Vec<Dim> center = grown.center + shift;
+                for (const std::uint32_t b :
+                     lattice_.blocksIn(Box<Dim>{center, center}.grown(far))) {
+                    BlockSpheres<Dim>& here = blocks_[b].existing;
+                    if (open)
+                        here.unexplored.push_back(static_cast<std::uint32_t>(here.spheres.size()));
+                    here.spheres.push_back({center, grown.radius});
+                }
+            });
         }
     }
 
@@ -115,7 +119,7 @@ private:
     std::vector<Sphere<Dim>> obstacles(std::vector<Sphere<Dim>> existing) const {
         if (existing.empty()) return existing;
         const double shell = shellOf(options_);
-        for (Sphere<Dim>& s : existing) s.radius += shell;
+        for (Sphere<Dim>& s : existing) s = {cell_.wrapped(s.center), s.radius + shell};
         constexpr double kRounded = 1 - 1e-6;  // radii drawn are floats
         return exposedSpheres(std::move(existing), kRounded * (leastRadius(options_) + shell));
     }
@@ -131,8 +135,8 @@ private:
             else if (!isStopped())
                 fillBlock(b);
             if (ranks_) tellOthers(b);
-            for (const std::uint32_t n : lattice_.lowerNeighbors(b))
-                if (blocks_[n].readers.fetch_sub(1) == 1) forget(n);
+            for (const auto& n : lattice_.lowerNeighbors(b))
+                if (blocks_[n.block].readers.fetch_sub(1) == 1) forget(n.block);
             // One successor that became ready continues in this task: its neighborhood is in the
             // cache.
             const std::uint32_t next = release(b);
@@ -337,17 +341,19 @@ private:
     void collectAround(std::uint32_t b, const Box<Dim>& reach, BlockSpheres<Dim>& around) const {
         around.clear();
         const BlockSpheres<Dim>& existing = blocks_[b].existing;
-        for (const std::uint32_t n : lattice_.lowerNeighbors(b)) {
-            const std::uint32_t here = neighborBit(lattice_.offset(n, b));
-            const BlockSpheres<Dim>& placed = blocks_[n].placed;
+        for (const auto& n : lattice_.lowerNeighbors(b)) {
+            const std::uint32_t here = neighborBit(n.offset);
+            const BlockSpheres<Dim>& placed = blocks_[n.block].placed;
+            const Vec<Dim> shift = cell_.shift(n.laps);
             auto site = placed.sites.begin();
             for (std::size_t i = 0; i < placed.spheres.size(); ++i) {
-                if (!reach.contains(placed.spheres[i].center)) continue;
+                const Vec<Dim> center = placed.spheres[i].center + shift;
+                if (!reach.contains(center)) continue;
                 const auto at = static_cast<std::uint32_t>(around.spheres.size());
-                around.spheres.push_back(placed.spheres[i]);
+                around.spheres.push_back({center, placed.spheres[i].radius});
                 for (; site != placed.sites.end() && site->pivot <= i; ++site)
                     if (site->pivot == i && site->neighbor == here) {
-                        around.sites.push_back(*site);
+                        around.sites.push_back(site->movedBy(shift));
                         around.sites.back().pivot = at;
                     }
             }
@@ -367,8 +373,9 @@ private:
         if (!takePools(b)) return;  // interrupted there
         Block& block = blocks_[b];
         collectAround(b, reachOf(b), thread.around);
-        thread.front->fill(lattice_.own(b), lattice_.search(b), thread.around, *block.pool,
-                           block.further.get(), *thread.sampler, cancelled_, block.placed);
+        thread.front->fill({lattice_.own(b), lattice_.search(b), lattice_.laterBehind(b)},
+                           thread.around, *block.pool, block.further.get(), *thread.sampler,
+                           cancelled_, block.placed);
         // They stay to the end.
         block.placed.spheres.shrink_to_fit();
         // Spheres of an interrupted block are final as well: no neighbor has begun.
@@ -400,6 +407,7 @@ private:
         result.firstBlock = lattice_.own(0);
         result.longestChain = lattice_.longestChain();
         result.quantum = settings_.quantum;
+        result.pack.cell = cell_;
         for (auto& thread : threads_)
             if (thread.front) result.fronts += thread.front->seeds();
         auto& spheres = result.pack.spheres;
@@ -451,6 +459,7 @@ private:
     const PackOptions& options_;
     const Callbacks& callbacks_;
     FrontSettings<Dim> settings_;
+    PeriodicCell<Dim> cell_;
     BlockLattice<Dim> lattice_;
     std::vector<Block> blocks_;
     std::vector<std::vector<std::uint32_t>> successors_;

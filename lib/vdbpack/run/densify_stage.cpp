@@ -23,7 +23,8 @@ constexpr auto& kTolerances = Report::Densified::kContactTolerances;
 /// @param labels  over ranks: a number of each sphere.
 template <int Dim>
 std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
-                                 const std::vector<std::int64_t>& labels) {
+                                 const std::vector<std::int64_t>& labels,
+                                 const PeriodicCell<Dim>& cell) {
     std::array<double, 3> means{};
     if (ranks) {
         SpaceShares<Dim> shares(*ranks, spheres, labels,
@@ -43,7 +44,7 @@ std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks*
         return means;
     }
     for (std::size_t k = 0; k < means.size(); ++k)
-        means[k] = countContacts(spheres, kTolerances[k]).meanOfSpheres;
+        means[k] = countContacts(spheres, kTolerances[k], {}, cell).meanOfSpheres;
     return means;
 }
 
@@ -56,7 +57,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     Report::Densified told;
     if (std::isfinite(setting.fraction)) told.requested = setting.fraction;
     Ranks* const ranks = setting.ranks;
-    told.contactsBefore = contactsOf(pack.spheres, ranks, pack.order);
+    told.contactsBefore = contactsOf(pack.spheres, ranks, pack.order, domain.cell());
     DensifyOptions options;
     options.fraction = setting.fraction;
     if (setting.sizes) options.sizes = *setting.sizes;
@@ -79,8 +80,8 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     told.stages = result.stages;
     const std::vector<std::int64_t> labels(result.labels.begin(), result.labels.end());
     if (!result.interrupted) {
-        told.contactsAfter = contactsOf(result.spheres, ranks, labels);
-        if (!ranks) told.solidLike = solidLikeShare(result.spheres);
+        told.contactsAfter = contactsOf(result.spheres, ranks, labels, domain.cell());
+        if (!ranks) told.solidLike = solidLikeShare(result.spheres, domain.cell());
     }
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),

@@ -56,13 +56,16 @@ std::vector<HalfSpace<2>> inPlane(const std::vector<HalfSpace<3>>& planes, doubl
 
 /// The wall of a shape, as verify knows it.
 WallShape<3> spaceWall(const NamedShape& shape) {
+    WallShape<3> wall;
     switch (shape.kind) {
         case NamedShape::Kind::ball:
             return WallShape<3>::ofBall(shape.radius);
         case NamedShape::Kind::cylinder:
             return WallShape<3>::ofCylinder(shape.radius, shape.height);
         case NamedShape::Kind::box:
-            return WallShape<3>::ofBox(shape.box);
+            wall = WallShape<3>::ofBox(shape.box);
+            wall.wraps = shape.wraps;
+            return wall;
         case NamedShape::Kind::rect:
         case NamedShape::Kind::disc:
             break;
@@ -71,8 +74,10 @@ WallShape<3> spaceWall(const NamedShape& shape) {
 }
 
 WallShape<2> planeWall(const NamedShape& shape) {
-    return shape.kind == NamedShape::Kind::disc ? WallShape<2>::ofBall(shape.radius)
-                                                : WallShape<2>::ofBox(shape.rect);
+    if (shape.kind == NamedShape::Kind::disc) return WallShape<2>::ofBall(shape.radius);
+    WallShape<2> wall = WallShape<2>::ofBox(shape.rect);
+    std::copy_n(shape.wraps.begin(), 2, wall.wraps.begin());
+    return wall;
 }
 
 /// Steps between coordinates larger than this share of an edge are steps in the surface; those of a
@@ -92,6 +97,13 @@ void warnOfLostDigits(const TriangleMesh& mesh, const DomainRecipe& recipe,
         "edges of {:.2g} mm: the file itself has lost digits of the shape; move the mesh to the "
         "origin where it was made, and export it again",
         recipe.source, away, step, edge));
+}
+
+/// @throws ParameterError for axes along which no box is to repeat.
+void requireShape(const DomainRecipe& recipe) {
+    if (recipe.periodic.empty()) return;
+    throw ParameterError(fmt::format(
+        "`periodic` {}: {} is no shape; it is for box: and rect:", recipe.periodic, recipe.source));
 }
 
 /// The level set of a .vdb. @throws InputError, which asks for a threshold if there is a fog volume
@@ -121,6 +133,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         throw ParameterError(fmt::format("`scale` {} must be positive", recipe.scale));
 
     if (isInMemory(recipe)) {
+        requireShape(recipe);
         if (recipe.levelSet) {
             levelSet_ = recipe.levelSet;
             mesh_ = levelSetMesh(*levelSet_, text);
@@ -131,7 +144,7 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
         takeMesh(callbacks);
         return;
     }
-    if (const auto shape = parseShape(text)) {
+    if (const auto shape = parseShape(text, recipe.periodic)) {
         space_ = shape->space;
         plane_ = shape->plane;
         if (plane_)
@@ -140,8 +153,12 @@ DomainSource::DomainSource(const DomainRecipe& recipe, const Callbacks& callback
             wall3_ = spaceWall(*shape);
         if (slice_ && plane_)
             throw ParameterError("`slice` cuts a domain of space; '" + text + "' is plane already");
+        if (isPeriodic() && (slice_ || !clips_.empty()))
+            throw ParameterError(fmt::format("`{}`: {} is periodic; it cannot be cut",
+                                             slice_ ? "slice" : "clips", text));
         return;
     }
+    requireShape(recipe);
     std::error_code ignored;
     if (namesUnknownShape(text) && !std::filesystem::exists(text, ignored))
         throw ParameterError(fmt::format("'{}' is neither a file nor a shape. The shapes are {}",

@@ -33,7 +33,7 @@ enum class ImageSpace { lps, ras };
 struct DomainRecipe {
     /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
     /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
-    /// (mm, centered at the origin).
+    /// (mm, centered at the origin), periodic:LX,LY,LZ or periodic:LX,LY.
     std::string source;
     /// What a program has in memory, in place of the file that `source` names in messages; at most
     /// one of them, lengths in `unit`.
@@ -52,6 +52,7 @@ struct DomainRecipe {
     ImageSpace space = ImageSpace::lps;  ///< of an image
     std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
     std::vector<std::string> clips;      ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
+    std::string periodic;                ///< axes along which a box or rectangle repeats: "xy"
     double voxelSize = 0;                ///< mm; 0: chosen
     bool repair = false;                 ///< the mesh, by repair/mesh_repair.h
     double repairVoxel = 0;              ///< mm; 0: chosen
@@ -175,6 +176,11 @@ public:
                               const std::vector<double>& distances) const;
     std::vector<float> depths(const std::vector<Sphere<2>>& circles, const Domain<2>& domain,
                               const std::vector<double>& distances) const;
+
+    /// Whether it repeats along some axis.
+    bool isPeriodic() const {
+        return (space_ && space_->cell().any()) || (plane_ && plane_->cell().any());
+    }
 
     const DomainRecipe& recipe() const { return recipe_; }
 

@@ -80,6 +80,7 @@ void requireDomain(const InputPack& recipe) {
                       : d.scale != 1             ? "`scale`"
                       : !d.slice.empty()         ? "`slice`"
                       : !d.clips.empty()         ? "`clips`"
+                      : !d.periodic.empty()      ? "`periodic`"
                                                  : nullptr;
     if (set)
         throw ParameterError(fmt::format(

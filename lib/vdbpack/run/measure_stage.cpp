@@ -115,7 +115,8 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     report.count = pack.spheres.size();
     report.hash = packHash(pack);
     report.radius = radiusStatistics(pack.spheres);
-    report.overlap = checkOverlap(pack.spheres);
+    if (domain) pack.cell = domain->cell();
+    report.overlap = checkOverlap(pack.spheres, pack.cell);
     report.contactTolerance = contactTolerance;
     // Values from a file may refer to another wall.
     pack.depth.clear();
@@ -133,10 +134,12 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         const double interior = 3 * report.radius.max;
         if (interior <= domain->fieldDepth() && goesOn())
             report.solidFractionInterior = interiorFraction(pack.spheres, *domain, interior);
-        if (goesOn()) pack.depth = source->depths(pack.spheres, *domain, distances);
+        // Without walls there is no depth.
+        if (!pack.cell.all() && goesOn())
+            pack.depth = source->depths(pack.spheres, *domain, distances);
     }
     std::optional<ContactCheck> contacts;
-    if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth);
+    if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth, pack.cell);
     if (!pack.spheres.empty()) report.contacts = contacts;
     if (sizes && goesOn()) measureSizes(pack, *sizes, report);
     // Pairs that were not counted have larger gaps than the tolerance of the smallest spheres.
@@ -144,7 +147,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
         contacts->smallestGap <= contactTolerance * report.radius.min)
         report.smallestGap = contacts->smallestGap;
     else if (report.requestedGap > 0 || goesOn())
-        report.smallestGap = smallestGap(pack.spheres, report.existing);
+        report.smallestGap = smallestGap(pack.spheres, report.existing, pack.cell);
     if (contacts) pack.contacts = std::move(contacts->counts);
 }
 
@@ -171,7 +174,7 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
         // To five largest diameters deep, or as deep as the field has distances.
         const double width = kProfileWidth * result.meanDiameter;
         const double deepest = std::min(known, kProfileDepth * 2 * report.radius.max);
-        if (deepest >= width)
+        if (deepest >= width && !domain->cell().all())
             result.profile = densityProfile(pack.spheres, *domain, width, deepest, rows);
         callbacks.stopIfCancelled();
         const double edge = kLocalEdge * result.meanDiameter;
@@ -182,10 +185,10 @@ Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, con
     // The largest range with enough centers at that depth. Without a domain the density is unknown.
     for (const double diameters : {3.0, 2.25, 1.5}) {
         const double reach = diameters * result.meanDiameter;
-        if (!domain || reach > known) continue;
+        if (!domain || reach > known || reach > 0.5 * domain->cell().shortest()) continue;
         result.pairCorrelation =
             pairCorrelation(pack.spheres, pack.depth, reach, domain->volumeDeeperThan(reach),
-                            static_cast<int>(diameters * kPairBins), rows);
+                            static_cast<int>(diameters * kPairBins), rows, domain->cell());
         if (result.pairCorrelation && result.pairCorrelation->references >= kManyReferences) break;
     }
     callbacks.stopIfCancelled();

@@ -262,9 +262,10 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
             break;
         case OutputKind::contacts:
             need(have.pack != nullptr, "pack");
-            writeContacts(*have.pack,
-                          listContacts(have.pack->spheres, have.options.contactTolerance),
-                          target.file, have.options.unit);
+            writeContacts(
+                *have.pack,
+                listContacts(have.pack->spheres, have.options.contactTolerance, have.pack->cell),
+                target.file, have.options.unit);
             break;
         case OutputKind::materials:
             need(have.pack != nullptr, "pack");

@@ -65,6 +65,7 @@ public:
         if (domain.threshold) add("--threshold", fmt::format("{:g}", *domain.threshold));
         add("--slice", domain.slice);
         add("--clip", domain.clips);
+        add("--periodic", domain.periodic);
         add("--voxel", domain.voxelSize, " mm");
         if (!(domain.voxelSize > 0)) add("voxels chosen", report.domain.voxelSize, " mm");
         if (domain.repair) add("--repair", "yes");

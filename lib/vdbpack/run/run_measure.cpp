@@ -247,12 +247,19 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
         found.run = measureInputPack(
             recipe, std::move(*pack), std::move(report), depthFor, heard,
             [&](const auto& spheres, const auto* domain, const Report& measured) {
+                if (recipe.shell > 0 && spheres.cell.any())
+                    throw ParameterError(
+                        "`shell`: is not available in a periodic cell; leave it out");
                 found.structure = measureStructure(spheres, domain, measured, recipe.shell, heard);
                 if (recipe.shell > 0 && found.structure.regions.size() == 1)
                     heard.warn(fmt::format(
                         "`shell` {:g} mm: no part of the domain lies deeper than the shell",
                         recipe.shell));
                 if constexpr (std::is_same_v<std::decay_t<decltype(spheres)>, Pack<3>>) {
+                    if (recipe.sphereMorphometry && spheres.cell.any())
+                        throw ParameterError(
+                            "`sphereMorphometry`: is not available in a periodic cell; leave it "
+                            "out, or measure in a box");
                     if (recipe.sphereMorphometry)
                         found.spheres = sphereMorphometry(spheres.spheres, domain,
                                                           measured.radius.mean, recipe, heard);

@@ -52,7 +52,7 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
     if (recipe.existing.empty()) return;
     prepared.existing = readExisting<Dim>(recipe, prepared.built.sliceHeight);
     const auto& spheres = prepared.existing.spheres;
-    const OverlapCheck among = checkOverlap(spheres);
+    const OverlapCheck among = checkOverlap(spheres, ofDim<Dim>(prepared.built)->cell());
     if (!among.complete)
         throw InputError(fmt::format(
             "{}: more than {} pairs of its {} {} overlap one another. Remove the spheres that lie "
@@ -76,6 +76,7 @@ template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(shellRange(recipe.voids).first, source);
+    if (recipe.voids.hasShell() || !recipe.voids.empty()) requireUncut(source);
     PackPlan plan = planPack(recipe, source);
     Extent share = plan.extent;
     if (recipe.ranks) share.count /= recipe.ranks->count();

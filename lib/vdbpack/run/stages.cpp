@@ -51,6 +51,17 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
              Report& report, const Callbacks& callbacks, bool hasPack) {
+    for (const DomainSource* source : sources) {
+        if (!source->isPeriodic()) continue;
+        const std::string& name = source->recipe().source;
+        if (sources.size() > 1)
+            throw ParameterError(name + ": a periodic cell is packed alone, not as a part");
+        for (const std::string& output : settings.outputs)
+            if (targetOf(output).kind == OutputKind::labels)
+                throw ParameterError(output +
+                                     ": label maps of a periodic cell are not available; " +
+                                     "write the spheres");
+    }
     labelGridOf(settings, sources);
     for (const std::string& output : settings.outputs)
         if (sources.size() == 1 && !hasPack && targetOf(output).labels == "parts")
@@ -97,10 +108,18 @@ void requireShell(double shell, const DomainSource& source) {
         shell, thin));
 }
 
+void requireUncut(const DomainSource& source) {
+    if (source.isPeriodic())
+        throw ParameterError(source.recipe().source +
+                             ": voids and shells of a periodic cell are not available; leave them "
+                             "out, or cut them into a box");
+}
+
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize) {
     if (run.voidRecipe) requireShell(shellRange(*run.voidRecipe).first, run.source);
+    if (run.cuts()) requireUncut(run.source);
     requireResources(extent, run.settings);
     run.built = run.source.build(detail, reach, run.callbacks, voxelSize);
     run.report.seconds.domain = run.clock.lap();

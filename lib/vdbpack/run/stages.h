@@ -141,6 +141,9 @@ struct Run {
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs);
 
+/// @throws ParameterError where voids or a shell would be cut into a periodic cell.
+void requireUncut(const DomainSource& source);
+
 /// Checks what is to be written against the domains of a run, and records their axes in its report.
 /// @param sources  one, or those of several parts.
 /// @param hasPack  whether spheres are read from a file, with columns of its own.

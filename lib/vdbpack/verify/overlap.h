@@ -1,6 +1,7 @@
 // Overlaps of the spheres of a pack.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
 
 #include <cstddef>
@@ -36,5 +37,10 @@ struct OverlapCheck {
 template <int Dim>
 OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres,
                           std::size_t own = std::numeric_limits<std::size_t>::max());
+
+/// The same in a periodic cell: images count, each pair once.
+/// @throws InputError also if the cell is shorter than two diameters of the largest sphere.
+template <int Dim>
+OverlapCheck checkOverlap(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell);
 
 }  // namespace vdbpack

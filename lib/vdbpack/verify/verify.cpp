@@ -10,7 +10,7 @@ bool VerifyResult::passed() const {
 template <int Dim>
 VerifyResult verifyPack(const Pack<Dim>& pack) {
     VerifyResult result;
-    result.overlap = checkOverlap(pack.spheres);
+    result.overlap = checkOverlap(pack.spheres, pack.cell);
     result.count = pack.spheres.size();
     result.radius = radiusStatistics(pack.spheres);
     result.hash = packHash(pack);

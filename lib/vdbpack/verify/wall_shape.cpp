@@ -51,7 +51,9 @@ double WallShape<Dim>::innerDistance(const Vec<Dim>& x) const {
     };
     switch (kind) {
         case Kind::box:
-            for (int i = 0; i < Dim; ++i) wall(std::min(x[i] - box.lo[i], box.hi[i] - x[i]));
+            for (int i = 0; i < Dim; ++i)
+                if (!wraps[static_cast<std::size_t>(i)])
+                    wall(std::min(x[i] - box.lo[i], box.hi[i] - x[i]));
             break;
         case Kind::ball:
             wall(radius - length(x - center));

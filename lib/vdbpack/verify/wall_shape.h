@@ -4,6 +4,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/half_space.h"
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -20,6 +21,7 @@ struct WallShape {
 
     Kind kind = Kind::box;
     Box<Dim> box;                       ///< kind box
+    std::array<bool, Dim> wraps{};      ///< kind box: axes along which it has no walls
     Vec<Dim> center;                    ///< kind ball, cylinder; mm
     double radius = 0;                  ///< kind ball, cylinder; mm
     double height = 0;                  ///< kind cylinder (3D, about z through `center`); mm

@@ -29,8 +29,8 @@ class BlockFront<Dim>::Work {
 public:
     explicit Work(const FrontSettings<Dim>& settings) : front_(settings), placement_(front_) {}
 
-    void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
-              RadiusPool& pool, SpeciesQueue* further, DomainSampler<Dim>& sampler,
+    void fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
+              SpeciesQueue* further, DomainSampler<Dim>& sampler,
               const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 
     std::size_t seeds_ = 0;
@@ -67,16 +67,17 @@ private:
 };
 
 template <int Dim>
-void BlockFront<Dim>::Work::fill(const Box<Dim>& own, const Box<Dim>& search,
-                                 const BlockSpheres<Dim>& around, RadiusPool& pool,
-                                 SpeciesQueue* further, DomainSampler<Dim>& sampler,
+void BlockFront<Dim>::Work::fill(const Place& place, const BlockSpheres<Dim>& around,
+                                 RadiusPool& pool, SpeciesQueue* further,
+                                 DomainSampler<Dim>& sampler,
                                  const std::function<bool()>& cancelled,
                                  BlockSpheres<Dim>& placed) {
     BlockState<Dim>& block = front_.block;
     const FrontSettings<Dim>& settings = block.settings;
-    block.origin = own.lo;
-    block.search = {search.lo - own.lo, search.hi - own.lo};
-    block.own = {block.search.lo, own.hi - own.lo};
+    block.origin = place.own.lo;
+    block.search = {place.search.lo - block.origin, place.search.hi - block.origin};
+    block.own = {block.search.lo, place.own.hi - block.origin};
+    block.laterBehind = place.laterBehind;
     block.sampler = &sampler;
     pool_ = &pool;
     further_ = further;
@@ -297,11 +298,10 @@ template <int Dim>
 BlockFront<Dim>::~BlockFront() = default;
 
 template <int Dim>
-void BlockFront<Dim>::fill(const Box<Dim>& own, const Box<Dim>& search,
-                           const BlockSpheres<Dim>& around, RadiusPool& pool, SpeciesQueue* further,
-                           DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
-                           BlockSpheres<Dim>& placed) {
-    work_->fill(own, search, around, pool, further, sampler, cancelled, placed);
+void BlockFront<Dim>::fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
+                           SpeciesQueue* further, DomainSampler<Dim>& sampler,
+                           const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed) {
+    work_->fill(place, around, pool, further, sampler, cancelled, placed);
 }
 
 template <int Dim>

@@ -9,6 +9,7 @@
 #include "vdbpack/pack/species.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -32,12 +33,21 @@ public:
     explicit BlockFront(const FrontSettings<Dim>& settings);
     ~BlockFront();
 
-    /// @param own       where the front of this block grows, mm; its faces are multiples of the
-    ///                  quantum. Centers placed lie in [search.lo, own.hi), half-open; those of
-    ///                  further species up to a largest radius past own.hi.
-    /// @param search    where no vacancy may be left at the end, mm. It lags behind `own` towards
-    ///                  the finished blocks: a vacancy at a face across which another block will
-    ///                  grow is better filled by that block's front.
+    /// Where a block lies.
+    struct Place {
+        /// Where the front of this block grows, mm; its faces are multiples of the quantum. Centers
+        /// placed lie in [search.lo, own.hi), half-open; those of further species up to a largest
+        /// radius past own.hi.
+        Box<Dim> own;
+        /// Where no vacancy may be left at the end, mm. It lags behind `own` towards the finished
+        /// blocks: a vacancy at a face across which another block will grow is better filled by
+        /// that block's front.
+        Box<Dim> search;
+        /// Neighbors behind the block that come later all the same, bits as of `neighborBit`: sites
+        /// in them are handed over, too.
+        std::uint32_t laterBehind = 0;
+    };
+
     /// @param around    existing spheres within a largest radius (with further species, two) of
     ///                  `own` or `search` (others do no harm), in an order fixed by the caller, and
     ///                  the sites on them in `own`.
@@ -46,8 +56,8 @@ public:
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.
     /// @param placed    is overwritten with the spheres of this block in the order of placement.
-    void fill(const Box<Dim>& own, const Box<Dim>& search, const BlockSpheres<Dim>& around,
-              RadiusPool& pool, SpeciesQueue* further, DomainSampler<Dim>& sampler,
+    void fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
+              SpeciesQueue* further, DomainSampler<Dim>& sampler,
               const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 
     /// Fresh fronts that `fill` had to start so far.

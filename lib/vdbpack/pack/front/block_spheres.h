@@ -33,6 +33,13 @@ struct HandedSite {
     float side;              ///< see Track::side
     std::uint32_t pivot;     ///< index in BlockSpheres::spheres
     std::uint32_t neighbor;  ///< in which it lies; see neighborBit
+
+    HandedSite movedBy(const Vec<Dim>& shift) const {
+        HandedSite site = *this;
+        for (Support& support : site.supports) support.at += shift;
+        site.center += shift;
+        return site;
+    }
 };
 
 /// Spheres of a block, or around one.

@@ -28,6 +28,7 @@ struct BlockState {
     Vec<Dim> origin;                   ///< of the block, in the domain, mm
     Box<Dim> own;                      ///< centers placed lie in [lo, hi), half-open
     Box<Dim> search;                   ///< where no vacancy may be left
+    std::uint32_t laterBehind = 0;     ///< see BlockFront::Place
     std::vector<Sphere<Dim>> spheres;  ///< around the block first, then those placed
     CellList<Dim> cells;               ///< of all `spheres`
     DomainSampler<Dim>* sampler = nullptr;

@@ -18,7 +18,7 @@ struct Front {
     std::size_t standing = 0;  ///< spheres that were there before the block
 
     explicit Front(const FrontSettings<Dim>& settings)
-        : block{settings, {}, {}, {}, {}, {}, nullptr}, sites(block, walls) {}
+        : block{settings, {}, {}, {}, 0, {}, {}, nullptr}, sites(block, walls) {}
     Front(const Front&) = delete;
     Front& operator=(const Front&) = delete;
 

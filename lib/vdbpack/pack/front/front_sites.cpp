@@ -88,7 +88,8 @@ std::uint32_t FrontSites<Dim>::neighborAt(const Vec<Dim>& x) const {
         offset[static_cast<std::size_t>(d)] = x[d] < 0 ? -1 : x[d] < block_.own.hi[d] ? 0 : 1;
         ahead = ahead || x[d] >= block_.own.hi[d];
     }
-    return ahead ? neighborBit(offset) : kDone;
+    const std::uint32_t bit = neighborBit(offset);
+    return ahead || (block_.laterBehind & bit) != 0 ? bit : kDone;
 }
 
 template <int Dim>
