@@ -10,11 +10,17 @@ namespace vdbpack {
 /// Name of the unit in the metadata of .vdb and .vtp; comments have `kUnitComment`.
 inline constexpr const char* kUnitKey = "unit_of_length";
 inline constexpr const char* kGeneratorKey = "generator";
+/// The periodic cell: axes that wrap, lower and upper corner, as "xyz 0 0 0 10 10 10".
+inline constexpr const char* kCellKey = "periodic_cell";
 
 /// What the title of our LAMMPS data files records about the numbers below.
 inline constexpr const char* kLammpsIdShift = "atom = id + 1";
-inline constexpr const char* kLammpsTypeIs = "type = ";  // a formula of `Materials`, "+ 1"
+inline constexpr const char* kLammpsTypeIs = "type = ";        // a formula of `Materials`, "+ 1"
+inline constexpr const char* kLammpsBoundary = "; boundary ";  // p or f of each axis follow
 inline constexpr const char* kLammpsBonded = "hybrid sphere bond";
+
+/// Before the lengths of a cell that is periodic along all axes, as YADE's SpherePack writes them.
+inline constexpr std::string_view kYadeCell = "##PERIODIC::";
 
 /// The column of .xyz files for chemical elements, and its word for spheres without one, which is
 /// a symbol that ASE knows.

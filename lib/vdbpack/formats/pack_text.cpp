@@ -1,11 +1,14 @@
 #include "vdbpack/formats/pack_text.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/delimited_text.h"
+#include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <string_view>
 
@@ -61,6 +64,38 @@ bool parseUnitComment(std::string_view comment, Unit& unit) {
         return false;
     }
     return true;
+}
+
+std::string cellText(const PeriodicCell<3>& cell) {
+    if (!cell.any()) return {};
+    std::string text;
+    for (int d = 0; d < 3; ++d)
+        if (cell.isAlong(d)) text += "xyz"[d];
+    for (const Vec<3>& corner : {cell.box.lo, cell.box.hi})
+        for (const double c : corner.c) appendNumber(text += ' ', c);
+    return text;
+}
+
+std::optional<PeriodicCell<3>> parseCellText(std::string_view text, Unit unit) {
+    Cells words;
+    splitAtBlanks(text, words);
+    if (words.size() != 7) return std::nullopt;
+    PeriodicCell<3> cell;
+    for (const char c : words[0]) {
+        const auto axis = std::string_view("xyz").find(c);
+        if (axis == std::string_view::npos) return std::nullopt;
+        cell.wraps[axis] = true;
+    }
+    for (int d = 0; d < 3; ++d) {
+        const auto at = static_cast<std::size_t>(d);
+        double lo = 0, hi = 0;
+        if (!parseNumber(words[1 + at], lo) || !parseNumber(words[4 + at], hi)) return std::nullopt;
+        cell.box.lo[d] = toMillimeters(lo, unit);
+        cell.box.hi[d] = toMillimeters(hi, unit);
+        if (cell.isAlong(d) && !(cell.length(d) > 0 && std::isfinite(cell.length(d))))
+            return std::nullopt;
+    }
+    return cell;
 }
 
 void takeLammpsUnits(std::string_view style, Unit& unit) {

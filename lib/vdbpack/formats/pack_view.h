@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/pack.h"
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/units.h"
 
 #include <array>
@@ -30,6 +31,13 @@ public:
             circles_ = pack.spheres.data();
         else
             spheres_ = pack.spheres.data();
+        for (int d = 0; d < Dim; ++d) {
+            cell_.wraps[static_cast<std::size_t>(d)] = pack.cell.isAlong(d);
+            if (!pack.cell.any()) continue;
+            cell_.box.lo[d] = fromMillimeters(pack.cell.box.lo[d], unit);
+            cell_.box.hi[d] = fromMillimeters(pack.cell.box.hi[d], unit);
+        }
+        if (Dim == 2 && pack.cell.any()) cell_.box.lo[2] = cell_.box.hi[2] = height_;
     }
 
     std::size_t size() const { return size_; }
@@ -49,7 +57,10 @@ public:
         return fromMillimeters(circles_ != nullptr ? circles_[i].radius : spheres_[i].radius,
                                unit_);
     }
-    /// Around whole spheres, in the unit that is written; a unit cube if there are none.
+    /// In which the spheres repeat, in the unit that is written.
+    const PeriodicCell<3>& cell() const { return cell_; }
+    /// Around whole spheres, in the unit that is written; a unit cube if there are none. Along axes
+    /// that wrap, the cell.
     Box<3> bounds() const {
         Box<3> box;
         for (std::size_t i = 0; i < size_; ++i) {
@@ -58,7 +69,10 @@ public:
             box.add({{p[0] - r, p[1] - r, p[2] - r}});
             box.add({{p[0] + r, p[1] + r, p[2] + r}});
         }
-        return size_ > 0 ? box : Box<3>{{{0, 0, 0}}, {{1, 1, 1}}};
+        if (size_ == 0) box = {{{0, 0, 0}}, {{1, 1, 1}}};
+        for (int d = 0; d < 3; ++d)
+            if (cell_.isAlong(d)) box.lo[d] = cell_.box.lo[d], box.hi[d] = cell_.box.hi[d];
+        return box;
     }
     std::int64_t id(std::size_t i) const {
         return attributes_->id.empty() ? static_cast<std::int64_t>(i) : attributes_->id[i];
@@ -96,6 +110,7 @@ private:
     std::size_t size_ = 0;
     Unit unit_ = Unit::millimeter;
     double height_ = 0;
+    PeriodicCell<3> cell_;
     const Sphere<2>* circles_ = nullptr;
     const Sphere<3>* spheres_ = nullptr;
     const PackAttributes* attributes_;

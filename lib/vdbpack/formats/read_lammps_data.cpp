@@ -114,7 +114,11 @@ public:
             if (number) continue;
             if (counts_.count("atoms") == 0) failHeader();
             section = name;
-            if (name == "Atoms") return readAtoms(line);
+            if (name == "Atoms") {
+                Pack<3> pack = readAtoms(line);
+                pack.cell = cell_;
+                return pack;
+            }
             const auto count = counts_.find(countOf(name));
             counted = name != "Bodies" && count != counts_.end();
             left = counted ? count->second : 0;
@@ -163,6 +167,8 @@ private:
             return line.find(words) != std::string_view::npos;
         };
         shifted_ = says(kLammpsIdShift);
+        if (const auto boundary = line.find(kLammpsBoundary); boundary != std::string_view::npos)
+            boundary_ = line.substr(boundary + std::string_view(kLammpsBoundary).size(), 5);
         for (const char* one : {"region", "part"})
             if (says((kLammpsTypeIs + std::string(one) + " + 1").c_str())) material_ = one;
         bonded_ = says(kLammpsBonded);
@@ -176,6 +182,16 @@ private:
     static bool isSection(std::string_view name) { return *countOf(name) != '\0'; }
 
     void takeHeaderLine() {
+        for (std::size_t d = 0; words_.size() == 4 && boundary_.size() == 5 && d < 3; ++d) {
+            double lo = 0, hi = 0;
+            const char lowWord[] = {"xyz"[d], 'l', 'o', 0};
+            if (words_[2] != lowWord || !parseNumber(words_[0], lo) || !parseNumber(words_[1], hi))
+                continue;
+            const auto axis = static_cast<int>(d);
+            cell_.box.lo[axis] = toMillimeters(lo, unit_);
+            cell_.box.hi[axis] = toMillimeters(hi, unit_);
+            cell_.wraps[d] = boundary_[2 * d] == 'p' && cell_.length(axis) > 0;
+        }
         const std::string what = joined(words_.begin() + 1, words_.end());
         for (const auto& s : kCountedSections) {
             if (what != s.counted) continue;
@@ -294,6 +310,8 @@ private:
     InputFile file_;
     Unit unit_;
     bool shifted_ = false, bonded_ = false;  ///< according to the title
+    std::string boundary_;                   ///< "p p f" according to the title, or empty
+    PeriodicCell<3> cell_;                   ///< of the header, mm
     std::string material_;  ///< what types are one more than, according to the title; or empty
     std::map<std::string, std::uint64_t, std::less<>> counts_;  ///< of the header
     Cells words_;

@@ -4,6 +4,8 @@
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <openvdb/Grid.h>
@@ -294,6 +296,16 @@ Unit unitOf(const openvdb::GridBase& grid, const std::string& path, Unit fallbac
     }
 }
 
+PeriodicCell<3> cellOf(const openvdb::GridBase& grid, const std::string& path, Unit unit) {
+    const auto meta = grid.getMetadata<openvdb::StringMetadata>(kCellKey);
+    if (!meta) return {};
+    const auto cell = parseCellText(meta->value(), unit);
+    if (!cell)
+        throw InputError(fmt::format("{}: {} {} is no periodic cell; remove that metadata", path,
+                                     kCellKey, quotedExcerpt(meta->value())));
+    return *cell;
+}
+
 }  // namespace
 
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
@@ -304,7 +316,12 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
     try {
         stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
         const auto grid = Archive().readPoints(stream, options.gridName, found);
-        if (grid) return PointReader(*grid, path, unitOf(*grid, path, options.unit)).read();
+        if (grid) {
+            const Unit unit = unitOf(*grid, path, options.unit);
+            Pack<3> pack = PointReader(*grid, path, unit).read();
+            pack.cell = cellOf(*grid, path, unit);
+            return pack;
+        }
     } catch (const Error&) {
         throw;
     } catch (const std::exception& e) {

@@ -21,6 +21,7 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint64_t kLongestUnit = 100;      ///< bytes
+constexpr std::uint64_t kLongestCell = 400;      ///< bytes
 constexpr std::uint64_t kLongestText = 1 << 20;  ///< bytes on average
 
 struct Piece {
@@ -39,6 +40,7 @@ public:
     /// Adds the points to those that `builder` has; makes it if it is null.
     void read(std::unique_ptr<PackBuilder>& builder) {
         takeUnit();
+        takeCell();
         const auto pieces = piecesOf();
         const Piece& first = pieces.front();
         const auto columns = columnsOf(first);
@@ -60,7 +62,24 @@ public:
         }
     }
 
+    const PeriodicCell<3>& cell() const { return cell_; }
+
 private:
+    /// The periodic cell in the field data, where there is one.
+    void takeCell() {
+        for (const pugi::xml_node& node : xml_.data().child("FieldData")) {
+            if (!VtkXml::isArray(node) || VtkXml::attribute(node, "Name") != kCellKey ||
+                VtkXml::attribute(node, "type") != "String")
+                continue;
+            const auto found = xml_.arrays().texts(xml_.described(node), 1, kLongestCell);
+            const auto cell = parseCellText(found[0], unit_);
+            if (!cell)
+                xml_.fail(fmt::format("{} is no periodic cell; remove that array",
+                                      quotedExcerpt(found[0])));
+            cell_ = *cell;
+        }
+    }
+
     /// The unit in the field data, where there is one.
     void takeUnit() {
         for (const pugi::xml_node& node : xml_.data().child("FieldData")) {
@@ -157,6 +176,7 @@ private:
 
     VtkXml xml_;
     Unit unit_;
+    PeriodicCell<3> cell_;
     double memoryLimit_;
 };
 
@@ -164,8 +184,11 @@ private:
 
 Pack<3> readVtp(const std::string& path, const PackReadOptions& options) {
     std::unique_ptr<PackBuilder> builder;
-    VtpFile(path, options).read(builder);
-    return builder->finish();
+    VtpFile file(path, options);
+    file.read(builder);
+    Pack<3> pack = builder->finish();
+    pack.cell = file.cell();
+    return pack;
 }
 
 Pack<3> readPvtp(const std::string& path, const PackReadOptions& options) {

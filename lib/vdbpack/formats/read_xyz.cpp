@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -121,6 +122,29 @@ private:
         return names;
     }
 
+    /// The cell by `pbc`, `Lattice` and `Origin`. A lattice that is no box has none of ours.
+    PeriodicCell<3> cellOf(std::string_view description, Unit unit) const {
+        Cells wraps, lattice, origin;
+        splitAtBlanks(valueOf(description, "pbc"), wraps);
+        splitAtBlanks(valueOf(description, "Lattice"), lattice);
+        splitAtBlanks(valueOf(description, "Origin"), origin);
+        PeriodicCell<3> cell;
+        if (wraps.size() != 3 || lattice.size() != 9) return cell;
+        for (std::size_t k = 0; k < 9; ++k) {
+            const std::size_t d = k / 4;
+            double v = 0, lo = 0;
+            if (!parseNumber(lattice[k], v) || !std::isfinite(v)) return {};
+            if (k % 4 != 0 && v != 0) return {};
+            if (k % 4 != 0) continue;
+            if (origin.size() == 3 && !parseNumber(origin[d], lo)) return {};
+            const auto axis = static_cast<int>(d);
+            cell.box.lo[axis] = toMillimeters(lo, unit);
+            cell.box.hi[axis] = toMillimeters(lo + v, unit);
+            cell.wraps[d] = v > 0 && (wraps[d] == "T" || wraps[d] == "True" || wraps[d] == "1");
+        }
+        return cell;
+    }
+
     Pack<3> readFrame(std::uint64_t count) {
         std::string_view line;
         if (!file_.nextLine(line))
@@ -148,7 +172,9 @@ private:
                                 cells.size(), table.names.size()));
             return true;
         };
+        const PeriodicCell<3> cell = cellOf(line, table.unit);
         Pack<3> pack = readTable(file_, table);
+        pack.cell = cell;
         auto& columns = pack.columns;
         columns.erase(std::remove_if(columns.begin(), columns.end(),
                                      [](const Column& c) {

@@ -71,6 +71,8 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     table.names = {"x", "y", "z", "r"};
     bool attributes = false;  // there may be any number of further columns
     std::string comment;      // the last one above the spheres
+    std::string cell;
+    const std::string kCellNote = std::string(kCellKey) + ": ";
     std::string_view line;
     const auto fail = [&](const std::string& what) {
         throw InputError(fmt::format("{}: line {}: {}", path, file.lineNumber(), what));
@@ -90,6 +92,8 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
                     fmt::format("format '{}' is not supported; use x_y_z_r, which id_ may precede "
                                 "and _matId, _clumpId or _attrs follow",
                                 trimmed(line.substr(kFormat.size())).substr(0, 80)));
+        } else if (line.find(kCellNote) != std::string_view::npos) {
+            cell = std::string(trimmed(line.substr(line.find(kCellNote) + kCellNote.size())));
         } else if (parseUnitComment(line, table.unit)) {
             comment = line.substr(1);
         } else {
@@ -113,7 +117,13 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
                             cells.size(), table.names.size()));
         return true;
     };
-    return readTable(file, table);
+    Pack<3> pack = readTable(file, table);
+    if (cell.empty()) return pack;
+    const auto found = parseCellText(cell, table.unit);
+    if (!found)
+        throw InputError(fmt::format("{}: '{}' is no periodic cell; remove that line", path, cell));
+    pack.cell = *found;
+    return pack;
 }
 
 }  // namespace vdbpack

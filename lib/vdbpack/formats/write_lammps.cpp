@@ -160,7 +160,13 @@ PackTextRows atomRows(const PackView& pack, const PackWriteOptions& options, con
         fmt::format("; density {}", atoms->densities.areGiven()
                                         ? "as it was given"
                                         : fmt::format("in {}", densityUnit(options.unit).name));
-    title = title.substr(0, kTitleLength - 30) +
+    std::string boundary;
+    if (const PeriodicCell<3>& cell = pack.cell(); cell.any()) {
+        boundary = kLammpsBoundary;
+        for (int d = 0; d < 3; ++d)
+            boundary += fmt::format("{}{}", d ? " " : "", cell.isAlong(d) ? 'p' : 'f');
+    }
+    title = title.substr(0, kTitleLength - 30 - boundary.size()) + boundary +
             fmt::format("; {}{}", kUnitComment, unitName(options.unit));
 
     PackTextRows rows;

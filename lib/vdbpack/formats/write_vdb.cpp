@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/vdb_stream.h"
 #include "vdbpack/io/numbers.h"
 
@@ -395,7 +396,10 @@ private:
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
     initializeOpenVdb();
     PointGrid points(pack, chooseVoxel(pack, options.pointVoxel));
-    writeGrids(options, {points.make()}, out);
+    const auto grid = points.make();
+    if (pack.cell().any())
+        grid->insertMeta(kCellKey, openvdb::StringMetadata(cellText(pack.cell())));
+    writeGrids(options, {grid}, out);
 }
 
 }  // namespace vdbpack

@@ -113,6 +113,7 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
                         name, asCodes(text)));
     };
     note(kUnitKey, unitName(options.unit));
+    if (pack.cell().any()) note(kCellKey, cellText(pack.cell()));
     if (!options.generator.empty()) note(kGeneratorKey, oneLine(options.generator));
     xml.line("    </FieldData>");
     xml.line(

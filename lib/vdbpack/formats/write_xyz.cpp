@@ -62,9 +62,12 @@ void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile&
             if (&texts != species) describe(name, 'S');
         });
     std::string header = fmt::format("{}\n", pack.size());
-    header += fmt::format("Lattice=\"{}\" Origin=\"{}\" Properties={} pbc=\"F F F\"",
+    std::string periodic;
+    for (int d = 0; d < 3; ++d)
+        periodic += fmt::format("{}{}", d ? " " : "", pack.cell().isAlong(d) ? 'T' : 'F');
+    header += fmt::format("Lattice=\"{}\" Origin=\"{}\" Properties={} pbc=\"{}\"",
                           spaced({size[0], 0, 0, 0, size[1], 0, 0, 0, size[2]}),
-                          spaced({box.lo[0], box.lo[1], box.lo[2]}), properties);
+                          spaced({box.lo[0], box.lo[1], box.lo[2]}), properties, periodic);
     header += fmt::format(" {}={}", kUnitKey, unitName(options.unit));
     if (!options.generator.empty()) {
         std::string generator = oneLine(options.generator);

@@ -1,0 +1,86 @@
+// Periodic cells from the command line to files and back.
+#include "cli/recipes.h"
+#include "support/temporary_folder.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/run/run.h"
+
+#include <catch2/catch.hpp>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+using test::recipeFor;
+
+TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][periodic]") {
+    const TemporaryFolder folder;
+    auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
+    recipe.densify = 0.645;
+    recipe.outputs = {folder.file("p.vtp"), folder.file("p.csv")};
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(run.report.solidFractionTotal.value_or(0) >= 0.645);
+    CHECK(run.report.solidFractionInterior.value_or(0) ==
+          Approx(*run.report.solidFractionTotal));  // there is no layer at a wall
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(pack.cell.all());
+    CHECK(pack.depth.empty());
+    VerifyRecipe verify;
+    verify.pack = folder.file("p.csv");
+    verify.domain.source = "periodic:24,22,26";
+    CHECK(runVerify(verify, {}).passed);
+    // In a shorter cell they overlap across its faces; a file with its own cell needs no domain.
+    verify.domain.source = "periodic:24,22,25";
+    CHECK(runVerify(verify, {}).report.overlap->pairs > 0);
+    verify.domain.source.clear();
+    verify.pack = folder.file("p.vtp");
+    const auto own = runVerify(verify, {});
+    CHECK(own.passed);
+    CHECK(std::get<Pack<3>>(own.pack).cell.all());
+}
+
+TEST_CASE("boxes repeat along the axes that are named", "[cli][periodic]") {
+    auto recipe = recipeFor("box:24,22,26", "uniform:1,2");
+    recipe.domain.periodic = "xz";
+    const auto run = runPack(recipe);
+    CHECK(run.passed);
+    CHECK(run.report.area == Approx(2 * 24 * 26));
+    CHECK(std::get<Pack<3>>(run.pack).depth.size() == run.report.count);
+    recipe.domain.periodic = "xx";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    recipe.domain.periodic = "x";
+    recipe.domain.source = "ball:20";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    recipe.domain.source = "periodic:20,20,20";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+}
+
+TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
+    const TemporaryFolder folder;
+    const auto refused = [](PackRecipe recipe) {
+        CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    };
+    const auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
+    auto other = recipe;
+    other.voids.method = "boolean";
+    other.voids.radius = "uniform:2,3";
+    other.voids.count = 5;
+    refused(other);
+    other = recipe;
+    other.voids.shell = 2;
+    refused(other);
+    other = recipe;
+    other.domain.clips = {"plane:0,0,1,3"};
+    refused(other);
+    other = recipe;
+    other.domain.slice = "z=0";
+    refused(other);
+    other = recipe;
+    other.order = Order::center;
+    refused(other);
+    other = recipe;
+    other.outputs = {"labels:" + folder.file("l.nrrd")};
+    other.domain.voxelSpacing = "1";
+    refused(other);
+}
