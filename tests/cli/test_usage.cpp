@@ -76,7 +76,7 @@ TEST_CASE("misuse is reported with what was meant", "[cli]") {
         {"pack ball:3 --effort quick", {"--effort", "'quick'", "fast, normal, dense"}},
         {"pack ball:3 --report a.json --report b.json", {"--report", "2 times"}},
         {"pack ball:3 rest", {"pack", "rest"}},
-        {"pack ball:3 --periodic xyz", {"--periodic", "no periodic cells"}},
+        {"pack ball:3 --boundary p", {"--boundary", "periodic:LX,LY,LZ"}},
         {"pack ball:3 --material=bone", {"--material", "region", "--density"}},
         {"pack ball:3 --porosity 0.4", {"--densify F", "--target-bvtv F"}},
         {"mesh", {"FILE", "vdb_pack mesh --help"}}};

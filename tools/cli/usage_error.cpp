@@ -36,8 +36,7 @@ struct ForeignOption {
     const char* instead;
 };
 constexpr ForeignOption kForeignOptions[] = {
-    {"--periodic", "there are no periodic cells; a box:LX,LY,LZ has walls"},
-    {"--boundary", "there are no periodic cells; a box:LX,LY,LZ has walls"},
+    {"--boundary", "periodic:LX,LY,LZ repeats along all axes, --periodic xy makes a box repeat"},
     {"--lattice", "there are no lattices; --order and --effort choose how the front fills"},
     {"--material",
      "spheres have no material: --shell sets their region, which is the type in LAMMPS, LIGGGHTS "
