@@ -8,6 +8,8 @@
 
 #include <catch2/catch.hpp>
 
+#include <filesystem>
+
 using namespace vdbpack;
 using namespace vdbpack::test;
 using Catch::Matchers::Contains;
@@ -83,4 +85,14 @@ TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     other.outputs = {"labels:" + folder.file("l.nrrd")};
     other.domain.voxelSpacing = "1";
     refused(other);
+}
+
+TEST_CASE("a picture and a page show the spheres of a periodic cell", "[cli][periodic]") {
+    const TemporaryFolder folder;
+    const auto domain = GENERATE(as<std::string>(), "periodic:24,22,26", "periodic:60,50");
+    auto recipe = recipeFor(domain, "uniform:1,2");
+    recipe.preview.file = folder.file("p.png");
+    recipe.reportFile = folder.file("r.html");
+    CHECK(runPack(recipe).passed);
+    CHECK(std::filesystem::exists(folder.file("p.png")));
 }

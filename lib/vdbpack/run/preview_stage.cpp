@@ -44,7 +44,8 @@ public:
         }
         const Domain<3>& domain = *built.space;
         const Box<3> bounds = domain.bounds();
-        made_ = whole && domain.facts().kind == "box"
+        // Of a periodic cell the picture shows its box.
+        made_ = whole && (domain.facts().kind == "box" || domain.cell().any())
                     ? boxMesh(bounds)
                     : levelSetMesh(*surfaceLevelSet(domain, length(bounds.size()) / kSurfaceVoxels),
                                    source.recipe().source);

@@ -56,11 +56,17 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
         const std::string& name = source->recipe().source;
         if (sources.size() > 1)
             throw ParameterError(name + ": a periodic cell is packed alone, not as a part");
-        for (const std::string& output : settings.outputs)
-            if (targetOf(output).kind == OutputKind::labels)
-                throw ParameterError(output +
-                                     ": label maps of a periodic cell are not available; " +
-                                     "write the spheres");
+        for (const std::string& output : settings.outputs) switch (targetOf(output).kind) {
+                case OutputKind::labels:
+                case OutputKind::contour:
+                case OutputKind::levelSets:
+                case OutputKind::fog:
+                    throw ParameterError(output +
+                                         ": a periodic cell has no closed surface, and its "
+                                         "label maps are not available; write the spheres");
+                default:
+                    break;
+            }
     }
     labelGridOf(settings, sources);
     for (const std::string& output : settings.outputs)
