@@ -4,11 +4,14 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <filesystem>
+#include <string>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -95,4 +98,42 @@ TEST_CASE("a picture and a page show the spheres of a periodic cell", "[cli][per
     recipe.reportFile = folder.file("r.html");
     CHECK(runPack(recipe).passed);
     CHECK(std::filesystem::exists(folder.file("p.png")));
+}
+
+TEST_CASE("files for viewers hold images where these are asked for", "[cli][periodic]") {
+    const TemporaryFolder folder;
+    const std::string viewed = folder.file("v.csv"), simulated = folder.file("s.data");
+    auto recipe = recipeFor("periodic:20,18,22", "uniform:1,2");
+    recipe.outputs = {viewed, simulated};
+    recipe.images = true;
+    const RunResult run = runPack(recipe);
+    const auto& pack = std::get<Pack<3>>(run.pack);
+    CHECK(readPack(simulated).spheres.size() == pack.spheres.size());
+    const Pack<3> all = readPack(viewed);
+    REQUIRE(all.spheres.size() > pack.spheres.size());
+    const auto of = std::find_if(all.columns.begin(), all.columns.end(),
+                                 [](const Column& c) { return c.name == "image_of"; });
+    REQUIRE(of != all.columns.end());
+    CHECK(all.id.empty());  // those of a .csv are 0, 1, ...: each once
+    std::size_t expected = 0;
+    for (const Sphere<3>& s : pack.spheres)
+        for (int k = 0; k < 27; ++k) {
+            const Vec<3> center =
+                s.center + Vec<3>{{20.0 * (k % 3 - 1), 18.0 * (k / 3 % 3 - 1), 22.0 * (k / 9 - 1)}};
+            bool meets = true;
+            for (int d = 0; d < 3; ++d)
+                meets = meets && center[d] + s.radius >= pack.cell.box.lo[d] &&
+                        center[d] - s.radius <= pack.cell.box.hi[d];
+            expected += meets;
+        }
+    CHECK(all.spheres.size() == expected);
+    for (std::size_t i = 0; i < all.spheres.size(); ++i) {
+        const auto source = static_cast<std::size_t>(of->numbers[i]);
+        CHECK((source == i) == (i < pack.spheres.size()));
+        CHECK(all.spheres[i].radius == pack.spheres[source].radius);
+        CHECK(length(pack.cell.nearest(all.spheres[i].center - pack.spheres[source].center)) <
+              1e-9);
+    }
+    recipe.domain.source = "box:20,18,22";
+    CHECK_THROWS_AS(runPack(recipe), ParameterError);
 }

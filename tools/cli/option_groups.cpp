@@ -151,6 +151,15 @@ void addContactTolerance(CLI::App& command, double& tolerance) {
         ->group("Run");
 }
 
+void addImages(CLI::App& command, bool& images) {
+    command
+        .add_flag(
+            "--images", images,
+            "of a periodic cell, write the images that protrude into it, too, with the column "
+            "image_of; files for YADE and LAMMPS never hold them")
+        ->group("Output");
+}
+
 void addGap(CLI::App& command, double& gap) {
     command
         .add_option("--gap", gap,

@@ -62,6 +62,7 @@ void addUnit(CLI::App& command, const std::string& option, vdbpack::Unit& unit,
              const std::string& help);
 void addOutputs(CLI::App& command, std::vector<std::string>& outputs, const std::string& help);
 void addContactTolerance(CLI::App& command, double& tolerance);
+void addImages(CLI::App& command, bool& images);
 /// --gap.
 void addGap(CLI::App& command, double& gap);
 void addDensify(CLI::App& command, double& fraction, const std::string& help);

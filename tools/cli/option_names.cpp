@@ -28,6 +28,7 @@ constexpr OptionName kOptionNames[] = {
     {"fill", "--fill"},
     {"gap", "--gap"},
     {"gridName", "--grid"},
+    {"images", "--images"},
     {"keepConnected", "--keep-connected"},
     {"matrix", "--void-matrix"},
     {"maxCount", "--max-count"},

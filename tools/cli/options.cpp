@@ -157,6 +157,7 @@ CLI::App* addCommand(CLI::App& app, PackJob& job, PrintOptions& print) {
                    "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
                    "options by their names. Where they overlap, the later one has the space");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addImages(*command, job.images);
     addSphereOptions(command, job);
     addDensityOption(*command, job.density);
     addGreyOptions(*command, job.grey);
@@ -210,6 +211,7 @@ CLI::App* addCommand(CLI::App& app, DensifyRecipe& job, PrintOptions& print) {
     addInputPack(*command, job, "PACK", kPackHelp);
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addImages(*command, job.images);
     addDensityOption(*command, job.density);
     addGreyOptions(*command, job.grey);
     addDensify(*command, job.fraction,
@@ -289,6 +291,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     addOutputs(*command, job.outputs, kOutputHelp);
     addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if the file states none");
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
+    addImages(*command, job.images);
     addUnit(*command, "--unit", job.domain.unit, "unit of the domain's file");
     command->add_option("--grid", job.packGrid, "point grid (or level set) to take from a .vdb")
         ->option_text("NAME [first]")

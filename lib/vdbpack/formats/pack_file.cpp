@@ -5,6 +5,7 @@
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/pack_target.h"
+#include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -17,6 +18,16 @@
 #include <vector>
 
 namespace vdbpack {
+
+namespace {
+
+/// Whether a program that reads the format repeats the cell itself.
+bool isOfSimulation(PackFormat format) {
+    return format == PackFormat::yade || format == PackFormat::lammpsData ||
+           format == PackFormat::lammpsBonds;
+}
+
+}  // namespace
 
 template <int Dim>
 void checkPack(const Pack<Dim>& pack) {
@@ -72,6 +83,10 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
             throw ParameterError(
                 fmt::format("the frame of the picture is {} x {} mm; give two positive lengths",
                             size[0], size[1]));
+    }
+    if (options.images && pack.cell.any() && !isOfSimulation(t.format)) {
+        writePack(withImages(pack), file, options);
+        return;
     }
     const PackView view(pack, options.unit);
     if (t.format == PackFormat::pvtp) {

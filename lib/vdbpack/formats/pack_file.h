@@ -43,6 +43,9 @@ struct PackWriteOptions {
     double contactTolerance = 1e-3;
     /// Drawn around the circles of an .svg, and part of the picture: the bounds of the domain, mm.
     std::optional<Box<2>> frame;
+    /// Of a periodic cell, write the images that protrude into it, too (`withImages`), but not for
+    /// YADE and LAMMPS, which make their own.
+    bool images = false;
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply

@@ -6,6 +6,7 @@
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/with_images.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
@@ -306,6 +307,8 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
             break;
         case OutputKind::blender:
             need(have.pack != nullptr, "pack");
+            if (have.options.images && have.pack->cell.any())
+                return writeBlender(withImages(*have.pack), target.file, have.options, have.volume);
             return writeBlender(*have.pack, target.file, have.options, have.volume);
     }
     return {target.file};
@@ -349,6 +352,9 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     std::vector<std::string> files;
     RunOutputs<Dim> all = have;
     all.volume = volumeAmong(outputs);
+    if (have.options.images && !(have.pack && have.pack->cell.any()))
+        throw ParameterError(
+            "`images` are those of a periodic cell, and there is none; leave them out");
     if (have.pack) warnOfMissingDensities(*have.pack, have.options.materialDensity, callbacks);
     for (const std::string& output : outputs) {
         callbacks.report("write", 0, 0);

@@ -37,6 +37,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
     have.pack = &pack;
     PackWriteOptions& write = have.options;
     write.unit = recipe.outUnit;
+    write.images = recipe.images;
     write.generator = std::string("vdb_pack ") + VDBPACK_VERSION;
     write.contactTolerance = recipe.contactTolerance;
     DomainSource::Built built;

@@ -34,6 +34,7 @@ struct RunSettings {
     double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
     std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
     Unit outUnit = Unit::millimeter;   ///< of the lengths in them
+    bool images = false;  ///< files for viewers hold the images in a periodic cell, too
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
     GreyRecipe grey;
     PreviewRecipe preview;   ///< picture; without a file: none

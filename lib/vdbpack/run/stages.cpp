@@ -68,6 +68,10 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
                     break;
             }
     }
+    if (settings.images && std::none_of(sources.begin(), sources.end(),
+                                        [](const DomainSource* s) { return s->isPeriodic(); }))
+        throw ParameterError(
+            "`images` are those of a periodic cell, and there is none; leave them out");
     labelGridOf(settings, sources);
     for (const std::string& output : settings.outputs)
         if (sources.size() == 1 && !hasPack && targetOf(output).labels == "parts")
@@ -294,6 +298,7 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     PackWriteOptions& write = have.options;
     write.contactTolerance = run.settings.contactTolerance;
     write.unit = run.settings.outUnit;
+    write.images = run.settings.images;
     write.generator = "vdb_pack " + run.report.version +
                       (run.report.interrupted ? ", interrupted" : "") +
                       (run.report.axes.empty() ? "" : "; axes " + run.report.axes);
