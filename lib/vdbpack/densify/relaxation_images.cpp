@@ -29,7 +29,7 @@ void Relaxation<Dim>::addImages() {
     std::size_t own = 0;
     for (std::size_t i = 0; i < now_.labels.size(); ++i)
         if (now_.labels[i] != kOfOthers) now_.take(own++, now_, i);
-    const double grow = static_cast<double>(1 + delta_) * (1 + 1e-6);
+    const double grow = static_cast<double>(listGrow_) * (1 + 1e-6);
     const auto most = static_cast<double>(most_), further = static_cast<double>(further_);
     images_.clear();
     for (std::size_t i = 0; i < own; ++i) {
