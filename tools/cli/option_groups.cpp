@@ -232,6 +232,7 @@ void addDomainOptions(CLI::App& command, DomainRecipe& domain) {
                     "axes along which a box or rectangle repeats, such as xy: it has no walls "
                     "there. periodic:LX,LY,LZ repeats along all")
         ->option_text("AXES")
+        ->check(notEmpty())
         ->group("Domain")
         ->expected(1);
     command.add_option("--voxel", domain.voxelSize, "voxel size of the distance field, mm")

@@ -31,10 +31,13 @@ template <int Dim>
 void requireLongCell(const PeriodicCell<Dim>& cell, double largest) {
     const double least = kCellDiameters * 2 * largest;
     if (cell.shortest() >= least) return;
+    int axis = 0;
+    for (int d = Dim; d-- > 0;)
+        if (cell.isAlong(d) && cell.length(d) <= cell.shortest()) axis = d;
     throw InputError(fmt::format(
-        "the periodic cell is {:.6g} mm long, less than {:g} diameters of the largest {}, {:.6g} "
-        "mm. Give a larger cell or smaller radii",
-        cell.shortest(), kCellDiameters, Measure<Dim>::kSphere, least));
+        "the periodic cell is {:.6g} mm long along {}, less than {:g} diameters of the largest {}, "
+        "{:.6g} mm with any gap. Give a longer cell or smaller radii",
+        cell.shortest(), "xyz"[axis], kCellDiameters, Measure<Dim>::kSphere, least));
 }
 
 template SpheresWithImages<2> withImages(const std::vector<Sphere<2>>&, const PeriodicCell<2>&,

@@ -35,6 +35,10 @@ Box<Dim> boxFrom(const std::string& what, const std::vector<double>& v, const ch
     if (v.size() != Dim && v.size() != 2 * Dim) malformed(what, form);
     for (int d = 0; d < Dim; ++d) {
         const auto at = static_cast<std::size_t>(d);
+        if (v.size() == Dim && !(v[at] > 0))
+            throw ParameterError(
+                fmt::format("{}: the length along {} is {:g} mm; give positive lengths", what,
+                            "xyz"[d], v[at]));
         box.lo[d] = v.size() == Dim ? -v[at] / 2 : v[at];
         box.hi[d] = v.size() == Dim ? v[at] / 2 : v[at + Dim];
     }
@@ -128,7 +132,9 @@ std::optional<NamedShape> parseShape(const std::string& text, const std::string&
             shape.rect = boxFrom<2>(what, v, form);
             shape.plane = boxWith<2>(shape.rect, shape.wraps);
         } else {
-            malformed(what, form);
+            malformed(what,
+                      "periodic:LX,LY,LZ or periodic:LX,LY (for other corners "
+                      "box:x0,y0,z0,x1,y1,z1 and `periodic` xyz)");
         }
     } else if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";

@@ -16,7 +16,7 @@ Pack<Dim> withImages(const Pack<Dim>& pack) {
         result.id.resize(all.own);
         std::iota(result.id.begin(), result.id.end(), 0);
     }
-    Column of{"image_of", {}, {}};
+    Column of{kImageColumn, {}, {}};
     for (const std::uint32_t source : all.source)
         of.numbers.push_back(static_cast<double>(result.id[source]));
     std::int64_t next = 0;

@@ -48,7 +48,7 @@ void requireCountable(const Domain<Dim>& domain, const PackOptions& options) {
 /// Refuses what the front of a periodic cell cannot do.
 template <int Dim>
 void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
-                     const std::vector<Sphere<Dim>>& existing) {
+                     const std::vector<Sphere<Dim>>& existing, const Callbacks& callbacks) {
     if (options.order != Order::sweep)
         throw ParameterError("`order`: a periodic cell is packed in the order sweep; leave it out");
     if (options.ranks)
@@ -59,6 +59,14 @@ void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
     double largest = options.sizes.quantile(1);
     for (const Sphere<Dim>& s : existing) largest = std::max(largest, s.radius);
     requireLongCell(cell, largest + shellOf(options));
+    const auto outside = std::count_if(existing.begin(), existing.end(), [&](const auto& s) {
+        return cell.wrapped(s.center) != s.center;
+    });
+    if (outside > 0)
+        callbacks.warn(fmt::format(
+            "{} of {} existing {} have their centers outside the periodic cell, and their images "
+            "in it count; check that they were packed in this cell",
+            outside, existing.size(), Measure<Dim>::kSpheres));
 }
 
 /// Whether the bounds of a domain could hold the smallest radius.
@@ -110,7 +118,8 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     if (options.gap > 0) inset = insetDomain(outer, shellOf(options));
     const Domain<Dim>& domain = inset ? *inset : outer;
     requireCountable(domain, options);
-    if (const auto cell = domain.cell(); cell.any()) requirePeriodic(cell, options, existing);
+    if (const auto cell = domain.cell(); cell.any())
+        requirePeriodic(cell, options, existing, callbacks);
     PackResult<Dim> result;
     result.quantum = quantumFor(options.sizes);
     // Blocks for radii that no part of a thin domain can hold would be many, and all empty.

@@ -175,7 +175,7 @@ void addTargets(Summary& out, const VoidReport& v) {
                  fmt::format("distributions: {:.2f} (local thickness) and {:.2f} (spacing) from "
                              "the sample's",
                              *v.thicknessDistance, *v.separationDistance));
-    out.line("", fmt::format("measured in a specimen of {:.4g} mm; the same without targets:",
+    out.line("", fmt::format("measured in a specimen of {:.4g} mm; to repeat it without a search:",
                              v.specimen));
     std::string line;
     std::istringstream words(v.parameters);

@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/grey_stage.h"
 
@@ -64,6 +65,12 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
             box.lo[d] = std::min(box.lo[d], s.center[d] - s.radius);
             box.hi[d] = std::max(box.hi[d], s.center[d] + s.radius);
         }
+    if (std::any_of(pack.columns.begin(), pack.columns.end(),
+                    [](const Column& c) { return c.name == kImageColumn; }))
+        callbacks.warn(fmt::format(
+            "{}: holds images of spheres of a periodic cell (column {}), which count as further "
+            "spheres here; give the file without images",
+            recipe.pack, kImageColumn));
     const double extent = length(box.size());
     if (extent < 2 || extent > 5000)
         callbacks.warn(fmt::format(

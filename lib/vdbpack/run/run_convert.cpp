@@ -59,6 +59,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         requireResources(extent, recipe);
         built = source->build(detail, radius.max, callbacks);
         have.domain = ofDim<Dim>(built).get();
+        if (have.domain->cell().any()) pack.cell = have.domain->cell();
         if (built.mesh) {
             write.levelSets = {built.mesh->grid()};
             have.wall = &built.mesh->wall();

@@ -368,7 +368,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
                     r.bvtvField, mean, r.bvtvRange));
             decided.targetBvtv = mean;
             chosen.push_back(fmt::format(
-                "{} BV/TV {:.4f}, the mean that {} says",
+                "{} BV/TV {:.4f}, the mean of {}",
                 method == VoidMethod::foam ? "voids dilated to" : "as many voids as make", mean,
                 r.bvtvField));
         } else if (undecided) {
