@@ -43,6 +43,19 @@ TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][
     const auto own = runVerify(verify, {});
     CHECK(own.passed);
     CHECK(std::get<Pack<3>>(own.pack).cell.all());
+    CHECK(own.report.solidFractionTotal == run.report.solidFractionTotal);
+    CHECK(own.report.warnings.empty());
+    verify.domain.source = "periodic:24,22,27";
+    REQUIRE(runVerify(verify, {}).report.warnings.size() == 1);
+    CHECK_THAT(runVerify(verify, {}).report.warnings[0], Contains("p.vtp") && Contains("24,22,27"));
+    DensifyRecipe denser;
+    denser.pack = verify.pack;
+    denser.fraction = 0.655;
+    const auto result = runDensify(denser);
+    CHECK(result.passed);
+    CHECK(result.report.solidFractionTotal.value_or(0) >= 0.655);
+    denser.pack = folder.file("p.csv");
+    CHECK_THROWS_AS(runDensify(denser), ParameterError);
 }
 
 TEST_CASE("boxes repeat along the axes that are named", "[cli][periodic]") {

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 #include <vector>
 
 namespace vdbpack {
@@ -96,6 +98,44 @@ void requireDomain(const InputPack& recipe) {
             "`packUnit`)",
             set));
 }
+
+DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack) {
+    DomainRecipe domain = recipe.domain;
+    if (!domain.source.empty() || !pack.cell.any()) return domain;
+    const bool plane = isPlane(pack);
+    const Box<3>& box = pack.cell.box;
+    std::string corners[2];
+    for (int d = 0; d < (plane ? 2 : 3); ++d) {
+        corners[0] += fmt::format("{}{}", d > 0 ? "," : "", box.lo[d]);
+        corners[1] += fmt::format(",{}", box.hi[d]);
+        if (pack.cell.isAlong(d)) domain.periodic += "xyz"[d];
+    }
+    domain.source = (plane ? "rect:" : "box:") + corners[0] + corners[1];
+    return domain;
+}
+
+template <int Dim>
+void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
+                     const Domain<Dim>& domain, const Callbacks& callbacks) {
+    constexpr double kSame = 1e-6;  // of its length: files round
+    const PeriodicCell<Dim> cell = domain.cell();
+    if (!stated.any() || !cell.any()) return;
+    bool same = true;
+    for (int d = 0; d < Dim; ++d)
+        same = same && stated.isAlong(d) == cell.isAlong(d) &&
+               (!cell.isAlong(d) ||
+                std::fabs(stated.length(d) - cell.length(d)) <= kSame * cell.length(d));
+    if (!same)
+        callbacks.warn(fmt::format(
+            "{}: states another periodic cell than `domain` {}, which counts; leave `domain` out "
+            "for that of the file",
+            recipe.pack, recipe.domain.source));
+}
+
+template void warnOfOtherCell(const InputPack&, const PeriodicCell<2>&, const Domain<2>&,
+                              const Callbacks&);
+template void warnOfOtherCell(const InputPack&, const PeriodicCell<3>&, const Domain<3>&,
+                              const Callbacks&);
 
 bool isPlane(const Pack<3>& pack) {
     const double z = pack.spheres.front().center[2];

@@ -1,6 +1,7 @@
 // Private to runs: packs that are read, and the runs that work on them.
 #pragma once
 
+#include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/run/measure_stage.h"
@@ -26,6 +27,14 @@ std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
 /// Refuses settings of a domain that is not there. @throws ParameterError
 void requireDomain(const InputPack& recipe);
 
+/// The domain of a pack: that of the recipe, or else the periodic cell that its file states.
+DomainRecipe domainOf(const InputPack& recipe, const Pack<3>& pack);
+
+/// Warns of a periodic cell that is not the one that the file of the pack states.
+template <int Dim>
+void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
+                     const Domain<Dim>& domain, const Callbacks& callbacks);
+
 /// Whether all spheres of a pack lie in one plane.
 bool isPlane(const Pack<3>& pack);
 
@@ -44,10 +53,13 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
         Clock clock;
         const Callbacks heard = keepingWarnings(limited, report.warnings);
         const Pack<3> pack = readInputPack(recipe, heard);
-        const DomainSource source(recipe.domain, heard);
+        const DomainRecipe domain = domainOf(recipe, pack);
+        if (domain.source.empty())
+            throw ParameterError("the spheres lie in a domain; set the `domain` of the pack");
+        const DomainSource source(domain, heard);
         report.seconds.mesh = clock.lap();
         beginOn({&source}, recipe, report, heard, true);
-        warnOfUnused(recipe.domain, source, heard);
+        warnOfUnused(domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
         if (source.dim() == 2) {
             Run<2> run(recipe, source, report, clock, limited);
@@ -70,7 +82,8 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
     Clock clock;
     requireDomain(recipe);
     std::optional<DomainSource> source;
-    if (!recipe.domain.source.empty()) source.emplace(recipe.domain, callbacks);
+    if (const DomainRecipe domain = domainOf(recipe, given); !domain.source.empty())
+        source.emplace(domain, callbacks);
     report.seconds.mesh += clock.lap();
     RunResult run;
     const auto measure = [&](auto& pack, auto dim) {
@@ -89,6 +102,7 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         if (source) built = source->build(detail, reach, callbacks);
         report.seconds.domain = clock.lap();
         const Domain<Dim>* domain = ofDim<Dim>(built).get();
+        if (domain) warnOfOtherCell(recipe, pack.cell, *domain, callbacks);
         measurePack(pack, source ? &*source : nullptr, domain, sizes ? &*sizes : nullptr,
                     recipe.contactTolerance, report, callbacks);
         if (report.interrupted) throw Interrupted();

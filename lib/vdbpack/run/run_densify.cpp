@@ -41,8 +41,6 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
 }  // namespace
 
 RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks) {
-    if (recipe.domain.source.empty())
-        throw ParameterError("spheres are moved within a domain; set the `domain` of the pack");
     checkSettings(recipe, RunKind::pack, {}, inputFiles(recipe));
     return runOnInputPack(recipe, "densify", {}, callbacks,
                           [&](auto& run) { return densifyInput(run, recipe); });
