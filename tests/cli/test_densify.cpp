@@ -192,6 +192,8 @@ TEST_CASE("a pack that cannot be separated is written as it was, with exit code 
 }
 
 TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
+    const TemporaryFolder folder;
+    std::ofstream(folder.file("p.csv")) << "x,y,z,radius\n0,0,0,1\n";
     const auto refused = [](const std::string& words, const std::string& why) {
         const auto run = vdbPack(words + " --json");
         CAPTURE(words);
@@ -208,5 +210,5 @@ TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
     refused(
         "pack ball:9 --densify 0.6 --voids mixed --void-radius constant:2 --void-probability 0.1",
         "would move the holes");
-    refused("densify p.csv", "--domain");
+    refused("densify " + folder.file("p.csv"), "--domain");
 }

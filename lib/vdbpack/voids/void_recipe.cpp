@@ -204,9 +204,12 @@ void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
     const bool scaled = method == VoidMethod::foam &&
                         (r.targetTbth || r.targetTbsp || r.targetConnd || !r.like.empty());
     if (sized && r.radius.empty() && !hasSpheres && !scaled)
-        throw ParameterError(fmt::format(
-            "`voids` {} needs `voids.radius`, the half-axis b in mm{}", r.method,
-            method == VoidMethod::foam ? ", or `targetTbth`, `targetTbsp` or `targetConnd`" : ""));
+        throw ParameterError(
+            method == VoidMethod::foam
+                ? "the size of a foam is not given; add `targetTbth`, `targetTbsp`, `targetConnd`, "
+                  "or `voids.radius`, the shorter half-axis of its voids in mm"
+                : fmt::format("`voids` {} needs `voids.radius`, the shorter half-axis in mm",
+                              r.method));
 }
 
 }  // namespace
