@@ -151,7 +151,7 @@ TEST_CASE("lengths and shares that cannot be are refused", "[cli][bad]") {
          {"pack cube:10", 2, "'cube:10' box:LX,LY,LZ ball:R cylinder:R,H disc:R"},
          {"pack sphere:3,4", 2, "'sphere:3,4' ball:R"},
          {"verify @p.csv --domain cube:10", 4, "@p.csv"},
-         {"pack box:0,1,1", 2, "box bounds"},
+         {"pack box:0,1,1", 2, "box:0,1,1 length x 0"},
          {"pack ball:9 --preview p.png --preview-size 1e9x1e9", 2, "--preview-size '1e9x1e9' WxH"},
          {"pack ball:9 --preview p.png --preview-size 99999x99999", 2,
           "--preview-size 99999x99999 16384"}},
