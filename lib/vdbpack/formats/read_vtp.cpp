@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -65,32 +66,32 @@ public:
     const PeriodicCell<3>& cell() const { return cell_; }
 
 private:
+    /// The text of that name in the field data, where there is one.
+    std::optional<std::string> noted(std::string_view name, std::uint64_t longest) {
+        std::optional<std::string> text;
+        for (const pugi::xml_node& node : xml_.data().child("FieldData"))
+            if (VtkXml::isArray(node) && VtkXml::attribute(node, "Name") == name &&
+                VtkXml::attribute(node, "type") == "String")
+                text = xml_.arrays().texts(xml_.described(node), 1, longest)[0];
+        return text;
+    }
+
     /// The periodic cell in the field data, where there is one.
     void takeCell() {
-        for (const pugi::xml_node& node : xml_.data().child("FieldData")) {
-            if (!VtkXml::isArray(node) || VtkXml::attribute(node, "Name") != kCellKey ||
-                VtkXml::attribute(node, "type") != "String")
-                continue;
-            const auto found = xml_.arrays().texts(xml_.described(node), 1, kLongestCell);
-            const auto cell = parseCellText(found[0], unit_);
-            if (!cell)
-                xml_.fail(fmt::format("{} is no periodic cell; remove that array",
-                                      quotedExcerpt(found[0])));
-            cell_ = *cell;
-        }
+        const auto text = noted(kCellKey, kLongestCell);
+        if (!text) return;
+        const auto cell = parseCellText(*text, unit_);
+        if (!cell)
+            xml_.fail(
+                fmt::format("{} is no periodic cell; remove that array", quotedExcerpt(*text)));
+        cell_ = *cell;
     }
 
     /// The unit in the field data, where there is one.
     void takeUnit() {
-        for (const pugi::xml_node& node : xml_.data().child("FieldData")) {
-            if (!VtkXml::isArray(node) || VtkXml::attribute(node, "Name") != kUnitKey ||
-                VtkXml::attribute(node, "type") != "String")
-                continue;
-            const auto found = xml_.arrays().texts(xml_.described(node), 1, kLongestUnit);
-            if (!parseUnitComment(kUnitComment + found[0], unit_))
-                xml_.fail(
-                    fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(found[0])));
-        }
+        const auto text = noted(kUnitKey, kLongestUnit);
+        if (text && !parseUnitComment(kUnitComment + *text, unit_))
+            xml_.fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(*text)));
     }
 
     std::vector<Piece> piecesOf() const {
