@@ -64,3 +64,24 @@ TEST_CASE("an absorbed pool loses nothing", "[pack][pool]") {
     REQUIRE(a.size() == 64);
     for (std::size_t k = 0; k < 64; ++k) CHECK(a[k] == all[k]);
 }
+
+TEST_CASE("a pool notices that large radii leave it", "[pack][pool]") {
+    const auto sizes = SizeDistribution::parse("uniform:1,2", 3);
+    RadiusPool pool(sizes, 1, 1, 64);
+    pool.refill();
+    CHECK_FALSE(pool.hasGivenLarge());
+    for (int i = 0; i < 20; ++i) pool.take(pool.size() - 1);
+    CHECK(pool.hasGivenLarge());
+    // What is drawn past the pending ones has the mean of the distribution; what comes back does
+    // not count.
+    for (int i = 0; i < 2000; ++i) {
+        const double drawn = pool.draw();
+        if (i % 2 == 0) pool.giveBack(drawn), pool.take(pool.countUpTo(drawn) - 1);
+    }
+    CHECK_FALSE(pool.hasGivenLarge());
+    RadiusPool other(sizes, 1, 2, 64);
+    other.refill();
+    for (int i = 0; i < 60; ++i) other.take(other.size() - 1);
+    other.absorb(pool);
+    CHECK_FALSE(other.hasGivenLarge());
+}

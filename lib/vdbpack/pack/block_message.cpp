@@ -70,6 +70,7 @@ void visit(Bytes& bytes, Message& message) {
 template <class Bytes, class State>
 void visitPool(Bytes& bytes, State& pool) {
     bytes(pool.share);
+    bytes(pool.given);
     bytes(pool.radii);
 }
 template <class Bytes, class State>

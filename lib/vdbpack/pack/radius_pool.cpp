@@ -13,6 +13,7 @@ RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::u
                        std::size_t capacity, double shell)
     : sizes_(sizes),
       shell_(shell),
+      mean_(sizes.mean() + shell),
       share_(RandomStream(seed, stream).bits()),
       capacity_(capacity) {}
 
@@ -21,17 +22,38 @@ std::size_t RadiusPool::countUpTo(double r) const {
                                     radii_.begin());
 }
 
-void RadiusPool::draw() {
+double RadiusPool::next() {
     share_ += kGoldenStep;
-    const double r = sizes_.quantile(static_cast<double>(share_ >> 11) * 0x1p-53) + shell_;
+    return sizes_.quantile(static_cast<double>(share_ >> 11) * 0x1p-53) + shell_;
+}
+
+void RadiusPool::add(double r) {
     radii_.insert(std::upper_bound(radii_.begin(), radii_.end(), r), r);
 }
 
+/// Counts a radius that leaves the pool (`times` 1) or comes back (-1).
+void RadiusPool::count(double r, double times) {
+    given_.count += times;
+    given_.excess += times * (r - mean_);
+}
+
+double RadiusPool::draw() {
+    const double r = next();
+    count(r, 1);
+    return r;
+}
+
+void RadiusPool::giveBack(double r) {
+    count(r, -1);
+    add(r);
+}
+
 void RadiusPool::fill() {
-    while (radii_.size() < capacity_ || countUpTo(common_) < capacity_) draw();
+    while (radii_.size() < capacity_ || countUpTo(common_) < capacity_) add(next());
 }
 
 void RadiusPool::take(std::size_t k) {
+    count(radii_[k], 1);
     radii_.erase(radii_.begin() + static_cast<std::ptrdiff_t>(k));
     fill();
 }
@@ -39,7 +61,7 @@ void RadiusPool::take(std::size_t k) {
 void RadiusPool::refill() {
     fill();
     // The slack covers atoms that were rounded up to a float.
-    while (radii_.front() > sizes_.mean() * (1 + 1e-6) + shell_) draw();
+    while (radii_.front() > sizes_.mean() * (1 + 1e-6) + shell_) add(next());
 }
 
 void RadiusPool::absorb(RadiusPool& other) {
@@ -47,6 +69,9 @@ void RadiusPool::absorb(RadiusPool& other) {
     radii_.insert(radii_.end(), other.radii_.begin(), other.radii_.end());
     std::inplace_merge(radii_.begin(), radii_.begin() + middle, radii_.end());
     other.radii_.clear();
+    given_.count += other.given_.count;
+    given_.excess += other.given_.excess;
+    other.given_ = {};
 }
 
 }  // namespace vdbpack

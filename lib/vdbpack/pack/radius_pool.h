@@ -37,6 +37,14 @@ public:
     /// How many pending radii are <= `r`.
     std::size_t countUpTo(double r) const;
 
+    /// Draws a radius that is not pending: it is to be placed at once, or given back.
+    double draw();
+    /// Makes a radius that was drawn pending instead.
+    void giveBack(double r);
+    /// Whether the mean of the radii that left the pool is more than a hundredth above that of the
+    /// distribution. A pool whose largest radii are taken first comes to hold small ones; those
+    /// that replaced them would all be placed where the pack begins.
+    bool hasGivenLarge() const { return given_.excess > 0.01 * mean_ * given_.count; }
     /// Removes the `k`-th smallest and draws up to the capacity.
     void take(std::size_t k);
     /// Draws until the pool is full and has a radius of at most the mean: then every vacancy for a
@@ -46,24 +54,35 @@ public:
     /// Moves the radii pending in `other` into this pool.
     void absorb(RadiusPool& other);
 
+    /// Of the radii that left the pool.
+    struct Given {
+        double count = 0;
+        double excess = 0;  ///< their sum, less that of as many mean radii, mm
+    };
     /// What one rank tells another of a pool that moves there.
     struct State {
-        std::uint64_t share = 0;    ///< the last draw
+        std::uint64_t share = 0;  ///< the last draw
+        Given given;
         std::vector<double> radii;  ///< pending, sorted, mm
     };
-    State state() const { return {share_, radii_}; }
+    State state() const { return {share_, given_, radii_}; }
     void restore(State state) {
         share_ = state.share;
+        given_ = state.given;
         radii_ = std::move(state.radii);
     }
 
 private:
     void fill();
-    void draw();
+    double next();
+    void add(double r);
+    void count(double r, double times);
 
     SizeDistribution sizes_;
     double shell_;
+    double mean_;  ///< of the radii with their shells, mm
     std::uint64_t share_;
+    Given given_;
     std::size_t capacity_;
     double common_ = std::numeric_limits<double>::infinity();
     std::vector<double> radii_;

@@ -16,6 +16,9 @@ struct FrontSettings {
     /// How far a site where a further body stops the growth goes ahead of the sweep if the largest
     /// sphere fits there, mm; sites for smaller ones go ahead by less. 0: none does.
     double lead = 0;
+    /// The same, in addition, for sites on walls towards which the front sweeps: large spheres come
+    /// to lie there before those below leave them no room. mm.
+    double wallLead = 0;
     /// Radius for which sites are sought, mm: spheres placed there may be larger.
     double probe = 0;
     /// Sites where no sphere of this radius fits are not used, mm; 0: all are.

@@ -73,7 +73,7 @@ void FrontSites<Dim>::clear() {
     unused_ = kNone;
     arrived_ = 0;
     const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
-    queue_.reset(static_cast<float>(low - settings.lead),
+    queue_.reset(static_cast<float>(low - settings.lead - settings.wallLead),
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
@@ -198,15 +198,30 @@ float FrontSites<Dim>::baseOf(const Vec<Dim>& start) {
 }
 
 template <int Dim>
+const TangentPlane<Dim>* FrontSites<Dim>::wall(std::uint32_t index) const {
+    for (const std::uint32_t body : sites_[index].bodies)
+        if (body >= kWallBody && body != kNoBody) return &walls_[body - kWallBody];
+    return nullptr;
+}
+
+/// How far a site goes ahead of its position along the sweep, mm.
+template <int Dim>
+float FrontSites<Dim>::leadOf(std::uint32_t index) const {
+    const FrontSettings<Dim>& settings = block_.settings;
+    if (!(common_ > probe_)) return 0;
+    const float limit = ends_[index].limit;
+    double lead = isOpen(index) ? 0 : settings.lead;
+    if (settings.wallLead > 0) {
+        const TangentPlane<Dim>* const plane = wall(index);
+        if (plane && dot(plane->normal, settings.sweep) < 0) lead += settings.wallLead;
+    }
+    return static_cast<float>(lead) * (std::min(limit, common_) - probe_) / (common_ - probe_);
+}
+
+template <int Dim>
 void FrontSites<Dim>::enqueue(std::uint32_t index) {
     const Site& site = sites_[index];
-    if (site.foreign != 0) return;
-    float key = site.base;
-    const float limit = ends_[index].limit;
-    if (limit < 0.99f * largest_ && common_ > probe_)
-        key -= static_cast<float>(block_.settings.lead) * (std::min(limit, common_) - probe_) /
-               (common_ - probe_);
-    queue_.push(index, key);
+    if (site.foreign == 0) queue_.push(index, site.base - leadOf(index));
 }
 
 template <int Dim>

@@ -62,6 +62,10 @@ public:
     const Bodies& bodies(std::uint32_t index) const { return sites_[index].bodies; }
     float side(std::uint32_t index) const { return sites_[index].side; }
     bool isRemoved(std::uint32_t index) const { return ends_[index].dead; }
+    /// Whether no further body limits the growth there.
+    bool isOpen(std::uint32_t index) const { return !(ends_[index].limit < kOpen * largest_); }
+    /// The wall that a sphere touches there; null if it touches none.
+    const TangentPlane<Dim>* wall(std::uint32_t index) const;
     /// Largest radius that fits, as far as is known, mm.
     float limit(std::uint32_t index) const { return ends_[index].limit; }
     /// The center at that radius.
@@ -100,8 +104,12 @@ private:
     std::uint32_t neighborAt(const Vec<Dim>& x) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
     float baseOf(const Vec<Dim>& start);
+    float leadOf(std::uint32_t index) const;
     static bool reaches(const std::array<float, Dim>& center, float radius, const End& end);
     void limitBy(std::uint32_t index, const Cap<float, Dim>& cap);
+
+    /// In largest radii: a limit that counts as none.
+    static constexpr float kOpen = 0.99f;
 
     const BlockState<Dim>& block_;
     FrontWalls<Dim>& walls_;
