@@ -19,6 +19,8 @@ struct FrontSettings {
     /// The same, in addition, for sites on walls towards which the front sweeps: large spheres come
     /// to lie there before those below leave them no room. mm.
     double wallLead = 0;
+    /// The same for sites on spheres of earlier blocks ahead, across the faces of a periodic cell.
+    double seamLead = 0;
     /// Radius for which sites are sought, mm: spheres placed there may be larger.
     double probe = 0;
     /// Sites where no sphere of this radius fits are not used, mm; 0: all are.

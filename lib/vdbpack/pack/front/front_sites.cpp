@@ -204,18 +204,43 @@ const TangentPlane<Dim>* FrontSites<Dim>::wall(std::uint32_t index) const {
     return nullptr;
 }
 
+/// Whether a sphere lies beyond upper faces of the block alone: in a periodic cell the first blocks
+/// stand there.
+template <int Dim>
+bool FrontSites<Dim>::isBeyond(std::uint32_t index) const {
+    const Vec<Dim>& center = sphere(index).center;
+    bool beyond = false;
+    for (int d = 0; d < Dim; ++d) {
+        if (center[d] < block_.own.lo[d]) return false;
+        beyond = beyond || center[d] >= block_.own.hi[d];
+    }
+    return beyond;
+}
+
+/// How far a site goes ahead because of what the front is going to meet there, mm.
+template <int Dim>
+double FrontSites<Dim>::meetingLead(std::uint32_t index) const {
+    const FrontSettings<Dim>& settings = block_.settings;
+    bool meets = isBeyond(sites_[index].pivot);
+    for (const std::uint32_t body : sites_[index].bodies) {
+        if (body == kNoBody) continue;
+        if (body < kWallBody)
+            meets = meets || isBeyond(body);
+        else if (dot(walls_[body - kWallBody].normal, settings.sweep) < 0)
+            return settings.wallLead;
+    }
+    return meets ? settings.seamLead : 0;
+}
+
 /// How far a site goes ahead of its position along the sweep, mm.
 template <int Dim>
 float FrontSites<Dim>::leadOf(std::uint32_t index) const {
     const FrontSettings<Dim>& settings = block_.settings;
     if (!(common_ > probe_)) return 0;
-    const float limit = ends_[index].limit;
     double lead = isOpen(index) ? 0 : settings.lead;
-    if (settings.wallLead > 0) {
-        const TangentPlane<Dim>* const plane = wall(index);
-        if (plane && dot(plane->normal, settings.sweep) < 0) lead += settings.wallLead;
-    }
-    return static_cast<float>(lead) * (std::min(limit, common_) - probe_) / (common_ - probe_);
+    if (settings.wallLead > 0) lead += meetingLead(index);
+    const float limit = std::min(ends_[index].limit, common_);
+    return static_cast<float>(lead) * (limit - probe_) / (common_ - probe_);
 }
 
 template <int Dim>

@@ -104,6 +104,8 @@ private:
     std::uint32_t neighborAt(const Vec<Dim>& x) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
     float baseOf(const Vec<Dim>& start);
+    bool isBeyond(std::uint32_t index) const;
+    double meetingLead(std::uint32_t index) const;
     float leadOf(std::uint32_t index) const;
     static bool reaches(const std::array<float, Dim>& center, float radius, const End& end);
     void limitBy(std::uint32_t index, const Cap<float, Dim>& cap);
