@@ -1,6 +1,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set_builder.h"
 
@@ -161,6 +162,8 @@ std::shared_ptr<const VdbGrid> surfaceLevelSet(const Domain<3>& domain, double v
     try {
         if (const auto* mesh = dynamic_cast<const MeshDomain*>(&domain))
             return mesh->gridOf(voxelSize);
+        if (const PeriodicCell<3> cell = domain.cell(); cell.any())
+            return sampled(*boxDomain(cell.box), voxelSize);
         return sampled(domain, voxelSize);
     } catch (const std::bad_alloc&) {
         throw ResourceError(fmt::format(

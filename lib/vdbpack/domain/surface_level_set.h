@@ -10,7 +10,8 @@ namespace vdbpack {
 
 /// A domain as narrow-band level set: three voxels on both sides, named `surface`. From the
 /// triangles where the domain is a mesh; else (shapes, clipped domains) from the distances that its
-/// sampler returns, which outside of edges are lower bounds.
+/// sampler returns, which outside of edges are lower bounds. Of a periodic cell it is the box,
+/// closed at its faces.
 ///
 /// @param voxelSize  mm.
 /// @throws ParameterError unless the voxel size is positive; ResourceError if memory does not

@@ -26,7 +26,9 @@ void forEachOnFaces(int axis, const Visit& visit) {
 
 }  // namespace
 
-InteriorComponents::InteriorComponents(Tree& tree) : tree_(tree), leafs_(tree) {
+InteriorComponents::InteriorComponents(Tree& tree, const openvdb::CoordBBox& cell,
+                                       const std::array<bool, 3>& wraps)
+    : tree_(tree), leafs_(tree) {
     parts_.resize(leafs_.leafCount());
     tbb::parallel_for(std::size_t{0}, parts_.size(),
                       [&](std::size_t n) { search(leafs_.leaf(n), parts_[n]); });
@@ -34,6 +36,8 @@ InteriorComponents::InteriorComponents(Tree& tree) : tree_(tree), leafs_(tree) {
     sets_ = DisjointSets(labels);
     joinLeafs();
     joinTiles();
+    for (int d = 0; d < 3; ++d)
+        if (wraps[static_cast<std::size_t>(d)]) joinAcross(cell, d);
     count(labels);
 }
 
@@ -132,6 +136,27 @@ void InteriorComponents::joinAt(const Tile& tile, const Coord& at, int axis, boo
         const std::uint32_t label = labelOf(found->second, above ? low : high);
         if (label != kOutside) sets_.join(tile.label, label);
     });
+}
+
+/// `kOutside` for a voxel outside.
+std::uint32_t InteriorComponents::labelAt(const Coord& voxel) const {
+    const auto found = leafAt_.find(voxel & ~7);
+    if (found != leafAt_.end()) return labelOf(found->second, Leaf::coordToOffset(voxel));
+    const Tile* tile = tileAt(voxel);
+    return tile ? tile->label : kOutside;
+}
+
+void InteriorComponents::joinAcross(const openvdb::CoordBBox& cell, int axis) {
+    const int e = (axis + 1) % 3, f = (axis + 2) % 3;
+    Coord low = cell.min(), high = cell.min();
+    high[axis] = cell.max()[axis];
+    for (low[e] = cell.min()[e]; low[e] <= cell.max()[e]; ++low[e])
+        for (low[f] = cell.min()[f]; low[f] <= cell.max()[f]; ++low[f]) {
+            high[e] = low[e];
+            high[f] = low[f];
+            const std::uint32_t a = labelAt(low), b = labelAt(high);
+            if (a != kOutside && b != kOutside) sets_.join(a, b);
+        }
 }
 
 const InteriorComponents::Tile* InteriorComponents::tileAt(const Coord& at) const {

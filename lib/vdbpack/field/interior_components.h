@@ -23,8 +23,11 @@ public:
     using Tree = openvdb::FloatTree;
     using Leaf = Tree::LeafNodeType;
 
-    /// @param tree  must outlive this, changed by `drop` alone.
-    explicit InteriorComponents(Tree& tree);
+    /// @param tree   must outlive this, changed by `drop` alone.
+    /// @param cell   voxels of a periodic cell: those at opposite faces share these, too.
+    /// @param wraps  axes along which it repeats; none: there is no cell.
+    explicit InteriorComponents(Tree& tree, const openvdb::CoordBBox& cell = {},
+                                const std::array<bool, 3>& wraps = {});
 
     /// Voxels of each component by its number; 0 for numbers without a component.
     const std::vector<std::uint64_t>& sizes() const { return sizes_; }
@@ -71,6 +74,8 @@ private:
     void joinLeafs();
     void joinTiles();
     void joinAt(const Tile& tile, const openvdb::Coord& at, int axis, bool above);
+    void joinAcross(const openvdb::CoordBBox& cell, int axis);
+    std::uint32_t labelAt(const openvdb::Coord& voxel) const;
     void count(std::uint32_t labels);
 
     Tree& tree_;

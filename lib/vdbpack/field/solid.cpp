@@ -58,15 +58,24 @@ std::vector<bool> largestOf(const InteriorComponents& components) {
     return largest;
 }
 
+/// The voxels whose centers lie in a cell.
+openvdb::CoordBBox voxelsOf(const PeriodicCell<3>& cell, const FloatGrid& grid) {
+    openvdb::CoordBBox voxels;
+    if (!cell.any()) return voxels;
+    const openvdb::Vec3d lo = grid.worldToIndex({cell.box.lo[0], cell.box.lo[1], cell.box.lo[2]}),
+                         hi = grid.worldToIndex({cell.box.hi[0], cell.box.hi[1], cell.box.hi[2]});
+    return {openvdb::Coord::ceil(lo), openvdb::Coord::floor(hi)};
+}
+
 }  // namespace
 
 Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected,
-               const std::function<bool(const Vec<3>&)>& inShell) {
+               const std::function<bool(const Vec<3>&)>& inShell, const PeriodicCell<3>& cell) {
     if (surface.grid->transform() != voids.grid->transform())
         throw ParameterError("surface and voids lie on different lattices; stamp on the surface's");
     try {
         const FloatGrid::Ptr grid = difference(*surface.grid, *voids.grid);
-        InteriorComponents components(grid->tree());
+        InteriorComponents components(grid->tree(), voxelsOf(cell, *grid), cell.wraps);
         const auto attached =
             shell > 0 ? touchingWall(components, *surface.grid, inShell) : largestOf(components);
         Solid solid;

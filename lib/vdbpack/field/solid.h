@@ -1,6 +1,7 @@
 // What voids leave of a bone: surface minus voids, as a level set.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/vec.h"
 
 #include <cstdint>
@@ -26,8 +27,10 @@ struct Solid {
 /// @param shell          thickness of the layer along the wall that voids leave alone, mm.
 /// @param inShell        whether a point (mm) of the wall belongs to the shell; empty: all do.
 /// @param keepConnected  remove the components that are not attached.
+/// @param cell           in which the solid repeats: components go on across its faces.
 /// @throws ParameterError if the lattices differ, ResourceError if memory does not suffice.
 Solid cutVoids(const VdbGrid& surface, const VdbGrid& voids, double shell, bool keepConnected,
-               const std::function<bool(const Vec<3>&)>& inShell = {});
+               const std::function<bool(const Vec<3>&)>& inShell = {},
+               const PeriodicCell<3>& cell = {});
 
 }  // namespace vdbpack

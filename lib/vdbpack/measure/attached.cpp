@@ -16,11 +16,11 @@ constexpr std::uint64_t kFewest = 1000;
 
 template <int Dim>
 std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& spheres,
-                                          const std::vector<std::int32_t>& region,
-                                          double tolerance) {
+                                          const std::vector<std::int32_t>& region, double tolerance,
+                                          const PeriodicCell<Dim>& cell) {
     const auto count = static_cast<std::uint32_t>(spheres.size());
     DisjointSets sets(count);
-    for (const Contact& c : listContacts(spheres, tolerance)) sets.join(c.i, c.j);
+    for (const Contact& c : listContacts(spheres, tolerance, cell)) sets.join(c.i, c.j);
     std::vector<std::uint8_t> rooted(count);  // by the root of the component
     std::vector<std::uint32_t> size(count);
     for (std::uint32_t i = 0; i < count; ++i) ++size[sets.find(i)];
@@ -39,8 +39,10 @@ std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<Dim>>& sphere
 }
 
 template std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<2>>&,
-                                                   const std::vector<std::int32_t>&, double);
+                                                   const std::vector<std::int32_t>&, double,
+                                                   const PeriodicCell<2>&);
 template std::vector<std::uint8_t> attachedSpheres(const std::vector<Sphere<3>>&,
-                                                   const std::vector<std::int32_t>&, double);
+                                                   const std::vector<std::int32_t>&, double,
+                                                   const PeriodicCell<3>&);
 
 }  // namespace vdbpack

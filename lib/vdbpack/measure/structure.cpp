@@ -33,6 +33,7 @@ void addTo(nlohmann::ordered_json& report, const Structure& s) {
                                             {"g", s.pairCorrelation->g},
                                             {"error", s.pairCorrelation->error}})
                                     : Json();
+    report["crystalline"] = s.crystalline ? Json(*s.crystalline) : Json();
     Json regions = Json::array();
     for (const auto& r : s.regions)
         regions.push_back({{"name", r.name},
@@ -77,6 +78,10 @@ std::string summary(const Structure& s) {
                                      s.meanDiameter,
                                  s.pairCorrelation->references));
     }
+    if (s.crystalline)
+        line("order", fmt::format("{:.2g} % of the {} in crystalline order (by bond order)",
+                                  100 * *s.crystalline,
+                                  s.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres));
     for (const auto& r : s.regions)
         line(r.name.c_str(),
              fmt::format("{:.4f} solid in {:.6g} {}; {} {}{}", r.solidFraction, r.volume,

@@ -27,13 +27,15 @@ struct Structure {
     std::optional<DensityProfile> profile;
     std::optional<LocalFraction> local;
     std::optional<PairCorrelation> pairCorrelation;
+    std::optional<double> crystalline;  ///< as `solidLikeShare`
     int dim = 3;
     double meanDiameter = 0;  ///< mm
     double shell = 0;         ///< thickness of the shell that separates the regions, mm; 0: none
     std::vector<RegionFraction> regions;
 };
 
-/// Under `profile`, `localFraction`, `pairCorrelation` and `regions`; null where there is none.
+/// Under `profile`, `localFraction`, `pairCorrelation`, `crystalline` and `regions`; null where
+/// there is none.
 void addTo(nlohmann::ordered_json& report, const Structure& structure);
 
 /// As text: lines of at most 80 columns with labels, ending with a newline.

@@ -58,7 +58,7 @@ RunResult runOnInputPack(const InputPack& recipe, const char* task, const VoidRe
             throw ParameterError("the spheres lie in a domain; set the `domain` of the pack");
         const DomainSource source(domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, recipe, report, heard, true);
+        beginOn({&source}, recipe, voids, report, heard, true);
         warnOfUnused(domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, voids, source.dim());
         if (source.dim() == 2) {

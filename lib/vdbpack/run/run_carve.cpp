@@ -77,8 +77,6 @@ RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
         throw ParameterError(
             "there is nothing to cut; set how `voids` are made (grid, overlay, concentric, "
             "threshold, boolean or list:FILE)");
-    if (recipe.domain.source.empty())
-        throw ParameterError("voids are cut into a domain; set the `domain` of the pack");
     auto inputs = voidInputs(recipe.voids);
     for (auto& file : inputFiles(recipe)) inputs.push_back(std::move(file));
     checkSettings(recipe, RunKind::pack, recipe.voids, inputs);

@@ -3,6 +3,7 @@
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/measure/bond_order.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
@@ -251,6 +252,8 @@ MeasureResult runMeasure(const MeasureRecipe& recipe, const Callbacks& callbacks
                     throw ParameterError(
                         "`shell`: is not available in a periodic cell; leave it out");
                 found.structure = measureStructure(spheres, domain, measured, recipe.shell, heard);
+                if (measured.count > 0)
+                    found.structure.crystalline = solidLikeShare(spheres.spheres, spheres.cell);
                 if (recipe.shell > 0 && found.structure.regions.size() == 1)
                     heard.warn(fmt::format(
                         "`shell` {:g} mm: no part of the domain lies deeper than the shell",

@@ -76,7 +76,7 @@ template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
     requireShell(shellRange(recipe.voids).first, source);
-    if (recipe.voids.hasShell() || !recipe.voids.empty()) requireUncut(source);
+    requireRepeating(source, recipe.voids);
     PackPlan plan = planPack(recipe, source);
     Extent share = plan.extent;
     if (recipe.ranks) share.count /= recipe.ranks->count();
@@ -413,7 +413,7 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
         }
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, recipe, report, heard);
+        beginOn({&source}, recipe, recipe.voids, report, heard);
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
         packDomain(recipes, source, report, clock, callbacks, done);

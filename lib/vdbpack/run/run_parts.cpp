@@ -385,7 +385,7 @@ RunResult packParts(const PackRecipe& recipe, const Parts& parts, const Report& 
     std::vector<const DomainSource*> sources;
     for (const auto& part : parts) sources.push_back(&part->source);
     Report first = begun;
-    beginOn(sources, recipe, first, callbacks);
+    beginOn(sources, recipe, recipe.voids, first, callbacks);
     if (recipe.preview.cut) {
         Box<3> box;
         for (const DomainSource* source : sources) {

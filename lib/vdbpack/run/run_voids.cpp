@@ -63,7 +63,7 @@ void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
         for (VoidsRecipe& r : recipes) r.voids = sampled;
         const DomainSource source(first.domain, heard);
         report.seconds.mesh = clock.lap();
-        beginOn({&source}, first, report, heard);
+        beginOn({&source}, first, first.voids, report, heard);
         warnOfUnused(first.domain, source, heard);
         checkOutputKinds(first.outputs, RunKind::voids, first.voids, source.dim());
         for (const auto& recipe : recipes) {

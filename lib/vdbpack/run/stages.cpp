@@ -50,7 +50,8 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 }
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
-             Report& report, const Callbacks& callbacks, bool hasPack) {
+             const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack) {
+    const bool makesVoids = methodOf(voids) != VoidMethod::none && !isThinning(methodOf(voids));
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;
@@ -58,12 +59,16 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
             throw ParameterError(name + ": a periodic cell is packed alone, not as a part");
         for (const std::string& output : settings.outputs) switch (targetOf(output).kind) {
                 case OutputKind::labels:
+                    throw ParameterError(output +
+                                         ": label maps of a periodic cell are not available; write "
+                                         "the spheres, or fog: of the solid beside voids");
                 case OutputKind::contour:
                 case OutputKind::levelSets:
                 case OutputKind::fog:
+                    if (makesVoids) break;
                     throw ParameterError(output +
-                                         ": a periodic cell has no closed surface, and its "
-                                         "label maps are not available; write the spheres");
+                                         ": a periodic cell without voids has no surface; write "
+                                         "the spheres");
                 default:
                     break;
             }
@@ -118,18 +123,34 @@ void requireShell(double shell, const DomainSource& source) {
         shell, thin));
 }
 
-void requireUncut(const DomainSource& source) {
-    if (source.isPeriodic())
-        throw ParameterError(source.recipe().source +
-                             ": voids and shells of a periodic cell are not available; leave them "
-                             "out, or cut them into a box");
+void requireRepeating(const DomainSource& source, const VoidRecipe& voids) {
+    if (!source.isPeriodic()) return;
+    const std::string& name = source.recipe().source;
+    if (voids.hasShell())
+        throw ParameterError(
+            name +
+            ": a shell lies along a wall, which a periodic cell has not on all sides; leave "
+            "`shell` out");
+    if (needsFront(methodOf(voids)))
+        throw ParameterError(fmt::format(
+            "{}: `voids` {} are not available in a periodic cell; use boolean, overlay, "
+            "foam, grid or list:FILE",
+            name, voids.method));
+    if (voids.fill == Fill::solid)
+        throw ParameterError(name +
+                             ": `fill` solid is not available in a periodic cell; leave it out");
+    if (!voids.bvtvField.empty())
+        throw ParameterError(
+            fmt::format("{}: BV/TV by place (`bvtvField` {}) does not repeat with a periodic cell; "
+                        "leave it out",
+                        name, voids.bvtvField));
 }
 
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize) {
     if (run.voidRecipe) requireShell(shellRange(*run.voidRecipe).first, run.source);
-    if (run.cuts()) requireUncut(run.source);
+    if (run.cuts()) requireRepeating(run.source, *run.voidRecipe);
     requireResources(extent, run.settings);
     run.built = run.source.build(detail, reach, run.callbacks, voxelSize);
     run.report.seconds.domain = run.clock.lap();

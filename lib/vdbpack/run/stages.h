@@ -141,15 +141,18 @@ struct Run {
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs);
 
-/// @throws ParameterError where voids or a shell would be cut into a periodic cell.
-void requireUncut(const DomainSource& source);
+/// Refuses voids that a periodic cell cannot have, and a shell, since there is no wall around it.
+/// @throws ParameterError
+void requireRepeating(const DomainSource& source, const VoidRecipe& voids);
 
 /// Checks what is to be written against the domains of a run, and records their axes in its report.
 /// @param sources  one, or those of several parts.
+/// @param voids    that are cut; only what they leave of a periodic cell has a surface.
 /// @param hasPack  whether spheres are read from a file, with columns of its own.
 /// @throws as `labelGridOf`
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
-             Report& report, const Callbacks& callbacks, bool hasPack = false);
+             const VoidRecipe& voids, Report& report, const Callbacks& callbacks,
+             bool hasPack = false);
 
 /// The head of a report. @param subject  what the run works on.
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject);

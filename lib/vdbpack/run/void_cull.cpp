@@ -20,11 +20,23 @@ std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>& s, double cont
                                           const Pack<Dim>& pack, VoidReport& report) {
     auto attached = attachedSpheres(pack.spheres,
                                     s.recipe.hasShell() ? pack.region : std::vector<std::int32_t>{},
-                                    contactTolerance);
+                                    contactTolerance, s.domain.cell());
     const auto held = static_cast<double>(std::count(attached.begin(), attached.end(), 1));
     if (!attached.empty()) report.spheresAttached = held / static_cast<double>(attached.size());
     return attached;
 }
+
+namespace {
+
+/// Spheres where voids are known: in the cell in which they repeat.
+template <int Dim>
+std::vector<Sphere<Dim>> wrappedInto(const PeriodicCell<Dim>& cell,
+                                     std::vector<Sphere<Dim>> spheres) {
+    for (Sphere<Dim>& s : spheres) s.center = cell.wrapped(s.center);
+    return spheres;
+}
+
+}  // namespace
 
 template <int Dim>
 void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t standing,
@@ -51,7 +63,7 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
             fraction = std::max(fraction, 1e-6);
             keep = method == VoidMethod::threshold
                        ? removeLargest(pack.spheres, candidates, fraction)
-                       : removeAround(pack.spheres, candidates, fraction, s.seed);
+                       : removeAround(pack.spheres, candidates, fraction, s.seed, s.domain.cell());
             double left = 0;
             for (std::size_t i = 0; i < before; ++i)
                 if (pack.region[i] && keep[i]) left += Measure<Dim>::ball(pack.spheres[i].radius);
@@ -67,9 +79,10 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         made.report.bvtv = bvtvAt(*made.report.amount);
         warnIfOff(s, made.report);
     } else if (made.stamped && r.fill == Fill::domain) {
+        const auto spheres = wrappedInto(s.domain.cell(), pack.spheres);
         keep = r.cull == Cull::touch
-                   ? spheresOutside(pack.spheres, *made.stamped, r.cull)
-                   : centersOutside(pack.spheres, made.list, *made.stamped, pack.region);
+                   ? spheresOutside(spheres, *made.stamped, r.cull)
+                   : centersOutside(spheres, made.list, *made.stamped, pack.region);
     }
     if (!keep.empty()) {
         std::fill_n(keep.begin(), std::min(standing, before), 1);

@@ -66,12 +66,23 @@ VoidJoin joinOf(const VoidSetting<Dim>& s) {
     return join;
 }
 
+/// `voidVoxelFor`, unless it is asked for, such that a whole number of voxels makes the shortest
+/// length along which a domain repeats: then each plane of them counts once.
+template <int Dim>
+double voxelFor(const VoidSetting<Dim>& s, double least) {
+    const double voxel = voidVoxelFor(s.recipe, least);
+    const PeriodicCell<Dim> cell = s.domain.cell();
+    if (!cell.any() || s.recipe.voxelSize > 0) return voxel;
+    return cell.shortest() / std::ceil(cell.shortest() / voxel * (1 - 1e-9));
+}
+
 /// The volume that voids are cut into, mm^Dim. In a box, as voxels fill it whose centers lie in it:
 /// the voids are counted so as well, and at a low BV/TV the difference to the box would matter.
 template <int Dim>
 double totalVolume(const VoidSetting<Dim>& s, double voxelSize) {
     const std::string& kind = s.domain.facts().kind;
-    if (s.recipe.hasShell() || !(kind == "box" || kind == "rect")) return regionOf(s).volume();
+    if (s.recipe.hasShell() || !(kind == "box" || kind == "rect" || s.domain.cell().any()))
+        return regionOf(s).volume();
     const Box<Dim> box = s.domain.bounds();
     const Vec<Dim> origin = latticeOf(s, voxelSize);
     double volume = 1;
@@ -116,8 +127,8 @@ void cut(const VoidSetting<3>& s, MadeVoids<3>& made) {
     if (&envelope != &s.domain || !shell.isUniform())
         inShell = [sampler = std::shared_ptr<DomainSampler<3>>(envelope.sampler()),
                    shell](const Vec<3>& x) { return sampler->signedDistance(x) > -shell.at(x); };
-    made.solid =
-        cutVoids(*made.surface, *made.voids, shell.most(), s.recipe.keepConnected, inShell);
+    made.solid = cutVoids(*made.surface, *made.voids, shell.most(), s.recipe.keepConnected, inShell,
+                          s.domain.cell());
     made.report.solidAttached = made.solid.attached;
     made.report.solidPieces = made.solid.components;
     made.report.bvtv =
@@ -176,7 +187,9 @@ void solveThickness(const VoidSetting<Dim>& s, MadeVoids<Dim>& made,
         recipe.radius = voidRadiusSpec(s, nullptr);
     const SizeDistribution first = SizeDistribution::parse(recipe.radius, Dim);
     if (s.recipe.radius.empty()) recipe.radiusScale = 1.2 * target / first.mean();
-    const Vec<Dim> deepest = largestBall(s.domain).center;
+    // Without walls all points are.
+    const Vec<Dim> deepest =
+        s.domain.cell().all() ? s.domain.bounds().center() : largestBall(s.domain).center;
     double least = std::numeric_limits<double>::infinity();  // miss of a round
     double nearest = recipe.radiusScale;                     // that of this round
     for (int round = 0;; ++round) {
@@ -263,6 +276,12 @@ template <int Dim>
 void requireFitting(const VoidSetting<Dim>& s, double halfAxis) {
     const Vec<Dim> size = s.domain.bounds().size();
     const double longest = *std::max_element(size.c.begin(), size.c.end());
+    if (const double cell = s.domain.cell().shortest(); 2 * halfAxis > cell * (1 + 1e-9))
+        throw ParameterError(
+            fmt::format("voids with half-axes of up to {:.4g} mm would overlap their own images in "
+                        "the periodic cell, which is {:.4g} mm long; give smaller ones or a longer "
+                        "cell",
+                        halfAxis, cell));
     if (2 * halfAxis > longest * (1 + 1e-9))
         throw ParameterError(
             fmt::format("voids with half-axes of up to {:.4g} mm are larger than the domain, which "
@@ -353,7 +372,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
         double largest = 0;
         for (const auto& e : made.list) largest = std::max({largest, e.a, e.b});
         requireFitting(s, largest);
-        bvtvOf(s, voidVoxelFor(r, leastHalfAxis(made.list)), made);
+        bvtvOf(s, voxelFor(s, leastHalfAxis(made.list)), made);
     } else {
         std::vector<std::string> chosen;
         const bool undecided = (method == VoidMethod::boolean && !r.count && !r.targetBvtv) ||
@@ -394,7 +413,7 @@ MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& s) {
             const auto family = voidFamily(setting, asked.targetBvtv.value_or(kDefaultBvtv),
                                            told ? nullptr : &chosen);
             told = true;
-            const double voxel = voidVoxelFor(asked, family.leastHalfAxis);
+            const double voxel = voxelFor(setting, family.leastHalfAxis);
             if (family.follow) family.follow(stampOptions(setting, voxel));
             const auto bvtvAt = [&](double amount) {
                 result.list = family.list(amount);

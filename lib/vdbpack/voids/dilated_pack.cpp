@@ -6,6 +6,8 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/pack/packer.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -65,18 +67,29 @@ double meanRadius(const VoidShape<Dim>& shape, const FoamOptions<Dim>& options) 
 
 template <int Dim>
 FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std::uint64_t seed,
-                       const Callbacks& callbacks) {
+                       const Callbacks& callbacks, const std::array<bool, Dim>& wraps) {
     FoamPack<Dim> pack;
+    pack.wraps = wraps;
     PackOptions front(sizes.scaled(1 / sizes.mean()));
     front.seed = seed;
     Box<Dim> box;
     for (int d = 0; d < Dim; ++d) {
-        pack.half[d] = std::exp(kExtentStep * std::ceil(std::log(half[d]) / kExtentStep));
-        // The layers along the walls of the box, where spheres are in order, lie outside.
-        box.hi[d] = pack.half[d] + kMargin[0] + kMargin[1] * front.sizes.max();
+        if (wraps[static_cast<std::size_t>(d)]) {
+            pack.half[d] = box.hi[d] = half[d];
+        } else {
+            pack.half[d] = std::exp(kExtentStep * std::ceil(std::log(half[d]) / kExtentStep));
+            // The layers along the walls of the box, where spheres are in order, lie outside.
+            box.hi[d] = pack.half[d] + kMargin[0] + kMargin[1] * front.sizes.max();
+        }
         box.lo[d] = -box.hi[d];
     }
-    const auto room = boxDomain(box);
+    const PeriodicCell<Dim> cell{box, wraps};
+    if (cell.shortest() < 2 * kCellDiameters * front.sizes.max())
+        throw InputError(fmt::format(
+            "the periodic cell is shorter than {:g} of the largest voids of the foam before their "
+            "dilation. Give a longer cell or smaller voids",
+            kCellDiameters));
+    const auto room = cell.any() ? periodicDomain(cell) : boxDomain(box);
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;
     auto packed = packSpheres(*room, front, quiet);
@@ -90,6 +103,15 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
     if (dense.interrupted) throw Interrupted();
     pack.spheres = std::move(dense.spheres);
     return pack;
+}
+
+template <int Dim>
+std::optional<Vec<Dim>> compressible(const std::optional<Vec<Dim>>& along,
+                                     const PeriodicCell<Dim>& cell) {
+    if (!along || !cell.any()) return along;
+    int other = 0;
+    for (int d = 0; d < Dim; ++d) other += (*along)[d] != 0;
+    return other == 1 ? along : std::nullopt;
 }
 
 template <int Dim>
@@ -141,15 +163,17 @@ std::vector<Ellipsoid<Dim>> dilated(const VoidRegion<Dim>& region,
     return voids;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                 \
-    template FoamPack<Dim> foamPack(const SizeDistribution&, const Vec<Dim>&, std::uint64_t,     \
-                                    const Callbacks&);                                           \
-    template Vec<Dim> foamExtent(const VoidRegion<Dim>&, const VoidShape<Dim>&,                  \
-                                 const FoamOptions<Dim>&);                                       \
-    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const FoamPack<Dim>&, \
-                                                   const VoidShape<Dim>&,                        \
-                                                   const FoamOptions<Dim>&);                     \
-    template std::vector<Ellipsoid<Dim>> dilated(                                                \
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template FoamPack<Dim> foamPack<Dim>(const SizeDistribution&, const Vec<Dim>&, std::uint64_t, \
+                                         const Callbacks&, const std::array<bool, Dim>&);         \
+    template std::optional<Vec<Dim>> compressible(const std::optional<Vec<Dim>>&,                 \
+                                                  const PeriodicCell<Dim>&);                      \
+    template Vec<Dim> foamExtent(const VoidRegion<Dim>&, const VoidShape<Dim>&,                   \
+                                 const FoamOptions<Dim>&);                                        \
+    template std::vector<Ellipsoid<Dim>> foamVoids(const VoidRegion<Dim>&, const FoamPack<Dim>&,  \
+                                                   const VoidShape<Dim>&,                         \
+                                                   const FoamOptions<Dim>&);                      \
+    template std::vector<Ellipsoid<Dim>> dilated(                                                 \
         const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>, double, const std::vector<double>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

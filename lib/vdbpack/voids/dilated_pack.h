@@ -4,6 +4,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/voids/void_field.h"
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -18,15 +19,27 @@ template <int Dim>
 struct FoamPack {
     std::vector<Sphere<Dim>> spheres;
     Vec<Dim> half;  ///< of the box that it fills, without the layers along its walls
+    std::array<bool, Dim> wraps{};  ///< axes along which it repeats
+
+    /// Whether it serves for a box of this half.
+    bool fills(const Vec<Dim>& wanted, const std::array<bool, Dim>& wantedWraps) const {
+        bool does = wraps == wantedWraps;
+        for (int d = 0; d < Dim; ++d)
+            does = does && (wraps[static_cast<std::size_t>(d)] ? wanted[d] == half[d]
+                                                               : wanted[d] <= half[d]);
+        return does;
+    }
 };
 
 /// Spheres whose radii are distributed as `sizes` are, but for their mean.
-/// @param half  of the box to fill at least. The box is somewhat larger, in steps of 6 %, so that
-///              nearly equal requests get the same pack.
-/// Cost: some 30 microseconds of processor time a sphere. @throws Interrupted, ResourceError
+/// @param half   of the box to fill at least. The box is somewhat larger, in steps of 6 %, so that
+///               nearly equal requests get the same pack.
+/// @param wraps  axes along which the pack repeats, and is as long as `half` says.
+/// Cost: some 30 microseconds of processor time a sphere.
+/// @throws Interrupted, ResourceError; InputError for a cell that is too short
 template <int Dim>
 FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std::uint64_t seed,
-                       const Callbacks& callbacks = {});
+                       const Callbacks& callbacks = {}, const std::array<bool, Dim>& wraps = {});
 
 /// How a dense pack becomes voids.
 template <int Dim>
@@ -37,6 +50,12 @@ struct FoamOptions {
     double jitter = 0;  ///< largest displacement of a center, in radii of its sphere; 0 to 1
     std::uint64_t seed = 1;
 };
+
+/// The direction along which a domain can be compressed for that: in a periodic cell one along its
+/// axes alone, since else the compressed cell would not be a box.
+template <int Dim>
+std::optional<Vec<Dim>> compressible(const std::optional<Vec<Dim>>& along,
+                                     const PeriodicCell<Dim>& cell);
 
 /// What `foamVoids` needs around the part of a domain that may have voids, as half of a box in mean
 /// radii.

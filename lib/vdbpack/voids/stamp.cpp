@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
 #include "vdbpack/voids/tile.h"
@@ -201,6 +202,24 @@ double reachOf(const StampOptions<Dim>& options) {
     return std::max(outsideOf(options), options.join.reach(options.voxelSize));
 }
 
+/// Voids wrapped into a periodic cell, and behind them the images that reach nearer to it than
+/// `reach`, mm. Images have the id of what they are images of, so that the same struts repeat.
+template <int Dim>
+std::vector<Ellipsoid<Dim>> repeatedVoids(const std::vector<Ellipsoid<Dim>>& voids,
+                                          const PeriodicCell<Dim>& cell, double reach) {
+    std::vector<Ellipsoid<Dim>> all = voids;
+    for (Ellipsoid<Dim>& e : all) e.center = cell.wrapped(e.center);
+    for (std::size_t i = 0; i < voids.size(); ++i) {
+        const Ellipsoid<Dim> e = all[i];
+        cell.forEachShift(e.bounds(), cell.box.grown(reach), [&](const Vec<Dim>& shift) {
+            if (squaredLength(shift) == 0) return;
+            all.push_back(e);
+            all.back().center += shift;
+        });
+    }
+    return all;
+}
+
 /// Whether struts may lie in a tile whose points are no farther than `upper` from one of its voids.
 template <int Dim>
 bool hasStrut(const Entry* entries, std::size_t count, double upper,
@@ -285,8 +304,9 @@ struct StampedVoids<Dim>::Impl {
     Vec<Dim> origin;
     double voxelSize = 0;
     double volume = 0;
-    double inside = 0, outside = 0;  // widths of the band, mm
-    VoidJoin join;                   // as in the options
+    double inside = 0, outside = 0;        // widths of the band, mm
+    VoidJoin join;                         // as in the options
+    std::vector<Ellipsoid<Dim>> repeated;  // in a periodic cell: the voids with their images
     std::optional<TileLattice<Dim>> lattice;
     std::vector<std::uint64_t> tiles;  // tiles that voids reach into, sorted
     std::vector<std::size_t> starts;   // start of each in `ellipsoids`, and the end
@@ -311,11 +331,11 @@ std::uint64_t StampedVoids<Dim>::activeVoxels() const {
 }
 
 template <int Dim>
-std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& voids,
-                                                    const Domain<Dim>& domain,
+std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<Dim>>& given,
+                                                    const Domain<Dim>& outer,
                                                     const StampOptions<Dim>& options,
                                                     const Callbacks& callbacks) {
-    checkStamp(voids, options);
+    checkStamp(given, options);
     auto stamped = std::make_shared<StampedVoids<Dim>>();
     auto& impl = *stamped->impl_;
     const double h = options.voxelSize;
@@ -324,6 +344,15 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     impl.join = options.join;
     impl.inside = kStampBand * h;
     impl.outside = outsideOf(options);
+    std::shared_ptr<const Domain<Dim>> box;  // what is counted of a periodic cell
+    if (const PeriodicCell<Dim> cell = outer.cell(); cell.any()) {
+        box = boxDomain(cell.box);
+        // The band goes on beyond the faces.
+        impl.repeated = repeatedVoids(given, cell, reachOf(options) + 2 * kStampBand * h);
+        indexable(impl.repeated.size(), "voids", "give fewer or larger ones");
+    }
+    const auto& voids = box ? impl.repeated : given;
+    const Domain<Dim>& domain = box ? *box : outer;
     const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
 
     const TileLattice<Dim> lattice(domain.bounds(), options.voxelSize, options.origin);
@@ -378,7 +407,8 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
 }
 
 template <int Dim>
-bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) const {
+bool StampedVoids<Dim>::isIn(const std::vector<Ellipsoid<Dim>>& given, const Vec<Dim>& x) const {
+    const auto& voids = impl_->repeated.empty() ? given : impl_->repeated;
     std::uint64_t tile = 0;
     if (!impl_->lattice || !impl_->lattice->find(x, tile)) return false;
     const auto found = std::lower_bound(impl_->tiles.begin(), impl_->tiles.end(), tile);

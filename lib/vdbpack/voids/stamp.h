@@ -100,7 +100,9 @@ private:
 ///
 /// @param domain  the domain that voids are cut into; tiles beyond it are skipped. Faster if its
 ///                field is deeper than the shell plus ten voxels: below the field the distance to
-///                the wall is searched.
+///                the wall is searched. In a periodic cell the voids repeat: what leaves it through
+///                a face comes in through the opposite one; the volume is that in the box of the
+///                cell, whose faces end no void.
 /// @throws ParameterError for a voxel size, shell or half-axis that is not positive and finite
 /// (the shell may be 0); ResourceError for voxels that are too small for the domain.
 /// The same for any number of threads.

@@ -128,13 +128,16 @@ std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>& spheres,
 template <int Dim>
 std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
                                        const std::vector<std::int32_t>& candidates, double fraction,
-                                       std::uint64_t seed) {
+                                       std::uint64_t seed, const PeriodicCell<Dim>& cell) {
     indexable(spheres.size(), Measure<Dim>::kSpheres, "split the pack");
     const RadiusRange radii = rangeOf(spheres, candidates, fraction);
     std::vector<std::uint8_t> keep(spheres.size(), 1);
     if (radii.count == 0) return keep;
     const double least = radii.min / fraction, most = radii.max / fraction;
-    const CenterCells<Dim> cells(spheres, std::max(0.5 * (least + radii.min), radii.max));
+    const SpheresWithImages<Dim> repeated =
+        cell.any() ? withImages(spheres, cell, most) : SpheresWithImages<Dim>{};
+    const auto& placed = cell.any() ? repeated.spheres : spheres;
+    const CenterCells<Dim> cells(placed, std::max(0.5 * (least + radii.min), radii.max));
     // The remaining candidates, unordered, and the index of each in `left`.
     std::vector<std::uint32_t> left, at(spheres.size());
     for (std::size_t i = 0; i < spheres.size(); ++i)
@@ -153,12 +156,13 @@ std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
     RandomStream random(seed, kStream);
     while (!left.empty() && static_cast<double>(radii.count - left.size()) < wanted) {
         const double pick = random.uniform() * static_cast<double>(left.size());
-        const Vec<Dim> center = spheres[left[static_cast<std::size_t>(pick)]].center;
+        const Vec<Dim> center = placed[left[static_cast<std::size_t>(pick)]].center;
         const double radius = least + random.uniform() * (most - least);
-        cells.near(center, radius + radii.max, [&](std::uint32_t i) {
+        cells.near(center, radius + radii.max, [&](std::uint32_t image) {
+            const std::uint32_t i = cell.any() ? repeated.source[image] : image;
             const double touching = radius + spheres[i].radius;
             if (candidates[i] && keep[i] &&
-                squaredLength(spheres[i].center - center) < touching * touching)
+                squaredLength(placed[image].center - center) < touching * touching)
                 remove(i);
         });
     }
@@ -168,8 +172,9 @@ std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
 #define VDBPACK_INSTANTIATE(Dim)                                                                \
     template std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>&,           \
                                                      const std::vector<std::int32_t>&, double); \
-    template std::vector<std::uint8_t> removeAround(                                            \
-        const std::vector<Sphere<Dim>>&, const std::vector<std::int32_t>&, double, std::uint64_t);
+    template std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>&,            \
+                                                    const std::vector<std::int32_t>&, double,   \
+                                                    std::uint64_t, const PeriodicCell<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)
 #undef VDBPACK_INSTANTIATE

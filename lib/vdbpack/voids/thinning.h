@@ -1,6 +1,7 @@
 // Thinning: removes spheres of a pack without any void.
 #pragma once
 
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/sphere.h"
 
 #include <cstdint>
@@ -23,11 +24,12 @@ std::vector<std::uint8_t> removeLargest(const std::vector<Sphere<Dim>>& spheres,
 /// that meet the ball of that radius about its center, until the share D of them is removed. The
 /// last ball may exceed that share.
 /// Source: the density relation D of the paper; here all spheres that meet a ball are removed.
-/// @param candidates, fraction  as above. @throws ParameterError as above;
-/// ResourceError for 2^32 - 1 spheres or more.
+/// @param candidates, fraction  as above.
+/// @param cell  in which the spheres repeat: balls reach across its faces.
+/// @throws ParameterError as above; ResourceError for 2^32 - 1 spheres or more.
 template <int Dim>
 std::vector<std::uint8_t> removeAround(const std::vector<Sphere<Dim>>& spheres,
                                        const std::vector<std::int32_t>& candidates, double fraction,
-                                       std::uint64_t seed);
+                                       std::uint64_t seed, const PeriodicCell<Dim>& cell = {});
 
 }  // namespace vdbpack

@@ -34,15 +34,13 @@ constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 
 template <int Dim>
 std::shared_ptr<const typename FoamPacks<Dim>::Entry> FoamPacks<Dim>::get(
-    const SizeDistribution& sizes, const Vec<Dim>& half, std::uint64_t seed,
-    const Callbacks& callbacks) {
-    for (const auto& entry : entries) {
-        bool fits = entry->seed == seed && entry->sizes == sizes.spec();
-        for (int d = 0; d < Dim; ++d) fits = fits && half[d] <= entry->pack.half[d];
-        if (fits) return entry;
-    }
+    const SizeDistribution& sizes, const Vec<Dim>& half, const std::array<bool, Dim>& wraps,
+    std::uint64_t seed, const Callbacks& callbacks) {
+    for (const auto& entry : entries)
+        if (entry->seed == seed && entry->sizes == sizes.spec() && entry->pack.fills(half, wraps))
+            return entry;
     entries.push_back(std::make_shared<const Entry>(
-        Entry{sizes.spec(), seed, foamPack(sizes, half, seed, callbacks)}));
+        Entry{sizes.spec(), seed, foamPack<Dim>(sizes, half, seed, callbacks, wraps)}));
     return entries.back();
 }
 
@@ -132,6 +130,12 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
     // The ellipsoids lie in balls that touch one another and stay clear of the shell.
     PackOptions options(shape.radius.scaled(std::max(1.0, shape.aspect.mean())));
     options.seed = s.seed;
+    if (s.domain.cell().shortest() < 2 * kCellDiameters * options.sizes.max())
+        throw InputError(
+            fmt::format("the periodic cell is {:.6g} mm long, less than {:g} times the largest "
+                        "void, {:.6g} mm. "
+                        "Give a longer cell or smaller voids",
+                        s.domain.cell().shortest(), kCellDiameters, 2 * options.sizes.max()));
     const auto core = coreDomain(s.domain, s.recipe.shell);
     const double expected = 0.6 * regionOf(s).volume() / options.sizes.meanBall(Dim);
     options.pending = static_cast<std::size_t>(
@@ -169,11 +173,14 @@ template <int Dim>
 VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
                            std::vector<std::string>* chosen) {
     const VoidShape<Dim> shape = voidShapeOf(s, chosen);
-    const FoamOptions<Dim> options{commonAxis(s), s.recipe.jitter.value_or(kFoamJitter), s.seed};
+    const PeriodicCell<Dim> cell = s.domain.cell();
+    const FoamOptions<Dim> options{compressible(commonAxis(s), cell),
+                                   s.recipe.jitter.value_or(kFoamJitter), s.seed};
     FoamPacks<Dim> own;
     FoamPacks<Dim>& packs = s.packs ? *s.packs : own;
-    const auto pack = packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
-                                foamExtent(regionOf(s), shape, options), s.seed, s.callbacks);
+    const auto pack =
+        packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
+                  foamExtent(regionOf(s), shape, options), cell.wraps, s.seed, s.callbacks);
     const auto voids = foamVoids(regionOf(s), pack->pack, shape, options);
     VoidFamily<Dim> family;
     family.most = kMostDilation;
@@ -204,14 +211,23 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
 }
 
 template <int Dim>
-VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s) {
+VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
     std::shared_ptr<const VoidMatrix> matrix;
     if (!s.recipe.matrix.empty())
         matrix = std::make_shared<VoidMatrix>(readVoidMatrix(s.recipe.matrix));
     if (Dim == 2 && matrix && matrix->size[2] > 1)
         throw InputError(fmt::format("{}: has {} layers, but the domain is a plane; keep one layer",
                                      s.recipe.matrix, matrix->size[2]));
-    const auto lattice = voidLattice(s.domain.bounds(), s.recipe.cell, matrix.get());
+    const PeriodicCell<Dim> cell = s.domain.cell();
+    const auto lattice =
+        voidLattice<Dim>(s.domain.bounds(), s.recipe.cell, matrix.get(), cell.wraps);
+    if (cell.any() && !s.recipe.cell.empty() && chosen) {
+        std::string sides;
+        for (int d = 0; d < Dim; ++d)
+            sides += fmt::format("{}{:.6g}", d > 0 ? " by " : "", lattice.cell[d]);
+        chosen->push_back(
+            fmt::format("boxes of {} mm, of which whole numbers make the periodic cell", sides));
+    }
     VoidFamily<Dim> family;
     family.most = 1;
     family.guess = 0.5;
@@ -258,7 +274,7 @@ VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
         case VoidMethod::foam:
             return foamFamily(s, bvtv, chosen);
         case VoidMethod::grid:
-            return gridFamily(s);
+            return gridFamily(s, chosen);
         case VoidMethod::none:
         case VoidMethod::concentric:
         case VoidMethod::threshold:

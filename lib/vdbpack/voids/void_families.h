@@ -9,6 +9,7 @@
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -30,7 +31,8 @@ struct FoamPacks {
 
     /// One of those that there are, or a further one. @throws as `foamPack`
     std::shared_ptr<const Entry> get(const SizeDistribution& sizes, const Vec<Dim>& half,
-                                     std::uint64_t seed, const Callbacks& callbacks);
+                                     const std::array<bool, Dim>& wraps, std::uint64_t seed,
+                                     const Callbacks& callbacks);
 };
 
 /// The domain that voids are cut into, and the spheres around them.

@@ -63,7 +63,10 @@ template <int Dim>
 std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const VoidShape<Dim>& shape,
                                          std::uint64_t seed, double density,
                                          const std::function<double(const Vec<Dim>&)>& share) {
-    const Box<Dim> window = region.domain.bounds().grown(shape.reach());
+    const PeriodicCell<Dim> cell = region.domain.cell();
+    Box<Dim> window = region.domain.bounds().grown(shape.reach());
+    for (int d = 0; d < Dim; ++d)
+        if (cell.isAlong(d)) window.lo[d] = cell.box.lo[d], window.hi[d] = cell.box.hi[d];
     const double expected = density * window.volume();
     if (!(expected < 4e9))
         throw ResourceError(fmt::format(
@@ -98,7 +101,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
 
 template <int Dim>
 VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
-                             const VoidMatrix* matrix) {
+                             const VoidMatrix* matrix, const std::array<bool, Dim>& wraps) {
     VoidLattice<Dim> lattice;
     const Vec<Dim> size = bounds.size();
     if (cell.empty()) {
@@ -128,7 +131,10 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
     double boxes = 1;
     for (int d = 0; d < Dim; ++d) {
         const auto i = static_cast<std::size_t>(d);
-        const double n = std::max(1.0, std::ceil(size[d] / sides[i] * (1 - 1e-9)));
+        const double whole =
+            wraps[i] ? std::round(size[d] / sides[i]) : std::ceil(size[d] / sides[i] * (1 - 1e-9));
+        const double n = std::max(1.0, whole);
+        if (wraps[i]) sides[i] = size[d] / n;
         boxes *= n;
         if (!(boxes < 4e9))
             throw ResourceError(
@@ -214,18 +220,19 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
     }
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                                   \
-    template struct VoidShape<Dim>;                                                                \
-    template void keepReaching(const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>&);              \
-    template std::vector<Ellipsoid<Dim>> booleanVoids(                                             \
-        const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                      \
-        const std::function<double(const Vec<Dim>&)>&);                                            \
-    template VoidLattice<Dim> voidLattice(const Box<Dim>&, const std::string&, const VoidMatrix*); \
-    template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                      \
-                                                      const VoidLattice<Dim>&, const VoidMatrix*,  \
-                                                      double, std::uint64_t);                      \
-    template std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>&, bool,     \
-                                                        const VoidShape<Dim>&, std::uint64_t);     \
+#define VDBPACK_INSTANTIATE(Dim)                                                                  \
+    template struct VoidShape<Dim>;                                                               \
+    template void keepReaching(const VoidRegion<Dim>&, std::vector<Ellipsoid<Dim>>&);             \
+    template std::vector<Ellipsoid<Dim>> booleanVoids(                                            \
+        const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                     \
+        const std::function<double(const Vec<Dim>&)>&);                                           \
+    template VoidLattice<Dim> voidLattice<Dim>(const Box<Dim>&, const std::string&,               \
+                                               const VoidMatrix*, const std::array<bool, Dim>&);  \
+    template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                     \
+                                                      const VoidLattice<Dim>&, const VoidMatrix*, \
+                                                      double, std::uint64_t);                     \
+    template std::vector<Ellipsoid<Dim>> voidsAtSpheres(const std::vector<Sphere<Dim>>&, bool,    \
+                                                        const VoidShape<Dim>&, std::uint64_t);    \
     template void shuffle(std::vector<Ellipsoid<Dim>>&, std::uint64_t);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

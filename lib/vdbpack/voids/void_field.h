@@ -41,7 +41,8 @@ template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids);
 
 /// Ellipsoids at independent random positions, uniform over the box around the domain grown by the
-/// longest half-axis; those that cannot reach deeper than the shell are left out.
+/// longest half-axis (not along axes that wrap: there over the cell); those that cannot reach
+/// deeper than the shell are left out.
 ///
 /// A list of higher density begins with the voids of one of lower density. The expected share
 /// outside of all voids is exp(-density * mean measure).
@@ -62,10 +63,13 @@ struct VoidLattice {
 };
 
 /// A lattice of boxes of the given sides, centered on the domain and covering it; without sides, as
-/// many boxes as the matrix has cells. @throws ParameterError if `cell` is malformed.
+/// many boxes as the matrix has cells.
+/// @param wraps  axes along which the domain repeats: there the sides are those next to the given
+///               ones of which a whole number makes its length.
+/// @throws ParameterError if `cell` is malformed.
 template <int Dim>
 VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
-                             const VoidMatrix* matrix);
+                             const VoidMatrix* matrix, const std::array<bool, Dim>& wraps = {});
 
 /// The largest ellipsoid of revolution in each selected box, its axes along the sides.
 /// @param matrix       selects boxes, repeated if it is smaller than the lattice; null: all.
