@@ -81,9 +81,17 @@ TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     };
     const auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
     auto other = recipe;
-    other.voids.method = "boolean";
+    other.voids.method = "mixed";
     other.voids.radius = "uniform:2,3";
-    other.voids.count = 5;
+    refused(other);
+    other.voids.method = "boolean";
+    other.voids.radius = "uniform:2,12";  // longer than the cell with its aspect
+    refused(other);
+    other.voids.radius = "uniform:2,3";
+    other.voids.fill = Fill::solid;
+    refused(other);
+    other = recipe;
+    other.outputs = {folder.file("s.stl")};
     refused(other);
     other = recipe;
     other.voids.shell = 2;

@@ -246,3 +246,20 @@ TEST_CASE("voids that take all leave no component", "[voids][solid]") {
     CHECK(solid.attached == 0);
     CHECK(solid.dropped == 0);
 }
+
+TEST_CASE("what a periodic cell joins across its faces is one component",
+          "[field][solid][periodic]") {
+    const Box<3> box = cube<3>(8);
+    const double h = GENERATE(0.25, 0.27);
+    const auto surface = surfaceLevelSet(*boxDomain<3>(box), h);
+    // A slab across the middle leaves a part below and one above.
+    const auto slab = surfaceLevelSet(*boxDomain<3>({{{-6, -6, -1}}, {{6, 6, 1}}}), h);
+    CHECK(cutVoids(*surface, *slab, 0, false).components == 2);
+    PeriodicCell<3> cell{box, {true, true, false}};
+    CHECK(cutVoids(*surface, *slab, 0, false, {}, cell).components == 2);
+    cell.wraps = {false, false, true};
+    const Solid joined = cutVoids(*surface, *slab, 0, true, {}, cell);
+    CHECK(joined.components == 1);
+    CHECK(joined.attached == 1);
+    CHECK(joined.dropped == 0);
+}

@@ -14,6 +14,7 @@
 
 #include <catch2/catch.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -353,4 +354,33 @@ TEST_CASE("a small cluster of the shell that touches nothing else is not attache
     CHECK(attached[2999] == 1);
     CHECK(attached[3000] == 0);  // 2 of 3000
     CHECK(attached[3005] == 1);  // 4 of 3000
+}
+
+TEMPLATE_TEST_CASE_SIG("balls that remove spheres reach across the faces of a periodic cell",
+                       "[voids][thin][periodic]", ((int Dim), Dim), 2, 3) {
+    PeriodicCell<Dim> cell{cube<Dim>(40), {}};
+    cell.wraps.fill(true);
+    // Pairs that touch across a face, far from all others.
+    std::vector<Sphere<Dim>> spheres;
+    for (const double y : {-15.0, -5.0, 5.0, 15.0}) {
+        Sphere<Dim> low;
+        low.center[0] = -19.75;
+        low.center[1] = y;
+        low.radius = 0.5;
+        Sphere<Dim> high = low;
+        high.center[0] = 19.25;
+        spheres.push_back(low);
+        spheres.push_back(high);
+    }
+    const std::vector<std::int32_t> all(spheres.size(), 1);
+    const auto seed = GENERATE(range(1u, 6u));
+    const auto keep = removeAround(spheres, all, 0.25, seed, cell);
+    CHECK(std::count(keep.begin(), keep.end(), 0) == 2);
+    for (std::size_t i = 0; i < keep.size(); i += 2) CHECK(keep[i] == keep[i + 1]);
+    // Without the cell, one of a pair stays.
+    const auto alone = removeAround(spheres, all, 0.25, seed);
+    CHECK(std::count(alone.begin(), alone.end(), 0) == 2);
+    const auto attached = attachedSpheres(spheres, {}, 1e-6, cell);
+    CHECK(std::count(attached.begin(), attached.end(), 1) == 2);
+    CHECK(attachedSpheres(spheres, {}, 1e-6) != attached);
 }

@@ -61,6 +61,43 @@ TEMPLATE_TEST_CASE_SIG("stamped distances are those to the nearest void", "[void
     CHECK(worst < 2e-3);
 }
 
+TEMPLATE_TEST_CASE_SIG("stamped voids repeat in a periodic cell", "[voids][stamp][periodic]",
+                       ((int Dim), Dim), 2, 3) {
+    Scene<Dim> scene(0.2);
+    PeriodicCell<Dim> cell{cube<Dim>(20), {}};
+    cell.wraps.fill(true);
+    cell.wraps[0] = GENERATE(false, true);
+    const auto domain = periodicDomain(cell);
+    const auto stamped = stampVoids(scene.voids, *domain, scene.options);
+    std::vector<Ellipsoid<Dim>> images;  // centers lie in a box of side 22
+    for (const auto& e : scene.voids)
+        for (int k = 0; k < (Dim == 3 ? 125 : 25); ++k) {
+            typename PeriodicCell<Dim>::Laps laps{};
+            for (int d = 0, rest = k; d < Dim; ++d, rest /= 5)
+                laps[static_cast<std::size_t>(d)] = rest % 5 - 2;
+            if (squaredLength(cell.shift(laps)) == 0 && k != (Dim == 3 ? 62 : 12)) continue;
+            images.push_back(e);
+            images.back().center += cell.shift(laps);
+            if (!cell.box.grown(8).contains(images.back().center)) images.pop_back();
+        }
+    typename StampedVoids<Dim>::Sampler distance(*stamped);
+    RandomStream random(6, Dim);
+    const double h = scene.options.voxelSize;
+    std::size_t inside = 0;
+    constexpr int kPoints = Dim == 3 ? 2000 : 10'000;
+    for (int i = 0; i < kPoints; ++i) {
+        // Also in the band beyond the faces.
+        const Vec<Dim> x = voxelAt(randomPoint(random, cube<Dim>(20.5)), scene.options);
+        const double exact = distancesTo(images, x)[0];
+        CAPTURE(exact, x[0], x[1]);
+        REQUIRE(std::fabs(distance(x) - std::clamp(exact, -3 * h, 3 * h)) < 2e-3);
+        if (std::fabs(exact) > 1e-3) REQUIRE(stamped->isIn(scene.voids, x) == (exact < 0));
+        inside += exact < 0;
+    }
+    CHECK(stamped->volume() / cell.box.volume() ==
+          Approx(static_cast<double>(inside) / kPoints).margin(0.02));
+}
+
 namespace {
 
 template <int Dim>
