@@ -79,6 +79,15 @@ TEST_CASE("the pack is the same for any number of ranks and threads", "[pack][ra
     SECTION("in the plane") {
         checkRanks<2>(*boxDomain<2>({{}, {{300, 250}}}), optionsFor("uniform:1,2", 2));
     }
+    SECTION("in a periodic cell") {
+        checkRanks<3>(*periodicDomain<3>({{{}, {{60, 70, 80}}}, {true, true, true}}),
+                      optionsFor("uniform:1,2", 3));
+        // Of two blocks along an axis, each is the neighbor of the other on both sides.
+        checkRanks<3>(*periodicDomain<3>({{{}, {{30, 40, 80}}}, {true, false, true}}),
+                      optionsFor("uniform:1,2", 3));
+        checkRanks<2>(*periodicDomain<2>({{{}, {{300, 250}}}, {true, true}}),
+                      optionsFor("uniform:1,2", 2));
+    }
     SECTION("with wide sizes") {
         checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:0.8,3", 3));
     }

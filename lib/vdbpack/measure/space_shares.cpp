@@ -57,28 +57,36 @@ auto SpaceShares<Dim>::part(std::size_t round) -> Part {
         const Sphere<Dim>& s = spheres_[i];
         const double touching = s.radius * (1 + near_.slack) + largest_;
         const double reach = std::max(touching, near_.reach) * (1 + 1e-9);
-        if (cellAt(s.center[0] - reach, 0) > round || cellAt(s.center[0] + reach, 0) < round)
-            continue;
-        const bool inSlice = cellAt(s.center[0], 0) == round;
-        bool shared = cellAt(s.center[0] - reach, 0) != cellAt(s.center[0] + reach, 0);
-        std::array<std::size_t, 3> first{}, at{}, last{};
-        for (int d = 1; d < Dim; ++d) {
-            const auto k = static_cast<std::size_t>(d);
-            first[k] = cellAt(s.center[d] - reach, d);
-            at[k] = cellAt(s.center[d], d);
-            last[k] = cellAt(s.center[d] + reach, d);
-            shared = shared || first[k] != last[k];
-        }
-        for (std::size_t z = first[2]; z <= last[2]; ++z)
-            for (std::size_t y = first[1]; y <= last[1]; ++y) {
-                const std::size_t to = z * cells_[1] + y;
-                if (inSlice && y == at[1] && z == at[2]) {
-                    own[to].push_back({s, rows_[i], shared});
-                    sent_[to].push_back(i);
-                } else {
-                    near[to].push_back({s, rows_[i], shared});
-                }
+        const auto send = [&](const Vec<Dim>& shift, bool hasImages) {
+            const Sphere<Dim> image{s.center + shift, s.radius};
+            const Vec<Dim>& x = image.center;
+            if (cellAt(x[0] - reach, 0) > round || cellAt(x[0] + reach, 0) < round) return;
+            const bool isOwn = cellAt(x[0], 0) == round && squaredLength(shift) == 0;
+            bool shared = hasImages || cellAt(x[0] - reach, 0) != cellAt(x[0] + reach, 0);
+            std::array<std::size_t, 3> first{}, at{}, last{};
+            for (int d = 1; d < Dim; ++d) {
+                const auto k = static_cast<std::size_t>(d);
+                first[k] = cellAt(x[d] - reach, d);
+                at[k] = cellAt(x[d], d);
+                last[k] = cellAt(x[d] + reach, d);
+                shared = shared || first[k] != last[k];
             }
+            for (std::size_t z = first[2]; z <= last[2]; ++z)
+                for (std::size_t y = first[1]; y <= last[1]; ++y) {
+                    const std::size_t to = z * cells_[1] + y;
+                    if (isOwn && y == at[1] && z == at[2]) {
+                        own[to].push_back({image, rows_[i], shared});
+                        sent_[to].push_back(i);
+                    } else {
+                        near[to].push_back({image, rows_[i], shared});
+                    }
+                }
+        };
+        const Box<Dim> about = Box<Dim>{s.center, s.center}.grown(reach);
+        int images = 0;
+        near_.cell.forEachShift(about, bounds_, [&](const Vec<Dim>&) { ++images; });
+        near_.cell.forEachShift(about, bounds_,
+                                [&](const Vec<Dim>& shift) { send(shift, images > 1); });
     }
     const auto exchanged = [&](std::vector<std::vector<Sent>>& lists) {
         std::vector<Ranks::Bytes> bytes;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 
@@ -32,6 +33,9 @@ public:
     struct Near {
         double slack;      ///< up to a gap of `slack` times the smaller radius,
         double reach = 0;  ///< and up to a distance of the centers, mm
+        /// In which the spheres repeat, all with their centers in it: parts have images of spheres
+        /// beyond its faces, too, with the row of what they are images of.
+        PeriodicCell<Dim> cell{};
     };
 
     /// @param spheres  of this rank. @param rows  a number that goes with each.

@@ -231,14 +231,6 @@ int BlockLattice<Dim>::owner(std::uint32_t b, int ranks) const {
     }
 }
 
-template <int Dim>
-std::array<int, Dim> BlockLattice<Dim>::offset(std::uint32_t from, std::uint32_t to) const {
-    const Index a = indexOf(from), b = indexOf(to);
-    Index o;
-    for (std::size_t d = 0; d < Dim; ++d) o[d] = b[d] - a[d];
-    return o;
-}
-
 template class BlockLattice<2>;
 template class BlockLattice<3>;
 

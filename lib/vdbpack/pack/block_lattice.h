@@ -59,8 +59,6 @@ public:
     /// Finished neighbors of `b`, in a fixed order. Of two blocks along an axis that wraps, each is
     /// the neighbor of the other on both sides.
     std::vector<Neighbor> lowerNeighbors(std::uint32_t b) const;
-    /// Where block `to` lies as seen from its neighbor `from`: -1, 0 or 1 along each axis.
-    std::array<int, Dim> offset(std::uint32_t from, std::uint32_t to) const;
     /// Blocks whose pending radii `b` receives: the one before it in its row, or at the start of
     /// a row the ends of rows that finished earlier.
     const std::vector<std::uint32_t>& poolDonors(std::uint32_t b) const { return donors_[b]; }

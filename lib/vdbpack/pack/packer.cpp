@@ -51,8 +51,6 @@ void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
                      const std::vector<Sphere<Dim>>& existing, const Callbacks& callbacks) {
     if (options.order != Order::sweep)
         throw ParameterError("`order`: a periodic cell is packed in the order sweep; leave it out");
-    if (options.ranks)
-        throw ParameterError("a periodic cell is packed by one process; run it without MPI");
     if (!options.species.empty())
         throw ParameterError(
             "a periodic cell takes spheres of one species; cut voids afterwards instead");

@@ -259,14 +259,18 @@ private:
         BlockSpheres<Dim> some;
         std::vector<Box<Dim>> reaches;
         std::uint32_t bits = 0;
-        for (const std::uint32_t s : readers) {
-            const auto offset = lattice_.offset(b, s);
-            // Of a row that takes over the pool alone, no block is a neighbor.
-            if (std::any_of(offset.begin(), offset.end(), [](int o) { return o < -1 || o > 1; }))
-                continue;
-            bits |= neighborBit(offset);
-            reaches.push_back(reachOf(s));
-        }
+        // In a periodic cell a block may be the neighbor of another on two sides. Of a row that
+        // takes over the pool alone, no block is a neighbor.
+        for (const std::uint32_t s : readers)
+            for (const auto& n : lattice_.lowerNeighbors(s)) {
+                if (n.block != b) continue;
+                bits |= neighborBit(n.offset);
+                Box<Dim> reach = reachOf(s);
+                reach.lo -= cell_.shift(n.laps);
+                reach.hi -= cell_.shift(n.laps);
+                // Shifts round.
+                reaches.push_back(cell_.any() ? reach.grown(settings_.quantum) : reach);
+            }
         auto site = placed.sites.begin();
         for (std::size_t i = 0; i < placed.spheres.size(); ++i) {
             const bool near = std::any_of(reaches.begin(), reaches.end(), [&](const Box<Dim>& box) {

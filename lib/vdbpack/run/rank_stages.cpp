@@ -9,6 +9,7 @@
 #include "vdbpack/measure/space_shares.h"
 #include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
+#include "vdbpack/run/report_file.h"
 #include "vdbpack/verify/worst.h"
 #include "vdbpack/voids/thinning.h"
 
@@ -24,12 +25,24 @@
 
 namespace vdbpack {
 
+namespace {
+
+void refuse(bool wanted, const char* what, const char* instead) {
+    if (wanted)
+        throw ParameterError(
+            fmt::format("{}: is not done over several processes; {}", what, instead));
+}
+
+}  // namespace
+
+void checkRanksIn(const DomainSource& source, const PackRecipe& recipe) {
+    if (!source.isPeriodic()) return;
+    refuse(recipe.densify > 0, "`densify` in a periodic cell",
+           "densify a file that was written, in one process");
+    refuse(isPage(recipe.reportFile), "a page of a periodic cell", "write a report as .json");
+}
+
 void checkRanks(const PackRecipe& recipe) {
-    const auto refuse = [&](bool wanted, const char* what, const char* instead) {
-        if (wanted)
-            throw ParameterError(
-                fmt::format("{}: is not done over several processes; {}", what, instead));
-    };
     const VoidMethod method = methodOf(recipe.voids);
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
@@ -255,7 +268,7 @@ void measureOverRanks(Run<Dim>& run) {
         const ProtrusionCheck wall = run.source.protrusion(spheres);
         if (wall.max > protrusion.max) protrusion = wall;
     }
-    pack.depth = run.filledSource().depths(spheres, domain, distances);
+    if (!pack.cell.all()) pack.depth = run.filledSource().depths(spheres, domain, distances);
     distances = {};
     run.named = {};
     std::vector<std::pair<double, std::array<Named<Dim>, 2>>> worst;
@@ -277,7 +290,7 @@ void measureOverRanks(Run<Dim>& run) {
     // What it takes neighbors for, part by part.
     const double gap = report.requestedGap;
     const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
-    SpaceShares<Dim> shares(ranks, spheres, rows, {slack});
+    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell});
     JoinedComponents components(ranks);
     ContactSums sums;
     OverlapCheck overlap;

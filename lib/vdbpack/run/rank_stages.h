@@ -11,6 +11,8 @@ namespace vdbpack {
 
 /// Refuses what is not done over ranks. @throws ParameterError
 void checkRanks(const PackRecipe& recipe);
+/// The same in a periodic cell; any other domain passes.
+void checkRanksIn(const DomainSource& source, const PackRecipe& recipe);
 
 /// measureSizes for the spheres of all ranks, before any are removed: `depth` of the pack is used
 /// where it is set.

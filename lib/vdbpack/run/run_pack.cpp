@@ -413,6 +413,7 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
         }
         const DomainSource source(recipe.domain, heard);
         report.seconds.mesh = clock.lap();
+        if (recipe.ranks) checkRanksIn(source, recipe);
         beginOn({&source}, recipe, recipe.voids, report, heard);
         warnOfUnused(recipe.domain, source, heard);
         checkOutputKinds(recipe.outputs, RunKind::pack, recipe.voids, source.dim());
