@@ -101,7 +101,9 @@ TEST_CASE("several processes make the pack of one, and measure it alike", "[cli]
         GENERATE(as<std::string>{}, "ball:28 --radius uniform:1,2 --gap 0.05 --block-side 17",
                  "box:60,50,45 --target-count 9000 --voids boolean --void-radius constant:6 "
                  "--target-bvtv 0.5 --shell 3",
-                 "box:30,28,26 --radius uniform:1,2 --densify 0.6 --gap 0.01"),
+                 "box:30,28,26 --radius uniform:1,2 --densify 0.6 --gap 0.01",
+                 "periodic:60,50,45 --radius uniform:1,2 --block-side 17 --voids boolean "
+                 "--void-radius constant:5 --target-bvtv 0.5"),
         {{2, 1}, {3, 2}});
 }
 
