@@ -65,12 +65,15 @@ bool isInAny(const std::vector<Ellipsoid<Dim>>& voids, const Vec<Dim>& x) {
 /// The share of points of a cell for which `test` is true.
 template <int Dim, class Test>
 double shareOf(const PeriodicCell<Dim>& cell, int points, const Test& test) {
-    constexpr double kSteps[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    // The additive recurrences of Roberts (2018) in space and in the plane.
+    constexpr double kSpace[3] = {0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
+    constexpr double kPlane[2] = {0.7548776662466927, 0.5698402909980532};
+    const double* const steps = Dim == 3 ? kSpace : kPlane;
     int found = 0;
     for (int k = 0; k < points; ++k) {
         Vec<Dim> x;
         for (int d = 0; d < Dim; ++d)
-            x[d] = cell.box.lo[d] + std::fmod((k + 0.5) * kSteps[d], 1.0) * cell.length(d);
+            x[d] = cell.box.lo[d] + std::fmod((k + 0.5) * steps[d], 1.0) * cell.length(d);
         found += test(x);
     }
     return static_cast<double>(found) / points;
