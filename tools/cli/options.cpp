@@ -57,7 +57,7 @@ std::string versionText() {
 /// Says so in the help. CLI11 cannot tell whether the domain comes from --cavities: the run
 /// refuses.
 void requireDomain(CLI::App& command) {
-    command.get_option("--domain")->option_text("DOMAIN (required)");
+    command.get_option("--domain")->option_text("DOMAIN (required without a cell in PACK)");
 }
 
 /// Sizes of the spheres of `pack`, and how they are packed.
