@@ -1,4 +1,5 @@
 // vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
+#include "cli/open_page.h"
 #include "cli/option_names.h"
 #include "cli/options.h"
 #include "cli/progress_line.h"
@@ -26,6 +27,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <optional>
@@ -170,6 +172,18 @@ int study(const Job& job, const PrintOptions& how, const Callbacks& callbacks) {
     return kCheckFailed;
 }
 
+/// The address of a file for a browser.
+std::string uriOf(const std::string& file) {
+    static const std::string plain =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~/";
+    std::string uri = "file://";
+    for (const char c : std::filesystem::absolute(file).lexically_normal().string())
+        uri += plain.find(c) != std::string::npos
+                   ? std::string(1, c)
+                   : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    return uri;
+}
+
 /// Each command: runs, prints, and returns the exit code.
 struct Perform {
     const PrintOptions& how;
@@ -202,6 +216,15 @@ struct Perform {
     }
     int operator()(const ConvertRecipe& recipe) const {
         return printed(runConvert(recipe, callbacks));
+    }
+    int operator()(const ViewJob& job) const {
+        const ViewResult result = runView(job, callbacks);
+        print(result, how);
+        const bool opened = job.opens && openPage(result.file);
+        if (!how.json && !how.quiet)
+            fmt::print("{:<11}{}\n", opened ? "opened" : "open it",
+                       opened ? "in the browser" : "in a browser: " + uriOf(result.file));
+        return kDone;
     }
     int operator()(const MeshRecipe& recipe) const {
         const MeshResult result = runMesh(recipe, callbacks);

@@ -165,6 +165,10 @@ Outcome perform(const ImageRecipe& job, const Callbacks& callbacks) {
     return tableOf(runImage(job, callbacks));
 }
 
+Outcome perform(const ViewJob& job, const Callbacks& callbacks) {
+    return tableOf(runView(job, callbacks));
+}
+
 /// A level set that Python may ask for as an array.
 struct LevelSetData {
     std::shared_ptr<const VdbGrid> grid;

@@ -261,10 +261,10 @@ TEST_CASE("a page shows its picture, and says what it shows", "[report]") {
     ReportPage page = fullPage(3);
     const auto without = reportPage(page, {});
     CHECK(without.find("<img") == std::string::npos);
-    page.picture = "picture";
-    page.pictureWidth = 40;
-    page.pictureHeight = 30;
-    page.pictureWords = "5 spheres <'&\">";
+    page.picture.png = "picture";
+    page.picture.width = 40;
+    page.picture.height = 30;
+    page.picture.words = "5 spheres <'&\">";
     const auto with = reportPage(page, {});
     CHECK(flawIn(with).empty());
     CHECK(with.find("<img src='data:image/png;base64,cGljdHVyZQ==' width='40' height='30'") !=

@@ -418,17 +418,11 @@ void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report, 
     addPrinting(command, print);
 }
 
-void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
-    command
-        .add_option("--preview", preview.file,
-                    "write a picture of the result; a report page contains it too")
-        ->option_text("FILE.png")
-        ->check(notEmpty())
-        ->group("Run");
+void addCutAndColor(CLI::App& command, PreviewRecipe& preview) {
     command
         .add_option_function<std::string>(
             "--preview-cut", [&](const std::string& text) { preview.cut = parsePreviewCut(text); },
-            "cut the picture open at a plane, mm; lower x, lower z or higher y remains")
+            "cut picture and view open at a plane, mm; lower x, lower z or higher y remains")
         ->option_text("x=V|y=V|z=V")
         ->group("Run");
     command
@@ -447,6 +441,16 @@ void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
         ->option_text("NAME [radius]")
         ->check(notEmpty())
         ->group("Run");
+}
+
+void addPreviewOptions(CLI::App& command, PreviewRecipe& preview) {
+    command
+        .add_option("--preview", preview.file,
+                    "write a picture of the result; a report page contains it too")
+        ->option_text("FILE.png")
+        ->check(notEmpty())
+        ->group("Run");
+    addCutAndColor(command, preview);
     command
         .add_option_function<std::string>(
             "--preview-size",

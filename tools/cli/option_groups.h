@@ -87,6 +87,8 @@ void addPrinting(CLI::App& command, PrintOptions& print);
 /// Options of all runs with one seed. @param random  what it decides: "of the voids".
 void addRunOptions(CLI::App& command, std::uint64_t& seed, std::string& report, PrintOptions& print,
                    const std::string& random);
+/// --preview-cut and --preview-color.
+void addCutAndColor(CLI::App& command, vdbpack::PreviewRecipe& preview);
 void addPreviewOptions(CLI::App& command, vdbpack::PreviewRecipe& preview);
 
 /// What there is to cut: spheres while they are packed, those of a file, or none.

@@ -321,6 +321,35 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     return command;
 }
 
+CLI::App* addCommand(CLI::App& app, ViewJob& job, PrintOptions& print) {
+    CLI::App* command = app.add_subcommand(
+        "view", "write a page that shows a pack, to turn, zoom and cut in a browser, and open it");
+    command->add_option("PACK", job.pack, kPackHelp)->required();
+    command
+        ->add_option("-o,--output", job.reportFile,
+                     "page to write: one file that needs no other, and no network")
+        ->option_text("FILE.html [NAME.view.html]")
+        ->check(notEmpty())
+        ->group("Output");
+    command
+        ->add_flag_callback(
+            "--no-open", [&job] { job.opens = false; },
+            "do not open the page; without a display, it is not opened anyway")
+        ->group("Output");
+    addCutAndColor(*command, job.preview);
+    addUnit(*command, "--pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    command
+        ->add_option("--domain", job.domain.source,
+                     std::string("domain whose wall is shown around the spheres: ") + kDomainHelp)
+        ->option_text("DOMAIN")
+        ->group("Domain");
+    addDomainOptions(*command, job.domain);
+    addThreads(*command, job.threads, "number of threads");
+    addMemoryLimit(*command, job.memoryLimit);
+    addPrinting(*command, print);
+    return command;
+}
+
 /// Options of commands that report on the file of a domain.
 void addFileOptions(CLI::App& command, RunSettings& settings, DomainRecipe& domain,
                     PrintOptions& print) {
@@ -390,6 +419,7 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print) {
     add<ConvertRecipe>(commands, app, print);
     add<MeshRecipe>(commands, app, print);
     add<ImageRecipe>(commands, app, print);
+    add<ViewJob>(commands, app, print);
     return commands;
 }
 

@@ -5,6 +5,7 @@
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"
 #include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/run_view.h"
 
 #include <cstdint>
 #include <optional>
@@ -29,10 +30,14 @@ struct VoidsJob : vdbpack::VoidsRecipe {
     Study study;
 };
 
+struct ViewJob : vdbpack::ViewRecipe {
+    bool opens = true;  ///< the page, where there is a display
+};
+
 /// The recipe of the command. All have `domain` and the fields of RunSettings.
 using Job = std::variant<PackJob, VoidsJob, vdbpack::CarveRecipe, vdbpack::DensifyRecipe,
                          vdbpack::VerifyRecipe, vdbpack::MeasureRecipe, vdbpack::ConvertRecipe,
-                         vdbpack::MeshRecipe, vdbpack::ImageRecipe>;
+                         vdbpack::MeshRecipe, vdbpack::ImageRecipe, ViewJob>;
 
 /// How the result is printed.
 struct PrintOptions {

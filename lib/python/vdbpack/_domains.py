@@ -14,7 +14,8 @@ from ._errors import ParameterError
 __all__ = ["Shape", "Image", "LevelSet", "Mesh", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
-_COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "completion")
+_COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "view",
+             "completion")
 
 
 def plain(values: Any, name: str) -> Any:

@@ -8,23 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
 #include <limits>
 
 namespace vdbpack {
 
 namespace {
-
-/// Colors that most people can tell apart: Okabe, Ito (2008), Color Universal Design.
-constexpr std::uint32_t kDistinct[] = {0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7,
-                                       0xf0e442, 0x0072b2, 0xd55e00, 0x999999};
-
-/// Whether numbers count a few kinds.
-bool isKind(const std::vector<double>& numbers) {
-    return std::all_of(numbers.begin(), numbers.end(), [](double v) {
-        return v >= 0 && v < static_cast<double>(std::size(kDistinct)) && v == std::floor(v);
-    });
-}
 
 template <int Dim>
 const std::vector<double>& numbersOf(const Pack<Dim>& pack, const std::string& name) {
@@ -37,6 +25,24 @@ const std::vector<double>& numbersOf(const Pack<Dim>& pack, const std::string& n
 }
 
 }  // namespace
+
+const std::vector<std::uint32_t>& kindColors() {
+    // Colors that most people can tell apart: Okabe, Ito (2008), Color Universal Design.
+    static const std::vector<std::uint32_t> colors{0x56b4e9, 0xe69f00, 0x009e73, 0xcc79a7,
+                                                   0xf0e442, 0x0072b2, 0xd55e00, 0x999999};
+    return colors;
+}
+
+bool areKinds(const std::vector<double>& numbers) {
+    return std::all_of(numbers.begin(), numbers.end(), [](double v) {
+        return v >= 0 && v < static_cast<double>(kindColors().size()) && v == std::floor(v);
+    });
+}
+
+const std::vector<std::uint32_t>& regionColors() {
+    static const std::vector<std::uint32_t> colors{0x4a78a8, 0xf0d9a0};
+    return colors;
+}
 
 template <int Dim>
 SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::string& column) {
@@ -52,7 +58,8 @@ SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::str
     if (by == PreviewColor::region) {
         // As in files: a pack without regions is all cortical.
         if (!pack.region.empty()) require(pack.region.size(), "region");
-        const Color cortical = fromSrgb(0x4a78a8), trabecular = fromSrgb(0xf0d9a0);
+        const Color cortical = fromSrgb(regionColors()[0]),
+                    trabecular = fromSrgb(regionColors()[1]);
         for (std::size_t i = 0; i < n; ++i)
             colors.color[i] = pack.region.empty() || pack.region[i] == 0 ? cortical : trabecular;
         colors.words = "colored by region, cortical blue, trabecular sand";
@@ -60,9 +67,9 @@ SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::str
     }
     const std::vector<double>* numbers =
         by == PreviewColor::column ? &numbersOf(pack, column) : nullptr;
-    if (numbers && isKind(*numbers)) {
+    if (numbers && areKinds(*numbers)) {
         for (std::size_t i = 0; i < n; ++i)
-            colors.color[i] = fromSrgb(kDistinct[static_cast<std::size_t>((*numbers)[i])]);
+            colors.color[i] = fromSrgb(kindColors()[static_cast<std::size_t>((*numbers)[i])]);
         colors.words = "colored by " + column;
         return colors;
     }

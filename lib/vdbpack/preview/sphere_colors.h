@@ -1,10 +1,11 @@
-// Private to previews: the colors of spheres, bones and outlines.
+// Private to previews and views: the colors of spheres, bones and outlines.
 #pragma once
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/preview/color.h"
 #include "vdbpack/preview/preview.h"
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,12 @@ struct SphereColors {
 /// @throws ParameterError if the pack lacks the attribute.
 template <int Dim>
 SphereColors sphereColors(const Pack<Dim>& pack, PreviewColor by, const std::string& column);
+
+/// 0xRRGGBB of sRGB, for columns of few whole numbers from 0; and whether numbers are such.
+const std::vector<std::uint32_t>& kindColors();
+bool areKinds(const std::vector<double>& numbers);
+/// 0xRRGGBB of sRGB: cortical, trabecular.
+const std::vector<std::uint32_t>& regionColors();
 
 /// The color of bone, and of bone on a cut face.
 Color boneColor();

@@ -1,6 +1,7 @@
 #include "vdbpack/report/report_page.h"
 
 #include "vdbpack/report/markup.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/report/report_charts.h"
 #include "vdbpack/report/svg_chart.h"
 #include "vdbpack/report/words.h"
@@ -13,62 +14,6 @@
 namespace vdbpack {
 
 namespace {
-
-const char* const kStyle = R"(:root { color-scheme: light dark; --paper: #f5f6f8; --card: #fff;
-  --ink: #16202b; --soft: #536070; --line: #dfe3e8; --c0: #2f74b5; --c1: #c2560c;
-  --good: #1d7a46; --bad: #b3261e; }
-@media (prefers-color-scheme: dark) { :root { --paper: #11161c; --card: #1a212a; --ink: #e8ecf1;
-  --soft: #a3afbd; --line: #333d49; --c0: #5ba3e6; --c1: #f29a52; --good: #5cc98a; --bad: #ff8a80; } }
-* { box-sizing: border-box; }
-html { -webkit-text-size-adjust: 100%; text-size-adjust: 100%; }
-body { margin: 0; background: var(--paper); color: var(--ink);
-  font: 1rem/1.45 system-ui, sans-serif; overflow-wrap: anywhere; }
-main { max-width: 78rem; margin: 0 auto; padding: 1rem .75rem 3rem; }
-h1 { font-size: 1.5rem; line-height: 1.2; margin: .5rem 0 .2rem; }
-h2 { font-size: 1.15rem; margin: 2rem 0 .6rem; }
-h3 { font-size: 1rem; margin: 0 0 .4rem; }
-h4 { font-size: .875rem; margin: .6rem 0 .2rem; }
-p { margin: .3rem 0; }
-.under, .words, .none { color: var(--soft); }
-.words { font-size: .8125rem; }
-.picture { margin: 1rem 0 0; }
-.picture img { display: block; width: 100%; max-width: 60rem; height: auto; margin: 0 auto .4rem;
-  background: #fff; border-radius: .3rem; }
-.keys { display: grid; grid-template-columns: repeat(auto-fit, minmax(10rem, 1fr)); gap: .6rem;
-  margin: 1rem 0 0; }
-.keys div, figure, section, .card { background: var(--card); border: 1px solid var(--line);
-  border-radius: .5rem; padding: .6rem .75rem; }
-.keys dt { font-size: .8125rem; color: var(--soft); }
-.keys dd { margin: 0; font-size: 1.3rem; font-weight: 600; line-height: 1.3; }
-.keys dd + dd { font-size: .8125rem; font-weight: 400; color: var(--soft); }
-.keys .hash { font-size: .8125rem; line-height: 1.9; font-family: ui-monospace, monospace; }
-.good { color: var(--good); }
-.bad { color: var(--bad); }
-.charts { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 21rem), 1fr));
-  gap: .6rem; }
-.tables { columns: 24rem; column-gap: .6rem; }
-.tables section { break-inside: avoid; margin: 0 0 .6rem; }
-table { width: 100%; border-collapse: collapse; font-size: .875rem;
-  font-variant-numeric: tabular-nums; }
-th, td { text-align: left; vertical-align: top; padding: .15rem .5rem .15rem 0; font-weight: 400;
-  border-top: 1px solid var(--line); }
-tbody th { color: var(--soft); width: 45%; }
-.columns th, .columns td { text-align: right; width: auto; white-space: nowrap; }
-.scroll { overflow-x: auto; max-height: 26rem; overflow-y: auto; }
-summary { cursor: pointer; font-size: .875rem; margin-top: .4rem; }
-pre { margin: .4rem 0; white-space: pre-wrap; font: .875rem/1.4 ui-monospace, monospace;
-  background: var(--paper); border-radius: .3rem; padding: .5rem; }
-.card table { width: auto; }
-.card th { width: auto; padding-right: 2rem; white-space: nowrap; }
-ul { margin: .3rem 0; padding-left: 1.2rem; }
-@media print { :root { color-scheme: light; --paper: #fff; --card: #fff; --ink: #000; --soft: #444;
-  --line: #bbb; --c0: #2f74b5; --c1: #c2560c; --good: #1d7a46; --bad: #b3261e; }
-  main { padding: 0; max-width: none; } figure, .keys div { break-inside: avoid; }
-  .charts { grid-template-columns: 1fr 1fr; } .tables { columns: 2; }
-  .tables section { break-inside: auto; } .scroll { max-height: none; overflow: visible; }
-  .columns { font-size: .6875rem; }
-  details::details-content { content-visibility: visible; display: block; } }
-)";
 
 /// A value that is not finite counts as not measured.
 void dropNotFinite(Report& r) {
@@ -220,7 +165,7 @@ std::string again(const ReportPage& page) {
 std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& figures) {
     Report r = page.report;
     dropNotFinite(r);
-    const std::string title = escaped(titleOf(page));
+    const std::string title = titleOf(page);
     Keys keys;
     if (page.morphometry)
         addSolid(keys, *page.morphometry);
@@ -230,24 +175,13 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
              fmt::format("on {} thread{}", r.threads, r.threads == 1 ? "" : "s"));
     if (!page.morphometry) keys.add("hash", hashText(r.hash), "", "hash");
 
-    std::string out =
-        "<!DOCTYPE html>\n<html lang='en'>\n<head>\n<meta charset='utf-8'/>\n"
-        "<meta name='viewport' content='width=device-width, initial-scale=1'/>\n"
-        "<link rel='icon' href='data:,'/>\n<title>" +
-        title + "</title>\n<style>\n" + kStyle + chartStyle() +
-        "</style>\n</head>\n<body>\n<main>\n";
-    out += "<h1>" + title + "</h1>\n<p class='under'>" +
+    std::string out;
+    out += "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
            escaped(fmt::format("vdb_pack {}", r.version)) +
            (r.requested.empty() ? "" : ", radii " + escaped(r.requested)) + "; lengths in mm</p>\n";
     if (r.interrupted) out += "<p class='bad'>Interrupted: the completed part.</p>\n";
     out += keys.html();
-    if (!page.picture.empty()) {
-        const std::string words = escaped(page.pictureWords);
-        out += fmt::format(
-            "<figure class='picture'>\n<img src='data:image/png;base64,{}' width='{}' "
-            "height='{}' alt='{}'/>\n<figcaption class='words'>{}</figcaption>\n</figure>\n",
-            base64(page.picture), page.pictureWidth, page.pictureHeight, words, words);
-    }
+    out += pictureFigure(page.picture);
     if (!r.warnings.empty())
         out += "<h2>Warnings</h2>\n<div class='card'>" + listOf(r.warnings) + "</div>\n";
     if (!page.morphometry)
@@ -256,7 +190,7 @@ std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& fig
     out += "<h2>All figures</h2>\n<div class='tables'>\n" + figureTables(figures, r.dim == 2) +
            "</div>\n";
     out += "<h2>How to repeat the run</h2>\n" + again(page);
-    return out + "</main>\n</body>\n</html>\n";
+    return htmlPage(title, chartStyle() + page.picture.viewStyle, out);
 }
 
 }  // namespace vdbpack

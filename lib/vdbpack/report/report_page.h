@@ -4,6 +4,7 @@
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/radius_histogram.h"
 #include "vdbpack/measure/structure.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/report/report.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -20,17 +21,16 @@ struct ReportPage {
     Report report;
     Structure structure;
     RadiusHistogram radii;
-    std::string picture;                      ///< bytes of a PNG file; empty: none
-    int pictureWidth = 0, pictureHeight = 0;  ///< pixels
-    std::string pictureWords;                 ///< what it shows
-    std::optional<Morphometry> morphometry;   ///< of a solid, instead of a pack
+    PagePicture picture;
+    std::optional<Morphometry> morphometry;  ///< of a solid, instead of a pack
     /// Settings of the run, requested or by default: name and value, in the order of the table.
     std::vector<std::pair<std::string, std::string>> settings;
 };
 
-/// One HTML file, also well-formed XML, without scripts or external files; light and dark, for
-/// phone, desktop and print. The same for the same input. Values of curves and of numbers that may
-/// be absent are left out if they are not finite; all others are finite.
+/// One HTML file, also well-formed XML, without external files, and without scripts but for that of
+/// a view; light and dark, for phone, desktop and print. The same for the same input. Values of
+/// curves and of numbers that may be absent are left out if they are not finite; all others are
+/// finite.
 /// @param figures  the JSON report, for the tables.
 std::string reportPage(const ReportPage& page, const nlohmann::ordered_json& figures);
 

@@ -1,20 +1,17 @@
 #include "vdbpack/run/preview_stage.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/mesh/made_mesh.h"
+#include "vdbpack/run/drawn_wall.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/view/view.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
-#include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -23,75 +20,8 @@ namespace vdbpack {
 namespace {
 
 constexpr int kPageWidth = 960, kPageHeight = 720;
-/// Voxels along the diagonal of a domain without triangles, for the surface that is drawn.
-constexpr double kSurfaceVoxels = 300;
-/// Distances beyond the bounds of a plane domain.
-constexpr int kRim = 4;
-/// The wall of a domain of space as triangles: its own where it has some.
-class WallMesh {
-public:
-    /// @param known  the wall, if it is known already.
-    WallMesh(const DomainSource& source, const DomainSource::Built& built,
-             const TriangleMesh* known) {
-        if (known) {
-            mesh_ = known;
-            return;
-        }
-        const bool whole = source.recipe().clips.empty();
-        if (whole && built.mesh) {
-            mesh_ = &built.mesh->wall();
-            return;
-        }
-        const Domain<3>& domain = *built.space;
-        const Box<3> bounds = domain.bounds();
-        // Of a periodic cell the picture shows its box.
-        made_ = whole && (domain.facts().kind == "box" || domain.cell().any())
-                    ? boxMesh(bounds)
-                    : levelSetMesh(*surfaceLevelSet(domain, length(bounds.size()) / kSurfaceVoxels),
-                                   source.recipe().source);
-        mesh_ = &made_;
-    }
-    const TriangleMesh* get() const { return mesh_; }
-
-private:
-    TriangleMesh made_;
-    const TriangleMesh* mesh_ = nullptr;
-};
-
-/// Distances to the wall of a plane domain, less its voids, about a pixel apart.
-PlaneField fieldOf(const Domain<2>& domain, const StampedVoids<2>* voids, int pixels) {
-    const Box<2> bounds = domain.bounds();
-    PlaneField field;
-    const Vec<2> size = bounds.size();
-    field.step = std::max(size[0], size[1]) / pixels;
-    const auto count = [&](double side) {
-        return static_cast<std::int64_t>(side / field.step) + 2 + 2 * kRim;
-    };
-    field.columns = count(size[0]);
-    field.rows = count(size[1]);
-    field.origin = bounds.grown(kRim * field.step).lo;
-    field.distance.resize(static_cast<std::size_t>(field.columns * field.rows));
-    struct Samplers {
-        std::unique_ptr<DomainSampler<2>> domain;
-        std::unique_ptr<StampedVoids<2>::Sampler> voids;
-    };
-    tbb::enumerable_thread_specific<Samplers> samplers([&] {
-        return Samplers{domain.sampler(),
-                        voids ? std::make_unique<StampedVoids<2>::Sampler>(*voids) : nullptr};
-    });
-    tbb::parallel_for(std::int64_t{0}, field.rows, [&](std::int64_t row) {
-        Samplers& local = samplers.local();
-        for (std::int64_t column = 0; column < field.columns; ++column) {
-            const Vec<2> x = field.origin + Vec<2>{{static_cast<double>(column) * field.step,
-                                                    static_cast<double>(row) * field.step}};
-            double d = local.domain->signedDistance(x);
-            if (local.voids) d = std::max(d, -(*local.voids)(x));
-            field.distance[static_cast<std::size_t>(row * field.columns + column)] =
-                static_cast<float>(d);
-        }
-    });
-    return field;
-}
+/// Distances along the longer side of a domain of the plane, for the outline of a view.
+constexpr int kViewedDistances = 480;
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
              const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
@@ -110,8 +40,8 @@ Picture draw(const PreviewOptions& options, const DomainSource& source,
 
 Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
              const MadeVoids<2>& made, const Pack<2>* pack, const TriangleMesh*) {
-    const PlaneField field = fieldOf(*built.plane, pack ? nullptr : made.stamped.get(),
-                                     std::max(options.width, options.height));
+    const PlaneField field = planeField(*built.plane, pack ? nullptr : made.stamped.get(),
+                                        std::max(options.width, options.height));
     PlanePreview scene;
     scene.pack = pack;
     scene.field = &field;
@@ -130,8 +60,8 @@ PreviewOptions optionsOf(const PreviewRecipe& recipe) {
 }
 
 /// Encodes a picture, and writes it if it has a file.
-PreviewPicture finished(Picture image, const PreviewRecipe& recipe, const std::string& source) {
-    PreviewPicture picture;
+PagePicture finished(Picture image, const PreviewRecipe& recipe, const std::string& source) {
+    PagePicture picture;
     for (const auto& [keyword, text] : image.texts)
         picture.words += (picture.words.empty() ? "" : ", ") + text;
     image.texts.emplace_back("Software", "vdb_pack " VDBPACK_VERSION);
@@ -178,10 +108,10 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
 }
 
 template <int Dim>
-PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
-                           const DomainSource& source, const DomainSource::Built& built,
-                           const MadeVoids<Dim>& made, const Pack<Dim>* pack,
-                           const Callbacks& callbacks, const TriangleMesh* wall) {
+PagePicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
+                        const DomainSource& source, const DomainSource::Built& built,
+                        const MadeVoids<Dim>& made, const Pack<Dim>* pack,
+                        const Callbacks& callbacks, const TriangleMesh* wall) {
     if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
     PreviewOptions options = optionsOf(recipe);
     options.cancelled = callbacks.cancelled;
@@ -199,17 +129,53 @@ PreviewPicture drawPreview(const PreviewRecipe& recipe, const std::string& repor
 }
 
 template <int Dim>
+void addView(const PreviewRecipe& recipe, const DomainSource* source,
+             const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
+             bool large, PagePicture& picture) {
+    ViewScene<Dim> scene;
+    scene.pack = &pack;
+    std::optional<WallMesh> mesh;
+    std::optional<PlaneField> field;
+    if constexpr (Dim == 3) {
+        if (source) scene.wall = mesh.emplace(*source, built, wall).get();
+    } else if (source) {
+        scene.field = &field.emplace(planeField(*built.plane, nullptr, kViewedDistances));
+        scene.bounds = built.plane->bounds();
+    }
+    ViewOptions options;
+    options.color = recipe.color;
+    options.column = recipe.column;
+    options.cut = recipe.cut;
+    options.large = large;
+    ViewMarkup view = viewOf(scene, options);
+    picture.viewStyle = std::move(view.style);
+    picture.view = std::move(view.body);
+}
+
+template <int Dim>
+PagePicture drawPack(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+                     const DomainSource* source, const DomainSource::Built& built,
+                     const Callbacks& callbacks) {
+    PreviewOptions options = optionsOf(recipe);
+    options.cancelled = callbacks.cancelled;
+    if (recipe.file.empty()) {
+        if (Dim == 3 && !canDrawSpace()) return {};
+        options.width = kPageWidth;
+        options.height = kPageHeight;
+    }
+    if (source)
+        return finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack, nullptr), recipe,
+                        name);
+    std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
+    scene.pack = &pack;
+    return finished(renderPreview(scene, options), recipe, name);
+}
+
+template <int Dim>
 bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
                const DomainSource* source, const DomainSource::Built& built) {
     if (recipe.file.empty()) return false;
-    const PreviewOptions options = optionsOf(recipe);
-    if (source) {
-        finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack, nullptr), recipe, name);
-        return true;
-    }
-    std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
-    scene.pack = &pack;
-    finished(renderPreview(scene, options), recipe, name);
+    drawPack(recipe, name, pack, source, built, {});
     return true;
 }
 
@@ -223,17 +189,23 @@ bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Trian
 
 template void checkPreview<2>(const PreviewRecipe&, const Domain<2>&, const Pack<2>*);
 template void checkPreview<3>(const PreviewRecipe&, const Domain<3>&, const Pack<3>*);
+template void addView<2>(const PreviewRecipe&, const DomainSource*, const DomainSource::Built&,
+                         const Pack<2>&, const TriangleMesh*, bool, PagePicture&);
+template void addView<3>(const PreviewRecipe&, const DomainSource*, const DomainSource::Built&,
+                         const Pack<3>&, const TriangleMesh*, bool, PagePicture&);
+template PagePicture drawPack<2>(const PreviewRecipe&, const std::string&, const Pack<2>&,
+                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
+template PagePicture drawPack<3>(const PreviewRecipe&, const std::string&, const Pack<3>&,
+                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
 template bool drawGiven<2>(const PreviewRecipe&, const std::string&, const Pack<2>&,
                            const DomainSource*, const DomainSource::Built&);
 template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<3>&,
                            const DomainSource*, const DomainSource::Built&);
-template PreviewPicture drawPreview<2>(const PreviewRecipe&, const std::string&,
-                                       const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<2>&, const Pack<2>*, const Callbacks&,
-                                       const TriangleMesh*);
-template PreviewPicture drawPreview<3>(const PreviewRecipe&, const std::string&,
-                                       const DomainSource&, const DomainSource::Built&,
-                                       const MadeVoids<3>&, const Pack<3>*, const Callbacks&,
-                                       const TriangleMesh*);
+template PagePicture drawPreview<2>(const PreviewRecipe&, const std::string&, const DomainSource&,
+                                    const DomainSource::Built&, const MadeVoids<2>&, const Pack<2>*,
+                                    const Callbacks&, const TriangleMesh*);
+template PagePicture drawPreview<3>(const PreviewRecipe&, const std::string&, const DomainSource&,
+                                    const DomainSource::Built&, const MadeVoids<3>&, const Pack<3>*,
+                                    const Callbacks&, const TriangleMesh*);
 
 }  // namespace vdbpack

@@ -203,10 +203,7 @@ ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe
     ReportPage page;
     page.subject = subject;
     page.report = run.report;
-    page.picture = run.picture.png;
-    page.pictureWidth = run.picture.width;
-    page.pictureHeight = run.picture.height;
-    page.pictureWords = run.picture.words;
+    page.picture = run.picture;
     page.settings = settingsOf(recipe, run.report);
     return page;
 }

@@ -6,6 +6,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
 #include "vdbpack/measure/structure.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/run/recipe.h"
 #include "vdbpack/verify/verify.h"
@@ -31,16 +32,9 @@ struct VacancySearch {
     std::uint64_t samples = 0;  ///< requested points, distributed over the domain
 };
 
-/// A picture as the bytes of a PNG file.
-struct PreviewPicture {
-    std::string png;  ///< empty: none
-    int width = 0, height = 0;
-    std::string words;  ///< what it shows
-};
-
 struct RunResult {
     Report report;
-    PreviewPicture picture;                  ///< as requested, or of the report page
+    PagePicture picture;  ///< as requested, or of the report page; the view of the page
     std::optional<VacancySearch> vacancies;  ///< if requested
     std::variant<Pack<3>, Pack<2>> pack;
     std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;

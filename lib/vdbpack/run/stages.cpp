@@ -400,9 +400,12 @@ void draw(Run<Dim>& run) {
     if (run.report.interrupted) return;
     run.callbacks.report("write", 0, 0);
     try {
-        run.picture = drawPreview(settings.preview, settings.reportFile, run.source, run.built,
-                                  run.voids, run.hasPack ? &run.pack : nullptr, run.callbacks,
-                                  run.partWalls.triangles.empty() ? nullptr : &run.partWalls);
+        const TriangleMesh* wall = run.partWalls.triangles.empty() ? nullptr : &run.partWalls;
+        run.picture =
+            drawPreview(settings.preview, settings.reportFile, run.source, run.built, run.voids,
+                        run.hasPack ? &run.pack : nullptr, run.callbacks, wall);
+        if (run.hasPack && isPage(settings.reportFile))
+            addView(settings.preview, &run.source, run.built, run.pack, wall, false, run.picture);
         if (!settings.preview.file.empty()) run.report.files.push_back(settings.preview.file);
     } catch (const Interrupted&) {
         // All else is complete, and written.

@@ -92,7 +92,7 @@ struct Run {
     TriangleMesh partWalls;                           ///< of all parts
     std::vector<const Run*> partRuns;                 ///< which must outlive this one
 
-    PreviewPicture picture;
+    PagePicture picture;
 
     Ranks* ranks() const { return settings.ranks; }
     /// Whether this rank speaks for all.

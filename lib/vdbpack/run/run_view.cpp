@@ -1,0 +1,123 @@
+#include "vdbpack/run/run_view.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
+#include "vdbpack/report/markup.h"
+#include "vdbpack/report/page_frame.h"
+#include "vdbpack/run/input_pack.h"
+#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/report_file.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <optional>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// The file's name without folder and extensions.
+std::string stemOf(const std::string& pack) {
+    std::string name = std::filesystem::path(filePart(pack)).filename().string();
+    const auto end = name.find('.', 1);
+    return end == std::string::npos ? name : name.substr(0, end);
+}
+
+std::string pageOf(const ViewRecipe& recipe, const std::string& things, std::size_t count,
+                   const RadiusStatistics& radius, const PagePicture& picture) {
+    const std::string name = std::filesystem::path(filePart(recipe.pack)).filename().string();
+    const std::string title = fmt::format("{}: {} {}", name, grouped(count), things);
+    const std::string wall =
+        recipe.domain.source.empty() ? "" : ", wall of " + recipe.domain.source;
+    std::string main = "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
+                       escaped(fmt::format("vdb_pack {}; radius {:.4g} to {:.4g} mm{}; lengths in "
+                                           "mm",
+                                           VDBPACK_VERSION, radius.min, radius.max, wall)) +
+                       "</p>\n" + pictureFigure(picture);
+    if (!recipe.command.empty())
+        main += "<details><summary>How this page was made</summary><pre>vdb_pack " +
+                escaped(recipe.command) + "</pre></details>\n";
+    return htmlPage(title, picture.viewStyle, main);
+}
+
+template <int Dim>
+void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>& pack,
+          ViewResult& result, const Callbacks& callbacks) {
+    const RadiusStatistics radius = radiusStatistics(pack.spheres);
+    std::optional<DomainSource> source;
+    DomainSource::Built built;
+    Extent extent;
+    extent.dim = Dim;
+    if (!domain.source.empty()) {
+        source.emplace(domain, callbacks);
+        if (source->dim() != Dim)
+            throw ParameterError(
+                fmt::format("{}: is a domain of {} dimensions, the pack one of {}; give one that "
+                            "it lies in",
+                            domain.source, source->dim(), Dim));
+        const double detail = fieldDetail(radius.min, radius.mean);
+        extent = extentOf(*source, detail, radius.max);
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireResources(extent, recipe);
+        built = source->build(detail, radius.max, callbacks);
+    } else {
+        extent.count = static_cast<double>(pack.spheres.size());
+        requireResources(extent, recipe);
+    }
+    callbacks.stopIfCancelled();
+    PagePicture picture =
+        drawPack(recipe.preview, recipe.pack, pack, source ? &*source : nullptr, built, callbacks);
+    addView(recipe.preview, source ? &*source : nullptr, built, pack, nullptr, true, picture);
+    callbacks.stopIfCancelled();
+    result.kind = Measure<Dim>::kSpheres;
+    result.count = pack.spheres.size();
+    const std::string page = pageOf(recipe, result.kind, pack.spheres.size(), radius, picture);
+    OutputFile file(recipe.reportFile);
+    file.write(page);
+    file.commit();
+    result.file = recipe.reportFile;
+    result.bytes = page.size();
+}
+
+}  // namespace
+
+ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
+    ViewRecipe recipe = asked;
+    if (recipe.reportFile.empty()) recipe.reportFile = stemOf(recipe.pack) + ".view.html";
+    if (!isPage(recipe.reportFile))
+        throw ParameterError(recipe.reportFile +
+                             ": a view is a page for the browser; name it .html");
+    requireDomain(recipe);
+    recipe.preview.file.clear();
+    checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
+    ViewResult result;
+    std::vector<std::string> warnings;
+    const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
+    withThreads(recipe.threads, [&] {
+        const Pack<3> pack = readInputPack(recipe, heard);
+        const DomainRecipe domain = domainOf(recipe, pack);
+        if (isPlane(pack))
+            view(recipe, domain, asCircles(pack), result, heard);
+        else
+            view(recipe, domain, pack, result, heard);
+    });
+    result.warnings = std::move(warnings);
+    return result;
+}
+
+nlohmann::ordered_json toJson(const ViewResult& result) {
+    return {{"version", VDBPACK_VERSION}, {"kind", result.kind},   {"count", result.count},
+            {"file", result.file},        {"bytes", result.bytes}, {"warnings", result.warnings}};
+}
+
+std::string summary(const ViewResult& result) {
+    return fmt::format("{:<11}{} {}\n{:<11}{} ({:.3g} MB)\n", "read", grouped(result.count),
+                       result.kind, "written", result.file,
+                       static_cast<double>(result.bytes) / 1e6);
+}
+
+}  // namespace vdbpack
