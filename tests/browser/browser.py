@@ -41,7 +41,7 @@ def driver(folder):
 class Browser:
     """A session of chromedriver over its HTTP interface, for screens of one size."""
 
-    def __init__(self, driver_url, width, height, profile, flags=("--disable-gpu",)):
+    def __init__(self, driver_url, width, height, profile, flags=SOFTWARE_WEBGL):
         self.driver_url = driver_url
         self.width = width
         options = {
@@ -106,7 +106,13 @@ class Browser:
                  if url != page.as_uri() and not url.startswith(("data:", "blob:"))]
         return found + ["console: " + entry["message"] for entry in self.log("browser")]
 
+    def picture(self, path):
+        """What the window shows; a picture of the whole page resizes it."""
+        image = self.command("Page.captureScreenshot")
+        pathlib.Path(path).write_bytes(base64.b64decode(image["data"]))
+
     def screenshot(self, path):
+        """The whole page."""
         size = self.command("Page.getLayoutMetrics")["cssContentSize"]
         clip = {"x": 0, "y": 0, "width": size["width"], "height": size["height"], "scale": 1}
         image = self.command("Page.captureScreenshot", captureBeyondViewport=True, clip=clip)

@@ -23,6 +23,10 @@ public:
             const std::string here = page_.substr(at_, 40);
             if (c == '&') {
                 if (!entity()) return "no entity: " + here;
+            } else if (c == '<' && !open.empty() && take("<![CDATA[")) {
+                at_ = page_.find("]]>", at_);
+                if (at_ == std::string::npos) return "CDATA without an end";
+                at_ += 3;
             } else if (c == '<') {
                 Tag tag;
                 if (!readTag(tag)) return "no tag: " + here;

@@ -5,6 +5,8 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/run/measure_stage.h"
+#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/run/report_file.h"
 #include "vdbpack/run/stages.h"
 
 #include <functional>
@@ -108,6 +110,11 @@ RunResult measureInputPack(const InputPack& recipe, Pack<3> given, Report report
         if (report.interrupted) throw Interrupted();
         further(pack, domain, report);
         report.seconds.measure = clock.lap();
+        if (isPage(recipe.reportFile)) {
+            const DomainSource* wall = source ? &*source : nullptr;
+            run.picture = drawPack(recipe.preview, recipe.pack, pack, wall, built, callbacks);
+            addView(recipe.preview, wall, built, pack, nullptr, false, run.picture);
+        }
     };
     const bool plane = isPlane(given);
     if (source && source->dim() == 3 && plane)

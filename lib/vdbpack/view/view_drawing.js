@@ -1,4 +1,5 @@
-const BLOCK = 64;        // spheres that are tested as one
+const BLOCK = 32;        // spheres that are tested as one
+const COMPACT = 9;       // optical radii: half the diagonal of most boxes around BLOCK spheres is 6 to 9
 const WIDE = 2048;       // spheres in a row of the textures that hold them
 const LARGEST = 30;      // radius of points, pixels
 const CHUNK = 40000;     // spheres of one step towards a picture in full quality
@@ -83,17 +84,17 @@ class Blocks {
   }
 }
 
-/** Which blocks others hide: the nearest ones on a coarse grid over the picture. A block counts as
- *  opaque, though one may look through a few; what is missed is there in full quality. */
+/** Which blocks others hide: the nearest ones on a coarse grid over the picture. Compact blocks count
+ *  as opaque, though one may look through a few; what is missed is there in full quality. */
 class CoarseDepths {
   constructor() {
     this.columns = 96;
     this.rows = 96;
     this.depths = new Float32Array(this.columns * this.rows);
   }
-  /** Of blocks (pairs of Blocks and number), those that may be seen. @param depth  through which
-   *  one sees, mm */
-  visible(blocks, frame, depth) {
+  /** Of blocks (pairs of Blocks and number), those that may be seen.
+   *  @param depth  through which one sees, mm. @param optical  radius of the spheres, mm */
+  visible(blocks, frame, depth, optical) {
     const {eye, right, up, toward, tanX, tanY} = frame, {columns, rows, depths} = this;
     depths.fill(Infinity);
     const places = blocks.map(([of, b]) => {
@@ -102,10 +103,11 @@ class CoarseDepths {
         y: (dot(d, up) / (z * tanY) + 1) / 2 * rows, across: reach / (2 * z * tanX) * columns,
         along: reach / (2 * z * tanY) * rows};
     });
-    for (const place of places) {
-      // The middle half of a block hides what is behind it.
-      this.each(place, 0.5, at => { depths[at] = Math.min(depths[at], place.z); });
-    }
+    for (const place of places)
+      // The middle of a block hides what is behind it. Others than compact ones, where the curve
+      // jumps, may have nothing there.
+      if (place.reach < COMPACT * optical)
+        this.each(place, 0.4, at => { depths[at] = Math.min(depths[at], place.z); });
     return blocks.filter((block, i) => {
       const place = places[i];
       if (place.z < 2 * place.reach) return true;
@@ -150,7 +152,7 @@ class Drawing {
     this.rowsOfSpheres = Math.ceil(count / WIDE);
     this.spheres = this.textureOf(gl.RGBA32F, gl.FLOAT, spheres);
     this.colors = this.textureOf(gl.RGBA8, gl.UNSIGNED_BYTE, new Uint8Array(4 * count));
-    this.array = gl.createVertexArray();
+    this.array = gl.createVertexArray();  // empty: vertices know their places by their numbers
     this.coarse = new CoarseDepths();
     if (scene.wall) this.addWall(scene.wall);
     if (scene.outline) this.addOutline(scene.outline);
@@ -216,7 +218,7 @@ class Drawing {
       this.buried.above(planes, use);
     else if (cut)
       this.buried.above([...planes, [cut.normal.map(c => -c), depth - cut.offset]], use);
-    if (!all && !plane && !inside) blocks = this.coarse.visible(blocks, frame, depth / 2);
+    if (!all && !plane && !inside) blocks = this.coarse.visible(blocks, frame, depth / 2, this.scene.optical);
     const pixel = 2 * (plane ? frame.halfX : frame.tanX) / width;
     const runs = [];
     for (const [of, b] of blocks) {
@@ -280,11 +282,11 @@ class Drawing {
       const some = runs.filter(run => run[2] === isPoint);
       if (some.length === 0) continue;
       const isRough = skip > 0 && isPoint && !this.scene.plane;
-      const uniforms = this.program('spheres', [...this.macros(look), ...isRough ? ['ROUGH'] : []]);
+      const uniforms = this.program('spheres', [
+        ...this.macros(look), ...isPoint ? ['POINTS'] : [], ...isRough ? ['ROUGH'] : []]);
       this.setCamera(uniforms, look, width);
       gl.uniform2f(uniforms.size, width, height);
       gl.uniform1i(uniforms.skip, step);
-      gl.uniform1i(uniforms.isPoint, isPoint ? 1 : 0);
       this.setTextures(uniforms, {spheres: this.spheres, colors: this.colors});
       for (const [first, count] of some) {
         const n = Math.ceil(count / step);

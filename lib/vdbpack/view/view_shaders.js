@@ -1,7 +1,7 @@
 // Coordinates of the camera: x right, y up, z out of the picture. Colors are sRGB, but linear while
 // they are lit: squares and roots are near enough, and ten times as fast as powers in software.
-// Kinds of programs are chosen by macros: PLANE (looked at from above, without perspective), CUT, and
-// ROUGH (while the scene moves). Branches on uniforms cost both ways in software.
+// Kinds of programs are chosen by macros: PLANE (looked at from above, without perspective), CUT,
+// POINTS (or triangles), ROUGH (points while the scene moves). Branches cost both ways in software.
 const SHADER_HEAD = `
 precision highp float;
 uniform vec3 eye, right, up, toward;
@@ -41,12 +41,15 @@ vec3 lit(vec3 albedo, vec3 n, vec3 back) {
 const SPHERE_VERTEX = SHADER_HEAD + `
 uniform highp sampler2D spheres, colors;
 uniform int first, skip;
-uniform bool isPoint;
 flat out float share;  // of a point's side, to the diameter of the sphere
 flat out vec4 ball;
 flat out vec3 albedo;  // linear
 void main() {
-  int i = first + skip * (isPoint ? gl_VertexID : gl_VertexID / 3);
+#ifdef POINTS
+  int i = first + skip * gl_VertexID;
+#else
+  int i = first + skip * (gl_VertexID / 3);
+#endif
   ivec2 place = ivec2(i & 2047, i >> 11);
   vec4 sphere = texelFetch(spheres, place, 0);
   albedo = texelFetch(colors, place, 0).rgb;
@@ -66,16 +69,15 @@ void main() {
   if (square < 1.05 * r * r || c.z > r) return;
   float side = 2.0 * r / pixel * inversesqrt(square - r * r);
 #endif
-  if (isPoint) {
-    gl_Position = projected(c);
+#ifdef POINTS
+  gl_Position = projected(c);
 #if defined(PLANE) || defined(ROUGH)
-    gl_PointSize = 0.5 + side;
+  gl_PointSize = 0.5 + side;
 #else
-    gl_PointSize = 0.5 + 1.12 * side;  // off the middle of the picture outlines are longer
+  gl_PointSize = 0.5 + 1.12 * side;  // off the middle of the picture outlines are longer
 #endif
-    share = gl_PointSize / side;
-    return;
-  }
+  share = gl_PointSize / side;
+#else
   int k = gl_VertexID % 3;  // corners of a triangle around the circle of radius 1
   vec2 corner = vec2(k == 0 ? 0.0 : k == 1 ? -1.7320509 : 1.7320509, k == 0 ? 2.0 : -1.0);
 #ifdef PLANE
@@ -85,6 +87,7 @@ void main() {
   vec3 across = normalize(cross(vec3(0.0, 1.0, 0.0), n));
   float reach = r * sqrt(square / (square - r * r));
   gl_Position = projected(c + reach * (corner.x * across + corner.y * cross(n, across)));
+#endif
 #endif
 }
 `;
@@ -222,6 +225,7 @@ uniform float radius;     // of what gives shade, mm
 uniform bool plane;
 in vec2 place;
 out vec4 shown;
+const float EDGE = 3.0;   // reach of the shade of edges, in that of the shade of neighbors
 float distanceAt(vec2 x) {
   float z = 2.0 * texture(depths, x).r - 1.0, n = range.x, f = range.y;
   return 2.0 * f * n / (f + n - z * (f - n));
@@ -243,11 +247,23 @@ void main() {
       float share = (float(k) + 0.5) / float(SAMPLES);
       float angle = 2.3999632 * (float(k) + turn);  // the golden angle
       vec2 off = vec2(cos(angle) * aspect, sin(angle)) * sqrt(share) * reach / own;
-      float above = (own + dot(slope, off) - distanceAt(place + off)) / radius;
+      // Near outlines the plane is steep, and tells little.
+      float rise = clamp(dot(slope, off), -radius, radius);
+      float above = (own + rise - distanceAt(place + off)) / radius;
       // Shade from things within a few radii; what lies far in front gives none.
       shade += clamp(above - 0.3, 0.0, 1.0) * (1.0 - smoothstep(2.0, 6.0, above));
     }
     color *= 1.0 - 0.6 * smoothstep(0.05, 0.9, shade / float(SAMPLES));
+    // What lies behind an edge is darker there, which sets off the parts of a bone from each other
+    // (Luft, Colditz, Deussen 2006, doi:10.1145/1141911.1142016).
+    float behindEdge = 0.0;
+    for (int k = 0; k < SAMPLES / 2; ++k) {
+      float share = (float(k) + 0.5) / float(SAMPLES / 2), angle = 2.3999632 * (float(k) + turn);
+      vec2 off = vec2(cos(angle) * aspect, sin(angle)) * sqrt(share) * EDGE * reach / own;
+      float rise = clamp(dot(slope, off), -2.0 * radius, 2.0 * radius);
+      behindEdge += smoothstep(3.0, 12.0, (own + rise - distanceAt(place + off)) / radius);
+    }
+    color *= 1.0 - 0.55 * smoothstep(0.0, 0.8, behindEdge / float(SAMPLES / 2));
   }
   shown = vec4(color, 1.0);
 }
