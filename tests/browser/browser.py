@@ -44,6 +44,7 @@ class Browser:
     def __init__(self, driver_url, width, height, profile, flags=SOFTWARE_WEBGL):
         self.driver_url = driver_url
         self.width = width
+        self.profile = str(profile)
         options = {
             "args": [*CHROMIUM, *flags, f"--user-data-dir={profile}", f"--window-size={width},{height}"],
             "binary": "/usr/bin/chromium",
@@ -105,6 +106,27 @@ class Browser:
         found = [f"request for {url}" for url in self.requests()
                  if url != page.as_uri() and not url.startswith(("data:", "blob:"))]
         return found + ["console: " + entry["message"] for entry in self.log("browser")]
+
+    def processor_seconds(self):
+        """Of all processes of the browser so far."""
+        parents, seconds, roots = {}, {}, set()
+        for process in pathlib.Path("/proc").glob("[0-9]*"):
+            try:
+                name = int(process.name)
+                fields = (process / "stat").read_text().rsplit(")", 1)[1].split()
+                parents[name] = int(fields[1])
+                seconds[name] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+                if self.profile in (process / "cmdline").read_text(errors="replace"):
+                    roots.add(name)
+            except (OSError, IndexError):
+                continue  # it has ended
+
+        def belongs(name):
+            while name in parents and name not in roots:
+                name = parents[name]
+            return name in roots
+
+        return sum(time for name, time in seconds.items() if belongs(name))
 
     def picture(self, path):
         """What the window shows; a picture of the whole page resizes it."""

@@ -303,10 +303,10 @@ class Drawing {
       gl.uniform1i(uniforms[name], unit);
     });
   }
-  drawWall(look, width) {
+  drawWall(look, width, isRough) {
     const {gl} = this;
     if (!look.wall || !this.wallArray) return;
-    const uniforms = this.program('wall', this.macros(look));
+    const uniforms = this.program('wall', [...this.macros(look), ...isRough ? ['ROUGH'] : []]);
     this.setCamera(uniforms, look, width);
     gl.uniform3fv(uniforms.bone, [0.925, 0.886, 0.812]);
     gl.uniform3fv(uniforms.ink, look.ink);
@@ -321,8 +321,8 @@ class Drawing {
     gl.enable(gl.BLEND);
     gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ZERO, gl.ONE);
     gl.enable(gl.CULL_FACE);
-    // The far side first.
-    for (const side of [gl.FRONT, gl.BACK]) {
+    // The far side first; not while it moves.
+    for (const side of isRough ? [gl.BACK] : [gl.FRONT, gl.BACK]) {
       gl.cullFace(side);
       gl.drawElements(gl.TRIANGLES, this.corners, gl.UNSIGNED_INT, 0);
     }
@@ -339,7 +339,7 @@ class Drawing {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     this.clear(look, width, height);
     this.drawSpheres(runs, look, width, height, Math.ceil(seen / budget));
-    this.drawWall(look, width);
+    this.drawWall(look, width, true);
     return seen;
   }
 
@@ -409,7 +409,7 @@ class Drawing {
       this.drawSpheres(chunks[work.next++], look, target.width, target.height);
       return false;
     }
-    this.drawWall(look, target.width);
+    this.drawWall(look, target.width, false);
     this.present(target, look);
     this.work = null;
     return true;

@@ -189,10 +189,14 @@ void main() { shown = vec4(ink, 1.0); }
 #else
 void main() {
   vec3 n = normalize(facing);
-  float cosine = abs(dot(n, normalize(at)));
-  float edge = 1.0 - cosine;
-  float opacity = 0.05 + 0.5 * edge * edge * edge;
+#ifdef ROUGH
+  float edge = 1.0 - abs(n.z);
+  vec3 color = bone * (0.75 + 0.25 * n.y);
+#else
+  float edge = 1.0 - abs(dot(n, normalize(at)));
   vec3 color = display(lit(bone * bone, faceforward(n, at, n), -normalize(at)));
+#endif
+  float opacity = 0.05 + 0.5 * edge * edge * edge;
 #ifdef CUT
   float side = dot(cut.xyz, at) + cut.w;
   if (side < 0.0) discard;
