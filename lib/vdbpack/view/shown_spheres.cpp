@@ -69,8 +69,13 @@ std::vector<PreviewCut> favoredPlanes(const std::vector<Sphere<3>>& spheres,
     if (options.cut) return {*options.cut};
     Box<3> bounds;
     for (const auto& s : spheres) bounds.add(s.center);
+    const Vec<3> size = bounds.size(), center = bounds.center();
+    // A round number, for the page says which.
+    const double longest = std::max(*std::max_element(size.c.begin(), size.c.end()), 1e-300);
+    const double unit = std::pow(10, std::floor(std::log10(longest)) - 3);
     std::vector<PreviewCut> planes;
-    for (int axis = 0; axis < 3; ++axis) planes.push_back({axis, bounds.center()[axis]});
+    for (int axis = 0; axis < 3; ++axis)
+        planes.push_back({axis, std::round(center[axis] / unit) * unit + 0.0});
     return planes;
 }
 
