@@ -236,15 +236,17 @@ float distanceAt(vec2 x) {
 }
 void main() {
   vec3 color = texture(colors, place).rgb;
-  float own = distanceAt(place);
+  // Depths are read at the middles of their pixels: at edges between them rounding would decide.
+  vec2 texel = 1.0 / vec2(textureSize(depths, 0)), here = (floor(place / texel) + 0.5) * texel;
+  float own = distanceAt(here);
   if (!plane && own < 0.999 * range.y) {
     // Each pixel turns the spiral of samples: what is left of it looks like fine grain.
     float turn = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715))));
     // Things count as nearer if they rise above the plane through the pixel's surface.
-    vec2 step = 1.0 / vec2(textureSize(depths, 0));
-    vec2 ahead = vec2(distanceAt(place + vec2(step.x, 0.0)), distanceAt(place + vec2(0.0, step.y))) - own;
-    vec2 behind = own - vec2(distanceAt(place - vec2(step.x, 0.0)), distanceAt(place - vec2(0.0, step.y)));
-    vec2 slope = mix(behind, ahead, lessThan(abs(ahead), abs(behind))) / step;
+    vec2 across = vec2(texel.x, 0.0), along = vec2(0.0, texel.y);
+    vec2 ahead = vec2(distanceAt(here + across), distanceAt(here + along)) - own;
+    vec2 behind = own - vec2(distanceAt(here - across), distanceAt(here - along));
+    vec2 slope = mix(behind, ahead, lessThan(abs(ahead), abs(behind))) / texel;
     float shade = 0.0;
     const int SAMPLES = 16;
     for (int k = 0; k < SAMPLES; ++k) {
@@ -253,7 +255,7 @@ void main() {
       vec2 off = vec2(cos(angle) * aspect, sin(angle)) * sqrt(share) * reach / own;
       // Near outlines the plane is steep, and tells little.
       float rise = clamp(dot(slope, off), -radius, radius);
-      float above = (own + rise - distanceAt(place + off)) / radius;
+      float above = (own + rise - distanceAt(here + off)) / radius;
       // Shade from things within a few radii; what lies far in front gives none.
       shade += clamp(above - 0.3, 0.0, 1.0) * (1.0 - smoothstep(2.0, 6.0, above));
     }
@@ -265,7 +267,7 @@ void main() {
       float share = (float(k) + 0.5) / float(SAMPLES / 2), angle = 2.3999632 * (float(k) + turn);
       vec2 off = vec2(cos(angle) * aspect, sin(angle)) * sqrt(share) * EDGE * reach / own;
       float rise = clamp(dot(slope, off), -2.0 * radius, 2.0 * radius);
-      behindEdge += smoothstep(3.0, 12.0, (own + rise - distanceAt(place + off)) / radius);
+      behindEdge += smoothstep(3.0, 12.0, (own + rise - distanceAt(here + off)) / radius);
     }
     color *= 1.0 - 0.55 * smoothstep(0.0, 0.8, behindEdge / float(SAMPLES / 2));
   }
