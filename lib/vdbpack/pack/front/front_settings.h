@@ -21,6 +21,9 @@ struct FrontSettings {
     double wallLead = 0;
     /// The same for sites on spheres of earlier blocks ahead, across the faces of a periodic cell.
     double seamLead = 0;
+    /// How far a site goes ahead of the sweep for each body that a sphere there touches, mm, and by
+    /// less for one at a gap of up to `nearGap`, mm. 0: it does not matter how many are near.
+    double crowdLead = 0, nearGap = 0;
     /// Radius for which sites are sought, mm: spheres placed there may be larger.
     double probe = 0;
     /// Sites where no sphere of this radius fits are not used, mm; 0: all are.

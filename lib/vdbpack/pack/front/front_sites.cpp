@@ -12,6 +12,15 @@ namespace {
 /// come. Wider ones cost density (at `normal` 0.0005 at 0.05, 0.002 at 0.2).
 constexpr double kBucket = 0.02;
 
+/// Where the number of near bodies matters, sites go ahead the lower a sphere sinks in between the
+/// bodies that it rests on: by this share of its height above their mean.
+constexpr float kSink = 0.8f;
+/// Spheres that a wall counts as. More make rows along flat walls: equal spheres in box 60 have a
+/// solid fraction of 0.594 and 6 % in crystalline order at 2, 0.587 and 0.5 % at 1.1.
+constexpr float kWallCrowd = 1.1f;
+/// Most bodies near a site.
+constexpr double kMostNear = 14;
+
 /// In place of a block to come.
 constexpr std::uint32_t kDone = 0;
 
@@ -62,7 +71,9 @@ FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls
       least_(static_cast<float>(block.settings.least)),
       // No smaller than the largest radius: an unlimited site must take that one as well.
       largest_(floatUp(block.settings.maxRadius)),
-      common_(static_cast<float>(block.settings.commonRadius)) {}
+      common_(static_cast<float>(block.settings.commonRadius)),
+      crowdLead_(static_cast<float>(block.settings.crowdLead)),
+      nearGap_(static_cast<float>(block.settings.nearGap)) {}
 
 template <int Dim>
 void FrontSites<Dim>::clear() {
@@ -73,7 +84,8 @@ void FrontSites<Dim>::clear() {
     unused_ = kNone;
     arrived_ = 0;
     const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
-    queue_.reset(static_cast<float>(low - settings.lead - settings.wallLead),
+    queue_.reset(static_cast<float>(low - settings.lead - settings.wallLead -
+                                    kMostNear * settings.crowdLead),
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
@@ -109,14 +121,15 @@ void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings
     });
     around.findSites(static_cast<float>(sphere(pivot).radius), {probe_, least_, largest_}, only,
                      inOwnBlock ? &inBlock : nullptr, found_);
-    for (const auto& site : found_) add(pivot, site);
+    for (const auto& site : found_) add(pivot, site, &around);
     if (found_.empty() && only == Surroundings<Dim>::kAll && around.reached() <= Dim)
         addLoose(pivot, around);
 }
 
 template <int Dim>
 std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
-                                   const typename Surroundings<Dim>::Site& site) {
+                                   const typename Surroundings<Dim>::Site& site,
+                                   const Surroundings<Dim>* around) {
     if (site.limit < least_) return kNone;
     const Vec<Dim>& center = sphere(pivot).center;
     End end;
@@ -144,6 +157,16 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
     s.bodies = site.bodies;
     s.pivot = pivot;
     s.foreign = foreign;
+    s.crowd = 0;
+    if (crowdLead_ > 0) {
+        s.base += kSink * heightAbove(pivot, site.bodies, start);
+        s.crowd = around ? around->crowdAt(site.end, site.limit, nearGap_) : 0.0f;
+        walls_.forEach(pivot, [&](std::uint32_t, const TangentPlane<Dim>& plane) {
+            const auto above =
+                static_cast<float>(dot(fromFloat<Dim>(end.center) - plane.point, plane.normal));
+            s.crowd += kWallCrowd * nearness(above - site.limit);
+        });
+    }
     end.limit = site.limit;
     end.dead = false;
     end.next = first_[pivot];
@@ -176,6 +199,43 @@ void FrontSites<Dim>::addLoose(std::uint32_t pivot, const Surroundings<Dim>& aro
         site.bodies.fill(kNoBody);
         add(pivot, site);
     }
+}
+
+/// How far along the sweep a sphere at a site lies above the mean of the bodies that it touches; of
+/// a wall, a sphere as large behind it. mm
+template <int Dim>
+float FrontSites<Dim>::heightAbove(std::uint32_t pivot, const Bodies& bodies,
+                                   const Vec<Dim>& start) const {
+    if (bodies[0] == kNoBody) return 0;
+    const Vec<Dim>& sweep = block_.settings.sweep;
+    double height = dot(start - sphere(pivot).center, sweep);
+    for (const std::uint32_t body : bodies)
+        height += body >= kWallBody
+                      ? 2 * block_.settings.probe * dot(walls_[body - kWallBody].normal, sweep)
+                      : dot(start - sphere(body).center, sweep);
+    return static_cast<float>(height / Dim);
+}
+
+/// What a body at a gap from a sphere adds to `Site::crowd`.
+template <int Dim>
+float FrontSites<Dim>::nearness(float gap) const {
+    const float near = 1 - std::max(gap, 0.0f) / nearGap_;
+    return near > 0 ? near * near : 0;
+}
+
+/// Counts a sphere whose center is at a squared distance from that of a site.
+template <int Dim>
+void FrontSites<Dim>::crowd(std::uint32_t index, float square, float radius) {
+    const float least = radius + ends_[index].limit, most = least + nearGap_;
+    if (square >= most * most) return;
+    sites_[index].crowd += nearness(std::sqrt(square) - least);
+    enqueue(index);
+}
+
+template <int Dim>
+void FrontSites<Dim>::countNear(std::uint32_t index, std::uint32_t sphereNear) {
+    const Sphere<Dim>& s = sphere(sphereNear);
+    crowd(index, squaredDistance(toFloat(s.center), ends_[index]), static_cast<float>(s.radius));
 }
 
 /// Position of a site in the order of the front, mm.
@@ -246,7 +306,7 @@ float FrontSites<Dim>::leadOf(std::uint32_t index) const {
 template <int Dim>
 void FrontSites<Dim>::enqueue(std::uint32_t index) {
     const Site& site = sites_[index];
-    if (site.foreign == 0) queue_.push(index, site.base - leadOf(index));
+    if (site.foreign == 0) queue_.push(index, site.base - leadOf(index) - crowdLead_ * site.crowd);
 }
 
 template <int Dim>
@@ -296,12 +356,18 @@ void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     enqueue(index);
 }
 
-/// Whether a sphere reaches into the largest one that a site would take.
 template <int Dim>
-bool FrontSites<Dim>::reaches(const std::array<float, Dim>& center, float radius, const End& end) {
+float FrontSites<Dim>::squaredDistance(const std::array<float, Dim>& center, const End& end) {
     float square = 0;
     for (std::size_t d = 0; d < Dim; ++d)
         square += (end.center[d] - center[d]) * (end.center[d] - center[d]);
+    return square;
+}
+
+/// Whether a sphere whose center is at a squared distance from that of a site reaches into the
+/// largest one that the site would take.
+template <int Dim>
+bool FrontSites<Dim>::reaches(float square, float radius, const End& end) {
     const float least = radius + end.limit;
     return square < least * least * (1 - kSlack);
 }
@@ -315,7 +381,9 @@ void FrontSites<Dim>::keepOff(std::uint32_t intruder, const Surroundings<Dim>& a
         std::uint32_t* link = &first_[pivot];
         while (*link != kNone) {
             End& end = ends_[*link];
-            if (!end.dead && reaches(center, radius, end)) limitBy(*link, cap(pivot, intruder));
+            const float square = squaredDistance(center, end);
+            if (!end.dead && reaches(square, radius, end)) limitBy(*link, cap(pivot, intruder));
+            if (crowdLead_ > 0 && !end.dead) crowd(*link, square, radius);
             if (end.dead) {
                 const std::uint32_t gone = *link;
                 *link = end.next;
@@ -330,20 +398,28 @@ void FrontSites<Dim>::keepOff(std::uint32_t intruder, const Surroundings<Dim>& a
 
 template <int Dim>
 void FrontSites<Dim>::keepOff(std::uint32_t index, std::uint32_t intruder) {
-    if (reaches(toFloat(sphere(intruder).center), static_cast<float>(sphere(intruder).radius),
-                ends_[index]))
+    if (reaches(squaredDistance(toFloat(sphere(intruder).center), ends_[index]),
+                static_cast<float>(sphere(intruder).radius), ends_[index]))
         limitBy(index, cap(sites_[index].pivot, intruder));
 }
 
 template <int Dim>
 void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
     const Cap<float, Dim> forbidden = cap(pivot, kWallBody + wall);
-    for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next)
+    const TangentPlane<Dim>& plane = walls_[wall];
+    for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next) {
         if (!ends_[s].dead) limitBy(s, forbidden);
+        if (!(crowdLead_ > 0) || ends_[s].dead) continue;
+        const auto above =
+            static_cast<float>(dot(fromFloat<Dim>(ends_[s].center) - plane.point, plane.normal));
+        sites_[s].crowd += kWallCrowd * nearness(above - ends_[s].limit);
+        enqueue(s);
+    }
 }
 
 template <int Dim>
 void FrontSites<Dim>::leave(std::uint32_t index, const Vec<Dim>& center) {
+    queue_.remove(index);
     sites_[index].foreign = neighborAt(center);
     ends_[index].dead = sites_[index].foreign == kDone;
 }
@@ -361,6 +437,7 @@ void FrontSites<Dim>::giveUp(std::uint32_t index) {
             offset[at] = start >= block_.search.hi[d] ? 1 : 0;
             ahead = ahead || offset[at] > 0;
         }
+    queue_.remove(index);  // a wall learned meanwhile may have queued it again
     site.foreign = ahead ? neighborBit(offset) : kDone;
     ends_[index].dead = !ahead;
 }

@@ -39,7 +39,14 @@ public:
     /// @param inOwnBlock  leaves out sites that lie in other blocks.
     void find(std::uint32_t pivot, std::uint32_t only, Surroundings<Dim>& around, bool inOwnBlock);
     /// Adds a site. @return its index, or kNone if no sphere fits there or its block is done.
-    std::uint32_t add(std::uint32_t pivot, const typename Surroundings<Dim>::Site& site);
+    /// @param around  the spheres around the pivot; null: those near the site are yet to be
+    /// counted.
+    std::uint32_t add(std::uint32_t pivot, const typename Surroundings<Dim>::Site& site,
+                      const Surroundings<Dim>* around = nullptr);
+    /// Counts a sphere that was there before the site.
+    void countNear(std::uint32_t index, std::uint32_t sphere);
+    /// How far from a site, beside its limit, spheres are counted, mm.
+    float nearGap() const { return nearGap_; }
 
     /// Limits the sites that a new sphere reaches into. @param around  the spheres around it.
     void keepOff(std::uint32_t intruder, const Surroundings<Dim>& around);
@@ -87,6 +94,7 @@ private:
     struct Site {
         Track<float, Dim> track;  ///< from the probe's radius on, relative to the pivot
         float base;               ///< along the sweep, at the probe's radius
+        float crowd;              ///< bodies near, see FrontSettings::crowdLead
         float side;
         Bodies bodies;
         std::uint32_t pivot;
@@ -107,7 +115,11 @@ private:
     bool isBeyond(std::uint32_t index) const;
     double meetingLead(std::uint32_t index) const;
     float leadOf(std::uint32_t index) const;
-    static bool reaches(const std::array<float, Dim>& center, float radius, const End& end);
+    float heightAbove(std::uint32_t pivot, const Bodies& bodies, const Vec<Dim>& start) const;
+    float nearness(float gap) const;
+    static float squaredDistance(const std::array<float, Dim>& center, const End& end);
+    static bool reaches(float square, float radius, const End& end);
+    void crowd(std::uint32_t index, float square, float radius);
     void limitBy(std::uint32_t index, const Cap<float, Dim>& cap);
 
     /// In largest radii: a limit that counts as none.
@@ -116,6 +128,7 @@ private:
     const BlockState<Dim>& block_;
     FrontWalls<Dim>& walls_;
     float probe_, least_, largest_, common_;  ///< radii of FrontSettings, mm
+    float crowdLead_, nearGap_;               ///< of FrontSettings, mm
     std::uint64_t arrived_ = 0;               ///< sites so far
     std::vector<Site> sites_;
     std::vector<End> ends_;             ///< beside `sites_`

@@ -68,6 +68,13 @@ void takeOver(const BlockSpheres<Dim>& around, const std::vector<std::uint32_t>&
         site.end = toFloat(from);
         const std::uint32_t index = front.sites.add(pivot, site);
         if (index == Sites::kNone) continue;
+        if (front.sites.nearGap() > 0)
+            front.block.cells.near(center,
+                                   static_cast<double>(handed.limit + front.sites.nearGap()),
+                                   [&](std::uint32_t i) {
+                                       if (i != pivot) front.sites.countNear(index, i);
+                                       return true;
+                                   });
         // By what has been placed since.
         front.block.cells.near(center, static_cast<double>(handed.limit), [&](std::uint32_t i) {
             if (i != pivot) front.sites.keepOff(index, i);

@@ -323,6 +323,23 @@ float Surroundings<Dim>::growth(const Track<float, Dim>& track, float most) cons
     return growth(far_, track, growth(near_, track, most));
 }
 
+template <int Dim>
+float Surroundings<Dim>::crowdAt(const std::array<float, Dim>& x, float radius, float range) const {
+    Float8 crowd{};
+    for (std::size_t i = 0; i < spheres.count; i += kLanes) {
+        Float8 square{};
+        for (std::size_t d = 0; d < Dim; ++d) {
+            const Float8 to = load(&spheres.to[d][i]) - x[d];
+            square += to * to;
+        }
+        const Float8 own = load(&spheres.radius[i]);
+        const Float8 gap = squareRoot(square) - own - radius;
+        const Float8 near = larger(1.0f - larger(gap, 0.0f) * (1 / range), 0.0f);
+        crowd += choose(own > 0.0f, near * near, 0.0f);  // walls and padding have no radius
+    }
+    return sum(crowd);
+}
+
 template class Surroundings<2>;
 template class Surroundings<3>;
 

@@ -70,6 +70,10 @@ public:
     /// `findSites` with the radii that the track starts from.
     float growth(const Track<float, Dim>& track, float most) const;
 
+    /// How many spheres a sphere at `x` (relative to the pivot) touches, those at a gap of up to
+    /// `range` by less: the sum of (1 - gap / range)²; after `findSites`. mm.
+    float crowdAt(const std::array<float, Dim>& x, float radius, float range) const;
+
 private:
     /// Caps as padded arrays.
     struct Caps {
