@@ -10,6 +10,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/pack/packer.h"
@@ -406,6 +407,33 @@ TEST_CASE("more spheres than fit cannot be separated, and are returned", "[densi
     CHECK_FALSE(result.apart);
     CHECK_FALSE(result.reached);
     CHECK(result.spheres == given);
+}
+
+TEST_CASE("equal spheres get denser without crystallizing", "[densify]") {
+    const auto domain = box<3>(40);
+    const auto before = front(*domain, "constant:1");
+    struct Case {
+        double fraction, most;  // share in crystalline order
+    };
+    for (const Case& c : {Case{0.6, 0.02}, Case{kMax, 0.08}}) {
+        CAPTURE(c.fraction);
+        const auto result = densify(*domain, before, to<3>(c.fraction, "constant:1"));
+        CHECK(result.after > 0.5999);
+        CHECK(solidLikeShare(result.spheres) < c.most);
+        checkSound(result.spheres, *domain);
+        if (c.fraction == kMax) CHECK(result.after > 0.608);
+    }
+}
+
+TEST_CASE("equal spheres of a loose pack get as dense as those of a front", "[densify]") {
+    const auto domain = box<3>(30);
+    auto before = front(*domain, "constant:1");
+    for (std::size_t i = 0; 3 * i + 2 < before.size(); ++i)
+        before.erase(before.begin() + static_cast<std::ptrdiff_t>(2 * i));
+    const auto result = densify(*domain, before, to<3>(kMax, "constant:1"));
+    CHECK(result.before < 0.45);
+    CHECK(result.after > 0.58);
+    checkSound(result.spheres, *domain);
 }
 
 TEST_CASE("densities and gaps that cannot be are refused", "[densify]") {

@@ -27,8 +27,7 @@ namespace vdbpack {
 
 namespace {
 
-/// Way that nearly equal spheres are moved at random first, in radii along each axis. In a box of
-/// side 60 at 0.62, 3.8 to 4.7 % of equal spheres are then in crystalline order; without, 5 to 8 %.
+/// Way that circles of nearly equal size are moved at random first, in radii along each axis.
 constexpr double kStir = 0.8;
 constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
 /// A fraction is reached but for this.
@@ -38,6 +37,10 @@ constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
 /// Increments in one stage from a front without walls, in the order in which they are tried: radii
 /// 1 to 2 reach one of the first in cells of 10,000 spheres, one of the last in those of 1,000,000.
 constexpr std::array<double, 4> kGainsAtOnce{0.049, 0.047, 0.045, 0.0425};
+/// The same of equal spheres, with or without walls: in several stages they are agitated for longer
+/// and crystallize.
+constexpr std::array<double, 8> kGainsOfEqual{0.041, 0.038, 0.035, 0.032,
+                                              0.029, 0.025, 0.018, 0.01};
 /// Fractions above this are no packs of spheres: only a single crystal comes close.
 template <int Dim>
 constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
@@ -77,7 +80,7 @@ public:
           shell_(0.5 * options.gap),
           ranks_(options.ranks),
           sizes_(spheres, options),
-          paces_(sizes_.radii(), ranks_),
+          paces_(Dim, sizes_.radii(), ranks_),
           moving_(sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
@@ -128,14 +131,36 @@ private:
     }
 
     /// Goes to the densest pack; in a periodic cell of space from as near as can be at once, since
-    /// stages end up to 0.007 below that.
+    /// stages end up to 0.007 below that. Equal spheres go to the densest random one.
     void reachMost() {
+        if (paces_.randomCount() < paces_.size()) {
+            reachMostAtRandom();
+            return;
+        }
         if (Dim == 3 && domain_->cell().any())
             for (const double gain : kGainsAtOnce) {
                 if (attemptGain(result_.before + gain) || result_.interrupted) break;
                 stage_ = 0;
             }
         climb(std::numeric_limits<double>::infinity());
+    }
+
+    /// As dense as paces allow that leave equal spheres at random.
+    void reachMostAtRandom() {
+        mostPaces_ = paces_.randomCount();
+        for (bool loose = true; loose && !result_.interrupted;) {
+            const double from = reachedFraction();
+            loose = false;
+            for (const double gain : kGainsOfEqual) {
+                const std::uint64_t stage = stage_;
+                if (attemptGain(from + gain)) {
+                    loose = gain == kGainsOfEqual.front();
+                    break;
+                }
+                if (result_.interrupted) return;
+                stage_ = stage;
+            }
+        }
     }
 
     /// Climbs in stages until the smallest one fails, or `most` is reached.
@@ -163,8 +188,7 @@ private:
         return isAccepted(withShell(result_.spheres), options_.fixed, *domain_);
     }
 
-    /// Moves spheres at random within the domain: a front of equal spheres leaves them in rows
-    /// along the wall.
+    /// Moves circles at random within the domain: a front leaves equal ones in rows along the wall.
     /// @param labels  over ranks: of the spheres.
     void stir(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels) const {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(options_.fixed, spheres.size(), 1024),
@@ -199,7 +223,7 @@ private:
             insert(fraction, spheres, regions);
         ++result_.stages;
         ++stage_;
-        for (std::size_t k = first; k < paces_.size(); ++k) {
+        for (std::size_t k = first; k < std::min(paces_.size(), mostPaces_); ++k) {
             // From the same start each time: what has jammed stays jammed.
             const bool apart =
                 relax(spheres, regions, labels, homes, [&](Relaxation<Dim>& relaxation) {
@@ -228,7 +252,7 @@ private:
         const auto placed = present.vacancies(added.radii, added.regions, stage);
         spheres.insert(spheres.end(), placed.begin(), placed.end());
         regions.insert(regions.end(), added.regions.begin(), added.regions.end());
-        if (paces_.areNarrow()) stir(spheres, {});
+        if (paces_.areEqualCircles()) stir(spheres, {});
     }
 
     /// The same over ranks.
@@ -253,7 +277,7 @@ private:
             spheres.push_back({vacancy.center, radii[vacancy.number]});
             labels.push_back(first + static_cast<std::uint32_t>(vacancy.number));
         }
-        if (paces_.areNarrow()) stir(spheres, labels);
+        if (paces_.areEqualCircles()) stir(spheres, labels);
     }
 
     /// Relaxes at one pace. @return whether no overlap is left.
@@ -374,7 +398,8 @@ private:
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
     bool moved_ = false;               ///< whether the result is no longer the input pack
-    std::uint64_t stage_ = 0;          ///< insertions on the way to the result; part of the seed
+    std::size_t mostPaces_ = std::numeric_limits<std::size_t>::max();  ///< of them are tried
+    std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first
 };

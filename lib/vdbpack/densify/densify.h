@@ -14,8 +14,9 @@
 namespace vdbpack {
 
 struct DensifyOptions {
-    /// Solid fraction to reach, of all spheres together; infinity: as dense as possible. For the
-    /// fraction of the input pack (or less), no sphere is added: overlaps are removed.
+    /// Solid fraction to reach, of all spheres together; infinity: as dense as possible (in space,
+    /// nearly equal spheres: as far as they stay random; a higher request makes them crystallize).
+    /// For the fraction of the input pack (or less), no sphere is added: overlaps are removed.
     double fraction = 0;
     /// Sizes of all spheres together, mm; none: the sizes of the input pack.
     std::optional<SizeDistribution> sizes;

@@ -12,16 +12,21 @@ namespace vdbpack {
 /// The paces to try for a set of spheres, from quick to thorough.
 class Paces {
 public:
+    /// @param dim    2 or 3.
     /// @param radii  of the spheres that move, mm.
     /// @param ranks  of whose spheres these are a share; null: they are all.
-    explicit Paces(const std::vector<double>& radii, Ranks* ranks = nullptr);
+    Paces(int dim, const std::vector<double>& radii, Ranks* ranks = nullptr);
 
-    /// The quickest pace worth a try for a gain in solid fraction over the front's.
+    /// The quickest pace worth a try for a gain in solid fraction over the front's; one of the
+    /// first `randomCount()`.
     std::size_t firstFor(double gain) const;
     std::size_t size() const { return steps_->size(); }
     const RelaxationPace& operator[](std::size_t k) const { return (*steps_)[k].pace; }
-    /// Whether the spheres are nearly equal: relaxed slowly, they crystallize.
-    bool areNarrow() const { return narrow_; }
+    /// How many of them, from the first on, leave the pack at random: nearly equal spheres
+    /// crystallize where they are agitated for long.
+    std::size_t randomCount() const { return steps_ == &kEqual ? size() - 1 : size(); }
+    /// Whether circles of nearly equal size are packed.
+    bool areEqualCircles() const { return steps_ == &kCircles; }
 
 private:
     struct Step {
@@ -29,9 +34,8 @@ private:
         double gain;  // up to which it is worth a try
     };
     using Steps = std::array<Step, 4>;
-    static const Steps kWide, kNarrow;
+    static const Steps kWide, kEqual, kCircles;
 
-    bool narrow_;
     const Steps* steps_;
 };
 

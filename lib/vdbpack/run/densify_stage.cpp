@@ -17,6 +17,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Share of the spheres in crystalline order from which a pack is no longer called random.
+constexpr double kCrystal = 0.07;
+
 constexpr auto& kTolerances = Report::Densified::kContactTolerances;
 
 /// The coordination numbers without walls; over ranks: of the spheres of all.
@@ -83,6 +86,9 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         told.contactsAfter = contactsOf(result.spheres, ranks, labels, domain.cell());
         if (!ranks) told.solidLike = solidLikeShare(result.spheres, domain.cell());
     }
+    const bool crystallized = Dim == 3 && result.reached && std::isfinite(setting.fraction) &&
+                              told.solidLike.value_or(0) > kCrystal &&
+                              solidLikeShare(pack.spheres, domain.cell()) <= kCrystal;
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
                          result.spheres.end());
@@ -107,6 +113,12 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
             fmt::format("densify: the solid fraction {} was requested, {:.4f} was reached; "
                         "smaller {} reach more",
                         setting.fraction, result.after, Measure<Dim>::kSpheres));
+    if (crystallized)
+        callbacks.warn(
+            fmt::format("densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
+                        "ones reach {} in no other way. Request a lower solid fraction, or max for "
+                        "the densest random pack",
+                        100 * told.solidLike.value_or(0), setting.fraction));
     told.seconds = clock.lap();
     report.densified = told;
 }
