@@ -77,8 +77,8 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
         ->group("Spheres");
     addChoice(*command, "--effort", job.effort, kEfforts,
               "fast: positions in the order of the sweep; normal: first those where the sphere "
-              "touches an additional sphere or wall; dense: the same with more pending radii to "
-              "choose from")
+              "touches an additional sphere or wall (equal ones: many); dense: the same with more "
+              "pending radii to choose from (equal spheres: in larger blocks)")
         ->option_text("fast|normal|dense [normal]")
         ->group("Spheres");
     addChoice(*command, "--order", job.order, kOrders,
