@@ -74,6 +74,23 @@ TEST_CASE("existing spheres stay while the others get denser", "[cli][densify]")
     CHECK(run.report.solidFractionTotal.value_or(0) > 0.585);
 }
 
+TEST_CASE("equal spheres that crystallize while they are densified are reported",
+          "[cli][densify]") {
+    const auto warningsAt = [](double fraction) {
+        auto recipe = recipeFor("box:30,30,30", "constant:1");
+        recipe.densify = fraction;
+        const Report report = runPack(recipe).report;
+        REQUIRE(report.densified);
+        std::size_t named = 0;
+        for (const std::string& warning : report.warnings)
+            named += warning.find("crystalline") != std::string::npos;
+        CHECK((report.densified->solidLike.value_or(0) > 0.07) == (named == 1));
+        return named;
+    };
+    CHECK(warningsAt(0.585) == 0);
+    CHECK(warningsAt(0.615) == 1);
+}
+
 TEST_CASE("a densified pack has the requested count, which a dry run predicts", "[cli][densify]") {
     auto recipe = recipeFor("ball:20", "uniform:1,2");
     recipe.targetCount = 3000;

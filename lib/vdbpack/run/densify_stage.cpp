@@ -86,7 +86,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         told.contactsAfter = contactsOf(result.spheres, ranks, labels, domain.cell());
         if (!ranks) told.solidLike = solidLikeShare(result.spheres, domain.cell());
     }
-    const bool crystallized = Dim == 3 && result.reached && std::isfinite(setting.fraction) &&
+    const bool crystallized = Dim == 3 && std::isfinite(setting.fraction) &&
                               told.solidLike.value_or(0) > kCrystal &&
                               solidLikeShare(pack.spheres, domain.cell()) <= kCrystal;
     Pack<Dim> added;
@@ -114,11 +114,11 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
                         "smaller {} reach more",
                         setting.fraction, result.after, Measure<Dim>::kSpheres));
     if (crystallized)
-        callbacks.warn(
-            fmt::format("densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
-                        "ones reach {} in no other way. Request a lower solid fraction, or max for "
-                        "the densest random pack",
-                        100 * told.solidLike.value_or(0), setting.fraction));
+        callbacks.warn(fmt::format(
+            "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
+            "ones reach {:.4f} in no other way. Request a lower solid fraction, or max for "
+            "the densest random pack",
+            100 * told.solidLike.value_or(0), result.after));
     told.seconds = clock.lap();
     report.densified = told;
 }
