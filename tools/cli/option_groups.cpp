@@ -22,8 +22,8 @@ const char* const kDomainHelp =
     "periodic:LX,LY,LZ  periodic:LX,LY";
 /// What -o of runs with spheres takes.
 const char* const kOutputHelp =
-    "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz, .data or "
-    "lammps:FILE or "
+    "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz .usda .usdz, "
+    ".data or lammps:FILE or "
     "liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), yade:FILE.txt, points:FILE.vdb "
     "(no level sets), .svg (circles). Solids: .stl (surface:FILE.stl, voids:FILE.stl or "
     "solid:FILE.stl selects one), levelsets:FILE.vdb, fog:FILE.vdb. blender:FILE.py: a script that "
@@ -35,7 +35,8 @@ const char* const kOutputHelp =
 const char* const kReportHelp = "write the report as JSON, or as a page for the browser";
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, .usda, .usdz, YADE text "
+    "(yade:FILE.txt), "
     "LAMMPS or "
     "LIGGGHTS data "
     "or "

@@ -123,6 +123,12 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
         case PackFormat::xyz:
             writeXyz(view, options, out);
             break;
+        case PackFormat::usd:
+            writeUsd(view, options, out);
+            break;
+        case PackFormat::usdz:
+            writeUsdz(view, options, out);
+            break;
         case PackFormat::svg:
             writeSvg(view, options, out);
             break;
@@ -177,6 +183,10 @@ Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
                 return readPvtp(t.path, options);
             case PackFormat::vtkhdf:
                 return readVtkHdf(t.path, options);
+            case PackFormat::usd:
+                return readUsd(t.path, options);
+            case PackFormat::usdz:
+                return readUsdz(t.path, options);
             case PackFormat::svg:
                 break;  // refused above
         }

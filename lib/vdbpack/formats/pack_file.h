@@ -15,6 +15,7 @@
 namespace vdbpack {
 
 class VdbGrid;
+struct TriangleMesh;
 
 /// Length of an edge of the point grid's voxels in a .vdb file, in the unit of `measure`: a power
 /// of two, about 8 points a voxel. Positions that are whole multiples of 2^-25 of it survive the
@@ -31,6 +32,9 @@ struct PackWriteOptions {
     std::string generator;         ///< program and version, recorded where the format can
     /// Written beside the points in a .vdb, under the names they have (`surface`, ...).
     std::vector<std::shared_ptr<const VdbGrid>> levelSets;
+    /// Beside the points in a .usda or .usdz, under the name `surfaceName`; null: none.
+    const TriangleMesh* surface = nullptr;
+    std::string surfaceName = "surface";
     /// Voxel edge of the point grid, mm; taken as the nearest power of two in `unit`. 0: from the
     /// volume of the spheres, and up to eight times finer where that keeps every position exact.
     double pointVoxel = 0;
@@ -49,13 +53,16 @@ struct PackWriteOptions {
 };
 
 /// Writes a pack; the format by prefix ("yade:f.txt", "csv:table") or extension: .vdb .vtp .ply
-/// .csv .xyz .npz .data (or lammps:, liggghts:, lammps-bonds:), .pvtp, .vtkhdf (.hdf), points: for
-/// a .vdb without level sets, and .svg for circles. Whole or absent: a former file stays as it is
-/// until the new one is complete.
+/// .csv .xyz .npz .usda (.usd) .usdz .data (or lammps:, liggghts:, lammps-bonds:), .pvtp, .vtkhdf
+/// (.hdf), points: for a .vdb without level sets, and .svg for circles. Whole or absent: a former
+/// file stays as it is until the new one is complete.
 ///
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .pvtp names its one piece, NAME_0000.vtp. .vtkhdf, an unstructured grid of vertices, keeps every
 /// double and every column of numbers; columns of texts are left out.
+/// .usda and .usdz, which holds one, keep every double and every column, too, under names with
+/// letters, digits and '_' (what they were is recorded); programs other than this one round
+/// positions and diameters to floats, about an origin near the spheres.
 /// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
 /// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
 /// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a
@@ -91,13 +98,18 @@ void writeFog(const VdbGrid& levelSet, const std::string& file, const PackWriteO
 /// @throws ParameterError if not, with the list of formats.
 void checkPackFormat(const std::string& file, int dim = 0);
 
+/// Whether the format that `file` names has a surface beside the spheres
+/// (`PackWriteOptions::surface`).
+bool holdsSurface(const std::string& file);
+
 /// The path in a name: what follows the prefix of a format ("yade:f.txt"), else all of it. @throws
 /// ParameterError for a prefix without a file
 std::string packPath(const std::string& file);
 
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
-    std::string gridName;          ///< .vdb: the point grid; empty: the first one
+    /// .vdb: the point grid; .usda: the Points prim, by name or path; empty: the first one.
+    std::string gridName;
     /// Bytes that the process may hold while it reads; 0: those it holds and those that are free.
     double memoryLimit = 0;
 };
@@ -112,6 +124,9 @@ struct PackReadOptions {
 /// - .csv: cells separated by commas, semicolons, tabs or blanks, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
+/// - .usda (or .usd, .usdz with text inside): the points of one Points prim, with ids, widths, and
+///   what has one value a point. Of values by time the last ones; transformations that leave
+///   spheres spheres are applied. References and variants are not followed.
 /// - .xyz: extended XYZ with a column radius; of several frames the last one.
 /// - .npz: numpy's savez or savez_compressed: arrays positions (N, 3) or x, y, z (N), and radii,
 ///   radius or diameters (N); others of N numbers or texts as the columns of their names.

@@ -28,6 +28,8 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
 void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeUsd(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeUsdz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 /// @param bonds  null: atoms alone.
 void writeLammps(const PackView& pack, const PackWriteOptions& options,
                  const std::vector<Contact>* bonds, OutputFile& out);
@@ -42,6 +44,8 @@ Pack<3> readVtkHdf(const std::string& path, const PackReadOptions& options);
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
 Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
+Pack<3> readUsd(const std::string& path, const PackReadOptions& options);
+Pack<3> readUsdz(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
 

@@ -11,12 +11,13 @@ namespace vdbpack {
 namespace {
 
 constexpr const char* kWritten =
-    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, "
+    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .usda, .usdz, .data or lammps:FILE, "
     "lammps-bonds:FILE, yade:FILE, points:FILE.vdb, .svg for circles, .stl, levelsets: or "
     "fog:FILE.vdb for surfaces, "
     "blender:FILE.py, contacts:, materials: or list:FILE.csv, labels:FILE.nii.gz";
 constexpr const char* kRead =
-    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
+    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .usda, .usdz, .data or "
+    "lammps:FILE, .dump, "
     ".lammpstrj or dump:FILE, yade:FILE";
 
 /// A prefix ("yade:f.txt") or an extension, and the format that it names.
@@ -37,6 +38,9 @@ constexpr FormatName kFormatNames[] = {
     {"npz", PackFormat::npz},
     {"xyz", PackFormat::xyz},
     {"extxyz", PackFormat::xyz},
+    {"usda", PackFormat::usd},
+    {"usd", PackFormat::usd},
+    {"usdz", PackFormat::usdz},
     {"svg", PackFormat::svg},
     {"yade", PackFormat::yade, false},
     {"data", PackFormat::lammpsData},
@@ -64,17 +68,28 @@ std::optional<PackTarget> prefixed(const std::string& file) {
     return PackTarget{known->format, file.substr(colon + 1)};
 }
 
-/// Format by prefix, else by extension. `formats` lists the known ones, for messages.
-PackTarget target(const std::string& file, const char* formats) {
-    if (auto known = prefixed(file)) return *std::move(known);
+/// The extension of a file without its dot; empty if there is none.
+std::string extensionIn(const std::string& file) {
     const auto dot = file.rfind('.');
     const auto slash = file.rfind('/');
     const bool extended =
         dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
-    const std::string extension = extended ? file.substr(dot + 1) : "";
-    const auto* known = formatNamed(extension);
-    if (known != nullptr && known->extension) return {known->format, file};
-    throw ParameterError(file + ": '" + (extended ? "." + extension : "") +
+    return extended ? file.substr(dot + 1) : "";
+}
+
+/// By prefix, else by extension.
+std::optional<PackTarget> knownTarget(const std::string& file) {
+    if (auto known = prefixed(file)) return known;
+    const auto* known = formatNamed(extensionIn(file));
+    if (known == nullptr || !known->extension) return std::nullopt;
+    return PackTarget{known->format, file};
+}
+
+/// The same; `formats` lists the known ones, for messages.
+PackTarget target(const std::string& file, const char* formats) {
+    if (auto known = knownTarget(file)) return *std::move(known);
+    const std::string extension = extensionIn(file);
+    throw ParameterError(file + ": '" + (extension.empty() ? "" : "." + extension) +
                          "' is not a pack format; " + formats);
 }
 
@@ -100,6 +115,11 @@ PackTarget targetToRead(const std::string& file) {
 std::string packPath(const std::string& file) {
     const auto known = prefixed(file);
     return known ? known->path : file;
+}
+
+bool holdsSurface(const std::string& file) {
+    const auto known = knownTarget(file);
+    return known && (known->format == PackFormat::usd || known->format == PackFormat::usdz);
 }
 
 void checkPackFormat(const std::string& file, int dim) {

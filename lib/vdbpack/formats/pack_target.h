@@ -15,6 +15,8 @@ enum class PackFormat {
     csv,
     xyz,
     npz,
+    usd,
+    usdz,
     svg,
     yade,
     lammpsData,

@@ -66,6 +66,20 @@ bool parseUnitComment(std::string_view comment, Unit& unit) {
     return true;
 }
 
+double metersPer(Unit unit) {
+    switch (unit) {
+        case Unit::meter:
+            return 1;
+        case Unit::centimeter:
+            return 0.01;
+        case Unit::millimeter:
+            return 0.001;
+        case Unit::micrometer:
+            return 1e-6;
+    }
+    return 1;
+}
+
 std::string cellText(const PeriodicCell<3>& cell) {
     if (!cell.any()) return {};
     std::string text;

@@ -18,6 +18,9 @@ std::string escapedXml(std::string_view text);
 /// @return false if it names a unit that is not known.
 bool parseUnitComment(std::string_view comment, Unit& unit);
 
+/// Meters in one `unit`, as USD names units.
+double metersPer(Unit unit);
+
 /// A periodic cell as files note it under `kCellKey`; empty where no axis wraps.
 std::string cellText(const PeriodicCell<3>& cell);
 /// The cell in such a text. @param unit  of the text. @return nothing if it holds none.

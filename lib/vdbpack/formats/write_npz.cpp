@@ -1,11 +1,8 @@
-// numpy's .npz: a zip archive with one .npy array per member. Sources: numpy.lib.format, version 1;
-// PKWARE's APPNOTE 6.3, with the 64-bit extension, as Python's zipfile writes it.
-//
-// Written without a library: members that are only stored take one pass and no temporary file, and
-// the bytes do not depend on the version of a library or on the clock.
+// numpy's .npz: a zip archive with one .npy array per member. Source: numpy.lib.format, version 1.
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/npy_array.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/zip_writer.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/text.h"
 
@@ -24,110 +21,28 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kLocal = 0x04034b50, kCentral = 0x02014b50, kEnd = 0x06054b50,
-                        kEnd64 = 0x06064b50, kLocator64 = 0x07064b50;
-constexpr std::uint64_t kIn64 = 0xffffffff;  // the number is in the 64-bit extension
-constexpr std::uint16_t kExtra64 = 1;
-
-void put16(std::string& bytes, std::uint64_t value) {
-    appendLittleEndian(bytes, static_cast<std::uint16_t>(value));
-}
-void put32(std::string& bytes, std::uint64_t value) {
-    appendLittleEndian(bytes, static_cast<std::uint32_t>(value));
-}
-
 std::uint32_t crcOf(const std::string& bytes) {
     return static_cast<std::uint32_t>(
         crc32_z(0, reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size()));
 }
 
-/// An archive of members that are stored as they are. Sizes are always those of 64 bits, so that
-/// large packs take no path of their own.
-class Zip {
+/// An archive of arrays.
+class Archive {
 public:
-    explicit Zip(OutputFile& out) : out_(out) {}
+    explicit Archive(OutputFile& out) : out_(out), zip_(out, ZipWriter::Form::zip64) {}
 
     void add(const std::string& name, const std::string& header, const std::string& data) {
-        const std::string file = name + ".npy";
-        const std::uint64_t size = header.size() + data.size();
         const auto crc = static_cast<std::uint32_t>(
             crc32_combine(crcOf(header), crcOf(data), static_cast<z_off_t>(data.size())));
-        std::string common;       // of local and central header
-        put16(common, 0x800);     // names in UTF-8
-        put16(common, 0);         // stored
-        put32(common, 0x210000);  // 1980-01-01: files do not depend on when they are written
-        put32(common, crc);
-        put32(common, kIn64);
-        put32(common, kIn64);
-        put16(common, file.size());
-        std::string sizes;
-        appendLittleEndian(sizes, size);
-        appendLittleEndian(sizes, size);
-
-        std::string local;
-        put32(local, kLocal);
-        put16(local, 45);
-        local += common;
-        put16(local, 20);
-        local += file;
-        put16(local, kExtra64);
-        put16(local, 16);
-        local += sizes;
-
-        put32(directory_, kCentral);
-        put16(directory_, 0x032d);  // made on Unix, by version 4.5
-        put16(directory_, 45);
-        directory_ += common;
-        put16(directory_, 28);
-        put16(directory_, 0);               // comment
-        put16(directory_, 0);               // disk
-        put16(directory_, 0);               // internal attributes
-        put32(directory_, 0100644u << 16);  // an ordinary file
-        put32(directory_, kIn64);
-        directory_ += file;
-        put16(directory_, kExtra64);
-        put16(directory_, 24);
-        directory_ += sizes;
-        appendLittleEndian(directory_, offset_);
-
-        out_.write(local);
+        zip_.begin(name + ".npy", header.size() + data.size(), crc);
         out_.write(header);
         out_.write(data);
-        offset_ += local.size() + size;
-        ++members_;
     }
-
-    void finish() {
-        std::string end;
-        put32(end, kEnd64);
-        appendLittleEndian(end, std::uint64_t{44});
-        put16(end, 0x032d);
-        put16(end, 45);
-        put32(end, 0);
-        put32(end, 0);
-        appendLittleEndian(end, members_);
-        appendLittleEndian(end, members_);
-        appendLittleEndian(end, static_cast<std::uint64_t>(directory_.size()));
-        appendLittleEndian(end, offset_);
-        put32(end, kLocator64);
-        put32(end, 0);
-        appendLittleEndian(end, offset_ + directory_.size());
-        put32(end, 1);
-        put32(end, kEnd);
-        put32(end, 0);
-        put16(end, 0xffff);
-        put16(end, 0xffff);
-        put32(end, kIn64);
-        put32(end, kIn64);
-        put16(end, 0);
-        out_.write(directory_);
-        out_.write(end);
-    }
+    void finish() { zip_.finish(); }
 
 private:
     OutputFile& out_;
-    std::string directory_;
-    std::uint64_t offset_ = 0, members_ = 0;
+    ZipWriter zip_;
 };
 
 /// The header of an array: `descr` as numpy writes it, `shape` such as "(3, 2)".
@@ -140,7 +55,7 @@ std::string arrayHeader(const std::string& descr, const std::string& shape) {
     std::string header = kNpyMagic;
     header += '\x01';
     header += '\0';
-    put16(header, dict.size());
+    appendLittleEndian(header, static_cast<std::uint16_t>(dict.size()));
     return header + dict;
 }
 
@@ -175,7 +90,7 @@ std::vector<std::uint32_t> codePoints(std::string_view text) {
     return points;
 }
 
-void addTexts(Zip& zip, const std::string& name, const std::vector<std::string>& texts,
+void addTexts(Archive& zip, const std::string& name, const std::vector<std::string>& texts,
               const std::string& shape) {
     std::size_t longest = 1;
     for (const auto& t : texts) longest = std::max(longest, codePoints(t).size());
@@ -199,7 +114,7 @@ std::string memberName(std::string_view attribute) {
 }  // namespace
 
 void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    Zip zip(out);
+    Archive zip(out);
     const std::size_t n = pack.size();
     const std::string shape = fmt::format("({},)", n);
     std::string positions;

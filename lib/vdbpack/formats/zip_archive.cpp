@@ -94,7 +94,7 @@ ZipArchive::ZipArchive(const std::string& path) : source_(std::make_unique<Sourc
     archive_ = zip_open_from_source(source, ZIP_RDONLY, &error);
     if (archive_ != nullptr) return;
     zip_source_free(source);
-    failWith(&error, "is not a complete .npz file: it is not a complete zip archive");
+    failWith(&error, "is not a complete zip archive");
 }
 
 ZipArchive::~ZipArchive() {
@@ -132,8 +132,8 @@ ZipArchive::Member ZipArchive::member(std::uint64_t index) const {
         fail(shown(member) + " is encrypted; save it without");
     const bool stored = stat.comp_method == ZIP_CM_STORE;
     if (!stored && stat.comp_method != ZIP_CM_DEFLATE)
-        fail(fmt::format("{} is compressed by method {}; save it with savez or savez_compressed",
-                         shown(member), stat.comp_method));
+        fail(fmt::format("{} is compressed by method {}; store or deflate it", shown(member),
+                         stat.comp_method));
     if (stored ? member.packed != member.size : member.size / kMostDeflated > member.packed + 64)
         fail(shown(member) + " does not fit into the file; it is damaged or cut short");
     return member;

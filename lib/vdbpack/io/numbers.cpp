@@ -30,6 +30,14 @@ bool isTiny(std::string_view word) {
                                               : word.find_first_not_of("+-0.") > word.find('.');
 }
 
+template <typename T>
+void appendFewestDigits(std::string& text, T value) {
+    char buffer[40];
+    // Some readers know no sign before "nan".
+    const T shown = std::isnan(value) ? std::abs(value) : value;
+    text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, shown).ptr);
+}
+
 }  // namespace
 
 void appendNumber(std::string& text, double value) {
@@ -47,6 +55,14 @@ void appendNumber(std::string& text, double value) {
 void appendNumber(std::string& text, std::int64_t value) {
     char buffer[24];
     text.append(buffer, std::to_chars(buffer, buffer + sizeof buffer, value).ptr);
+}
+
+void appendShortest(std::string& text, float value) {
+    appendFewestDigits(text, value);
+}
+
+void appendShortest(std::string& text, double value) {
+    appendFewestDigits(text, value);
 }
 
 bool parseReal(std::string_view word, double& value) {

@@ -13,6 +13,10 @@ namespace vdbpack {
 /// point: Blender does not read a column whose first value looks like `1e-05` or `3` as numbers.
 void appendNumber(std::string& text, double value);
 void appendNumber(std::string& text, std::int64_t value);
+/// Appends the fewest digits that give `value` back, as float or as double; "nan", "inf" or "-inf"
+/// for what is not finite.
+void appendShortest(std::string& text, float value);
+void appendShortest(std::string& text, double value);
 
 /// The number in `text`, which may have blanks around it.
 /// @return false, `value` untouched, if it is not one number within range.

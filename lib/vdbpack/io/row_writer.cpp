@@ -9,6 +9,11 @@ namespace vdbpack {
 
 void writeRows(OutputFile& out, std::size_t rows,
                const std::function<void(std::string&, std::size_t)>& append) {
+    writeRows([&out](const std::string& text) { out.write(text); }, rows, append);
+}
+
+void writeRows(const std::function<void(const std::string&)>& write, std::size_t rows,
+               const std::function<void(std::string&, std::size_t)>& append) {
     constexpr std::size_t kRowsPerChunk = 8192;
     constexpr std::size_t kChunks = 64;
     std::vector<std::string> chunks(kChunks);
@@ -19,7 +24,7 @@ void writeRows(OutputFile& out, std::size_t rows,
             const std::size_t end = std::min(rows, begin + kRowsPerChunk);
             for (std::size_t row = begin; row < end; ++row) append(chunks[c], row);
         });
-        for (const auto& chunk : chunks) out.write(chunk);
+        for (const auto& chunk : chunks) write(chunk);
     }
 }
 

@@ -13,5 +13,8 @@ namespace vdbpack {
 /// from several threads. @throws IoError
 void writeRows(OutputFile& out, std::size_t rows,
                const std::function<void(std::string&, std::size_t)>& append);
+/// The same for rows that go elsewhere: `write` gets several at a time, in order.
+void writeRows(const std::function<void(const std::string&)>& write, std::size_t rows,
+               const std::function<void(std::string&, std::size_t)>& append);
 
 }  // namespace vdbpack

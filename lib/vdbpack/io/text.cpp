@@ -59,9 +59,6 @@ std::string extensionOf(std::string_view path) {
     return dot == std::string_view::npos ? "" : lowered(name.substr(dot));
 }
 
-namespace {
-
-/// Bytes of the character of UTF-8 at the front of a text; 0 if there is none.
 std::size_t utf8Bytes(std::string_view text) {
     const auto lead = static_cast<unsigned char>(text.front());
     if (lead < 0x80) return 1;
@@ -77,8 +74,6 @@ std::size_t utf8Bytes(std::string_view text) {
     const bool surrogate = character >= 0xd800 && character < 0xe000;
     return character >= kLeast[bytes] && character <= 0x10ffff && !surrogate ? bytes : 0;
 }
-
-}  // namespace
 
 std::string printable(std::string_view text) {
     std::string out;

@@ -54,6 +54,9 @@ bool endsWith(std::string_view text, std::string_view end);
 /// The extension of a file name with its dot, in small letters; empty if there is none.
 std::string extensionOf(std::string_view path);
 
+/// Bytes of the character of UTF-8 at the front of a text that is not empty; 0 if there is none.
+std::size_t utf8Bytes(std::string_view text);
+
 /// `text` with '?' for control characters, but line breaks and tabs, and for bytes that are no
 /// UTF-8: fit for a terminal.
 std::string printable(std::string_view text);

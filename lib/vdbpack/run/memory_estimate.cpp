@@ -36,6 +36,7 @@ constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 10
 // triangle; for each voxel's face of the walls of voids, a contour and level sets; a voxel of a
 // field.
 constexpr double kText = 125, kBinary = 60, kPairsText = 250, kStlTriangle = 50;
+constexpr double kUsdTriangle = 45;
 constexpr double kFace = 125, kCutFace = 40, kVoxel = 1.5;
 /// For each voxel along the wall of a shape: memory of its contour, and of its level set or fog
 /// volume; and bytes in a file of those.
@@ -86,11 +87,15 @@ double fileBytes(const std::string& output, const Extent& e) {
     if (format == ".stl")
         return faces > 0 ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
     if (faces > 0 && !cut && isShapeLevelSet(output)) return kShapeFile * faces;
+    const double surface = holdsSurface(output)
+                               ? kUsdTriangle * (cut ? kContourTriangles * faces
+                                                     : static_cast<double>(e.field.triangles))
+                               : 0;
     const bool text = format != ".vdb" && format != ".vtp" && format != ".pvtp" &&
                       format != ".vtkhdf" && format != ".hdf" && format != ".ply" &&
                       format != ".npz";
     const double levelSets = cut ? kCutFace * faces : kVoxel * e.field.voxels();
-    return (text ? kText : kBinary) * e.count + (isSolidOutput(output) ? levelSets : 0);
+    return (text ? kText : kBinary) * e.count + surface + (isSolidOutput(output) ? levelSets : 0);
 }
 
 double sphereBytes(const Extent& e, const RunSettings& settings) {
@@ -155,7 +160,8 @@ Estimate estimate(const Extent& e, const RunSettings& settings) {
     if (hasView) all.files.push_back({settings.reportFile, kPage + kPageSphere * viewed});
     // Contours are complete in memory before they are written.
     for (const auto& file : all.files)
-        if (endsWith(file.name, ".stl") && e.voids.count > 0) voids += file.bytes;
+        if ((endsWith(file.name, ".stl") || holdsSurface(file.name)) && e.voids.count > 0)
+            voids += file.bytes;
     const double contour =
         e.solid && e.voids.voxelSize > 0
             ? kContourTriangles * (e.area + e.voids.wall) / std::pow(e.voids.voxelSize, 2)

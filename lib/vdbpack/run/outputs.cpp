@@ -248,6 +248,28 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
     }
 }
 
+namespace {
+
+/// A pack, in formats that hold it with what voids leave, or else with the wall of a mesh.
+template <int Dim>
+void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have) {
+    PackWriteOptions options = have.options;
+    TriangleMesh contour;
+    if (Dim == 3 && holdsSurface(output)) {
+        options.surface = have.wall;
+        options.surfaceName = kSurface;
+        for (const auto& set : options.levelSets) {
+            if (!set || levelSetName(*set) != kSolid) continue;
+            contour = levelSetMesh(*set, output);
+            options.surface = &contour;
+            options.surfaceName = kSolid;
+        }
+    }
+    writePack(*have.pack, output, options);
+}
+
+}  // namespace
+
 template <int Dim>
 std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
     const OutputTarget target = targetOf(output);
@@ -298,7 +320,7 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
         }
         case OutputKind::pack:
             if (have.pack) {
-                writePack(*have.pack, output, have.options);
+                writePackAndSurface(output, have);
                 if (extensionOf(target.file) == ".pvtp")
                     return {target.file, pieceName(target.file, 0, ".vtp")};
             } else {

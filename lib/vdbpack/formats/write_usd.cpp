@@ -1,0 +1,296 @@
+// Pixar's USD as text: the spheres as a Points prim, their surface as a Mesh beside them.
+//
+// Sources: UsdGeom's schemas (widths of Points are diameters); the grammar of text files in
+// pxr/usd/sdf/textFileFormatParser.h; the specification of USDZ. `points` and `widths` are floats
+// by schema, but written with the digits of doubles: others round them, `readUsd` need not.
+#include "vdbpack/formats/format_words.h"
+#include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
+#include "vdbpack/formats/zip_writer.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/row_writer.h"
+#include "vdbpack/io/text.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <set>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr const char* kSphereColor = "(0.87, 0.82, 0.72)";
+constexpr const char* kSurfaceColor = "(0.75, 0.78, 0.82)";
+constexpr double kSurfaceOpacity = 0.25;
+
+/// `text` in quotes. Control characters and bytes that are no UTF-8 are written by their numbers.
+std::string quoted(std::string_view text) {
+    std::string out = "\"";
+    while (!text.empty()) {
+        const char c = text.front();
+        const auto byte = static_cast<unsigned char>(c);
+        const std::size_t bytes = byte < 0x20 || byte == 0x7f ? 0 : utf8Bytes(text);
+        if (bytes == 0)
+            out += fmt::format("\\x{:02x}", byte);
+        else if (c == '"' || c == '\\')
+            out.append(1, '\\').append(1, c);
+        else
+            out += text.substr(0, bytes);
+        text.remove_prefix(std::max<std::size_t>(bytes, 1));
+    }
+    return out + '"';
+}
+
+/// A name that every version of USD accepts.
+std::string identifierOf(std::string_view name) {
+    std::string identifier;
+    for (const char c : name) {
+        const bool fits =
+            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+        identifier += fits ? c : '_';
+    }
+    if (identifier.empty() || (identifier[0] >= '0' && identifier[0] <= '9'))
+        identifier.insert(0, 1, '_');
+    return identifier;
+}
+
+void appendTriple(std::string& text, const std::array<double, 3>& numbers) {
+    text += '(';
+    for (std::size_t d = 0; d < 3; ++d) {
+        if (d > 0) text += ", ";
+        appendShortest(text, numbers[d]);
+    }
+    text += ')';
+}
+
+std::string triple(const std::array<double, 3>& numbers) {
+    std::string text;
+    appendTriple(text, numbers);
+    return text;
+}
+
+/// Two corners, rounded outwards to floats.
+std::string extentText(const Box<3>& box) {
+    const auto bound = [](double value, float beyond) {
+        float rounded = static_cast<float>(value);
+        const bool inside = beyond < 0 ? static_cast<double>(rounded) > value
+                                       : static_cast<double>(rounded) < value;
+        if (inside) rounded = std::nextafter(rounded, beyond);
+        return static_cast<double>(rounded);
+    };
+    constexpr float kFar = std::numeric_limits<float>::infinity();
+    std::array<double, 3> lo{}, hi{};
+    for (int d = 0; d < 3 && !box.empty(); ++d) {
+        lo[static_cast<std::size_t>(d)] = bound(box.lo[d], -kFar);
+        hi[static_cast<std::size_t>(d)] = bound(box.hi[d], kFar);
+    }
+    return fmt::format("[{}, {}]", triple(lo), triple(hi));
+}
+
+/// Where to put the local origin on an axis: near spheres that lie far from 0 for their extent,
+/// so that floats are finer there. All `lo` to `hi` are within a factor of 2 of it then, so that
+/// subtracting it is exact (Sterbenz 1974), and adding it again, too.
+double originBetween(double lo, double hi) {
+    if (hi < 0) return -originBetween(-hi, -lo);
+    if (!(lo > 0 && hi <= 2 * lo)) return 0;
+    const double quantum = hi > lo ? std::exp2(std::floor(std::log2(hi - lo)) - 3) : lo;
+    const double origin = std::nearbyint((lo + hi) / 2 / quantum) * quantum;
+    return origin >= hi / 2 && origin <= 2 * lo ? origin : 0;
+}
+
+class UsdText {
+public:
+    using Sink = std::function<void(const std::string&)>;
+    using Append = std::function<void(std::string&, std::size_t)>;
+
+    UsdText(const PackView& pack, const PackWriteOptions& options, Sink sink)
+        : pack_(pack), options_(options), sink_(std::move(sink)) {
+        Box<3> centers;
+        for (std::size_t i = 0; i < pack.size(); ++i) {
+            const auto p = pack.position(i);
+            const double r = pack.radius(i);
+            centers.add({{p[0], p[1], p[2]}});
+            spheres_.add({{p[0] - r, p[1] - r, p[2] - r}});
+            spheres_.add({{p[0] + r, p[1] + r, p[2] + r}});
+        }
+        for (int d = 0; d < 3 && !centers.empty(); ++d)
+            origin_[static_cast<std::size_t>(d)] = originBetween(centers.lo[d], centers.hi[d]);
+    }
+
+    void write() {
+        writeHeader();
+        sink_("def Xform \"pack\" (\n    kind = \"component\"\n)\n{\n");
+        if (origin_ != std::array<double, 3>{})
+            sink_(
+                fmt::format("    double3 xformOp:translate = {}\n"
+                            "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
+                            triple(origin_)));
+        writeSpheres();
+        if (options_.surface != nullptr) writeSurface(*options_.surface);
+        sink_("}\n");
+    }
+
+private:
+    void writeHeader() {
+        std::string header = "#usda 1.0\n(\n    customLayerData = {\n";
+        const auto note = [&header](const char* key, const std::string& text) {
+            header += fmt::format("        string {} = {}\n", key, quoted(text));
+        };
+        if (!options_.generator.empty()) note(kGeneratorKey, options_.generator);
+        note(kUnitKey, unitName(options_.unit));
+        if (pack_.cell().any()) note(kCellKey, cellText(pack_.cell()));
+        header += "    }\n    defaultPrim = \"pack\"\n    metersPerUnit = ";
+        appendShortest(header, metersPer(options_.unit));
+        sink_(header + "\n    upAxis = \"Z\"\n)\n\n");
+    }
+
+    /// An attribute of `count` values, one a line.
+    void array(const std::string& declaration, std::size_t count, const Append& append,
+               const std::string& metadata = {}) {
+        sink_("        " + declaration + " = [");
+        writeRows(sink_, count, [&append](std::string& text, std::size_t i) {
+            if (i > 0) text += ',';
+            text += '\n';
+            append(text, i);
+        });
+        sink_(metadata.empty() ? "]\n" : "] (\n" + metadata + "        )\n");
+    }
+
+    std::array<double, 3> local(std::array<double, 3> p) const {
+        for (std::size_t d = 0; d < 3; ++d) p[d] -= origin_[d];
+        return p;
+    }
+    Box<3> local(Box<3> box) const {
+        for (int d = 0; d < 3; ++d) {
+            box.lo[d] -= origin_[static_cast<std::size_t>(d)];
+            box.hi[d] -= origin_[static_cast<std::size_t>(d)];
+        }
+        return box;
+    }
+
+    void writeSpheres() {
+        const std::size_t n = pack_.size();
+        sink_("\n    def Points \"spheres\"\n    {\n        float3[] extent = " +
+              extentText(local(spheres_)) + "\n");
+        array("int64[] ids", n,
+              [this](std::string& text, std::size_t i) { appendNumber(text, pack_.id(i)); });
+        array("point3f[] points", n, [this](std::string& text, std::size_t i) {
+            appendTriple(text, local(pack_.position(i)));
+        });
+        array(
+            "float[] widths", n,
+            [this](std::string& text, std::size_t i) { appendShortest(text, 2 * pack_.radius(i)); },
+            kPerSphere);
+        sink_(fmt::format("        color3f[] primvars:displayColor = [{}]\n", kSphereColor));
+        pack_.forEachAttribute(
+            [this, n](std::string_view name, const auto& numbers) {
+                using Value = ValueOf<decltype(numbers)>;
+                const char* type = std::is_same_v<Value, std::int32_t>   ? "int"
+                                   : std::is_same_v<Value, std::int64_t> ? "int64"
+                                   : std::is_same_v<Value, float>        ? "float"
+                                                                         : "double";
+                primvar(type, name, n, [this, &numbers](std::string& text, std::size_t i) {
+                    const auto value = pack_.value(numbers, i);
+                    if constexpr (std::is_integral_v<Value>)
+                        appendNumber(text, value);
+                    else
+                        appendShortest(text, static_cast<Value>(value));
+                });
+            },
+            [this, n](std::string_view name, const auto& texts) {
+                primvar("string", name, n,
+                        [&texts](std::string& text, std::size_t i) { text += quoted(texts[i]); });
+            });
+        sink_("    }\n");
+    }
+
+    void primvar(const char* type, std::string_view name, std::size_t count, const Append& append) {
+        std::string identifier = identifierOf(name);
+        for (int k = 2; !used_.insert(lowered(identifier)).second; ++k)
+            identifier = fmt::format("{}_{}", identifierOf(name), k);
+        std::string metadata = kPerSphere;
+        if (identifier != name)
+            metadata = fmt::format("            displayName = {}\n", quoted(name)) + metadata;
+        array(fmt::format("{}[] primvars:{}", type, identifier), count, append, metadata);
+    }
+
+    void writeSurface(const TriangleMesh& mesh) {
+        const auto vertex = [&mesh, this](std::size_t i) {
+            std::array<double, 3> p{};
+            for (int d = 0; d < 3; ++d)
+                p[static_cast<std::size_t>(d)] =
+                    fromMillimeters(mesh.vertices[i][d], options_.unit);
+            return p;
+        };
+        Box<3> box;
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+            const auto p = vertex(i);
+            box.add({{p[0], p[1], p[2]}});
+        }
+        sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
+                          identifierOf(options_.surfaceName), extentText(local(box))));
+        const std::size_t n = mesh.triangles.size();
+        array("int[] faceVertexCounts", n, [](std::string& text, std::size_t) { text += '3'; });
+        array("int[] faceVertexIndices", n, [&mesh](std::string& text, std::size_t i) {
+            const auto& t = mesh.triangles[i];
+            fmt::format_to(std::back_inserter(text), "{}, {}, {}", t[0], t[1], t[2]);
+        });
+        array("point3f[] points", mesh.vertices.size(), [&](std::string& text, std::size_t i) {
+            const auto p = local(vertex(i));
+            text += '(';
+            for (std::size_t d = 0; d < 3; ++d) {
+                if (d > 0) text += ", ";
+                appendShortest(text, static_cast<float>(p[d]));
+            }
+            text += ')';
+        });
+        sink_(
+            fmt::format("        color3f[] primvars:displayColor = [{}]\n"
+                        "        float[] primvars:displayOpacity = [{}]\n"
+                        "        uniform token subdivisionScheme = \"none\"\n    }}\n",
+                        kSurfaceColor, kSurfaceOpacity));
+    }
+
+    static constexpr const char* kPerSphere = "            interpolation = \"vertex\"\n";
+
+    const PackView& pack_;
+    const PackWriteOptions& options_;
+    Sink sink_;
+    Box<3> spheres_;
+    std::array<double, 3> origin_{};
+    /// Names that primvars have, and those of which the reader has better.
+    std::set<std::string> used_ = {"displaycolor", "displayopacity", "x", "y", "z", "radius"};
+};
+
+}  // namespace
+
+void writeUsd(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    UsdText(pack, options, [&out](const std::string& text) { out.write(text); }).write();
+}
+
+void writeUsdz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    // Size and checksum stand before the text: it is composed twice rather than kept in memory.
+    std::uint64_t size = 0;
+    uLong crc = 0;
+    UsdText(pack, options, [&](const std::string& text) {
+        size += text.size();
+        crc = crc32_z(crc, reinterpret_cast<const unsigned char*>(text.data()), text.size());
+    }).write();
+    ZipWriter zip(out, ZipWriter::Form::usdz);
+    zip.begin("pack.usda", size, static_cast<std::uint32_t>(crc));
+    writeUsd(pack, options, out);
+    zip.finish();
+}
+
+}  // namespace vdbpack
