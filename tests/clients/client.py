@@ -53,8 +53,8 @@ def run_on_display(*command, **options):
     return run("xvfb-run", "-n", number, "-s", "-screen 0 1280x1024x24", *command, **options)
 
 
-def vdb_pack(*arguments):
-    return run(VDB_PACK, *arguments)
+def vdb_pack(*arguments, **options):
+    return run(VDB_PACK, *arguments, **options)
 
 
 def python_module():
