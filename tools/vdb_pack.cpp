@@ -320,6 +320,7 @@ int main(int argc, char** argv) {
         }
         if (options) exitCode = runCommand(*options);
         if (interrupted) exitCode = kInterrupted;
+        if (options && exitCode == kDone) fmt::print("{}", options->afterwards);
         errno = 0;
         if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && exitCode == kDone)
             throw IoError(fmt::format("standard output: writing failed: {}{}",

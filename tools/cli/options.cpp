@@ -1,7 +1,9 @@
 #include "cli/options.h"
 
 #include "cli/completion.h"
+#include "cli/first_steps.h"
 #include "cli/help.h"
+#include "cli/man_page.h"
 #include "cli/option_groups.h"
 #include "cli/option_names.h"
 #include "cli/parts_file.h"
@@ -293,7 +295,9 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addImages(*command, job.images);
     addUnit(*command, "--unit", job.domain.unit, "unit of the domain's file");
-    command->add_option("--grid", job.packGrid, "point grid (or level set) to take from a .vdb")
+    command
+        ->add_option("--grid", job.packGrid,
+                     "point grid (or level set) to take from a .vdb, Points prim from a .usda")
         ->option_text("NAME [first]")
         ->group("Domain");
     command
@@ -529,6 +533,13 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         "completion", "complete options in a shell: source <(vdb_pack completion bash)");
     setWords(*completion->add_option("SHELL", shell, "bash, zsh or fish")->required(),
              {"bash", "zsh", "fish"});
+    std::string demoFolder = "vdb_pack-demo";
+    CLI::App* demo =
+        app.add_subcommand("demo", "pack a femur that comes with the program, as a first example");
+    demo->add_option("FOLDER", demoFolder,
+                     "where its files go; made if need be (default: vdb_pack-demo)")
+        ->check(notEmpty());
+    demo->add_flag("--quiet", options.print.quiet, "print warnings and errors only")->group("Run");
 
     const std::vector<std::string> arguments(argv + 1, argv + argc);
     const auto refuse = [&](const std::string& message) {
@@ -538,11 +549,24 @@ std::optional<CliOptions> parseCommandLine(int argc, char** argv, int& exitCode)
         return std::nullopt;
     };
     try {
+        if (arguments.empty() && isTerminal(1)) {
+            fmt::print("{}", firstStepsText(argv[0]));
+            return std::nullopt;
+        }
+        if (arguments.size() == 2 && arguments[0] == "--man-pages") {
+            writeManPages(app, arguments[1]);
+            return std::nullopt;
+        }
         app.parse(argc, argv);
         if (completion->parsed()) {
             fmt::print("{}", completionScript(app, shell));
             exitCode = 0;
             return std::nullopt;
+        }
+        if (demo->parsed()) {
+            options.job = demoJob(demoFolder);
+            if (!options.print.quiet) options.afterwards = demoText(demoFolder, argv[0]);
+            return options;
         }
         const auto command = std::find_if(commands.begin(), commands.end(),
                                           [](const Command& c) { return c.app->parsed(); });

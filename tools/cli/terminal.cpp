@@ -13,10 +13,14 @@ constexpr std::size_t kNarrow = 60, kWide = 120, kPage = 80;
 
 }  // namespace
 
+bool isTerminal(int stream) {
+    return ::isatty(stream) != 0;
+}
+
 bool hasColor(int stream) {
     const char* const none = std::getenv("NO_COLOR");
     const char* const term = std::getenv("TERM");
-    return ::isatty(stream) != 0 && (none == nullptr || *none == 0) &&
+    return isTerminal(stream) && (none == nullptr || *none == 0) &&
            (term == nullptr || std::string_view(term) != "dumb");
 }
 

@@ -4,7 +4,10 @@
 #include <cstddef>
 #include <string>
 
-/// Whether a stream (1 output, 2 errors) shows colors: it is a terminal, and neither NO_COLOR nor
+/// Whether a stream (1 output, 2 errors) is a terminal.
+bool isTerminal(int stream);
+
+/// Whether a stream shows colors: it is a terminal, and neither NO_COLOR nor
 /// TERM=dumb speaks against it.
 bool hasColor(int stream);
 
