@@ -45,7 +45,7 @@ void benchWrite(int threads, double side) {
     write.pointVoxel =
         std::min(pointVoxelSize(count, domain->volume(), 3), result.quantum * 0x1p25);
     double both = 0;
-    for (const std::string format : {"vdb", "vtp", "csv", "npz", "xyz", "data", "ply"}) {
+    for (const std::string format : {"vdb", "vtp", "usda", "csv", "npz", "xyz", "data", "ply"}) {
         const std::string file = (folder / ("pack." + format)).string();
         double seconds = std::numeric_limits<double>::infinity();
         withThreads(threads, [&] {
