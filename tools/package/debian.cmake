@@ -13,15 +13,13 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME vdbpack)
 set(CPACK_DEBIAN_PROGRAM_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(description "fills bones with spheres for discrete-element simulation
- vdb_pack converts a surface mesh or an image from CT to a signed distance field
- (OpenVDB), packs it densely and without overlaps, cuts voids as in trabecular
- bone, verifies the pack, and writes files for Houdini, Blender, ParaView, YADE
- and LAMMPS.")
+set(description "vdb_pack converts a surface mesh or an image from CT to a signed
+distance field (OpenVDB), packs it densely and without overlaps, cuts voids
+as in trabecular bone, verifies the pack, and writes files for Houdini,
+Blender, ParaView, YADE and LAMMPS.")
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64" AND VDBPACK_AVX2)
     string(APPEND description "
- .
- This package needs a processor with AVX2.")
+It needs a processor with AVX2.")
 endif()
 set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "${description}")
 
