@@ -15,7 +15,7 @@ __all__ = ["Shape", "Image", "LevelSet", "Mesh", "Domain", "level_set", "box", "
 
 Array = numpy.typing.NDArray[Any]
 _COMMANDS = ("pack", "voids", "carve", "densify", "verify", "measure", "convert", "mesh", "image", "view",
-             "completion")
+             "completion", "demo")
 
 
 def plain(values: Any, name: str) -> Any:
