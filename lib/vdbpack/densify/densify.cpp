@@ -6,12 +6,14 @@
 #include "vdbpack/densify/further_spheres.h"
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/densify/label_homes.h"
+#include "vdbpack/densify/local_further.h"
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -31,6 +33,8 @@ namespace {
 /// side 60 at 0.62, 3.8 to 4.7 % of equal spheres are then in crystalline order; without, 5 to 8 %.
 constexpr double kStir = 0.8;
 constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
+/// Ratio of the factors up to which a sphere may lie where another one is requested.
+constexpr double kNearFactor = 1.2;
 /// A fraction is reached but for this.
 constexpr double kRounding = 1e-9;
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it.
@@ -72,17 +76,20 @@ public:
     Densifier(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
               const DensifyOptions& options, const Callbacks& callbacks)
         : options_(options),
+          outer_(domain),
           callbacks_(callbacks),
           volume_(domain.volume()),
           shell_(0.5 * options.gap),
           ranks_(options.ranks),
           sizes_(spheres, options),
-          paces_(sizes_.radii(), ranks_),
+          local_(options.local ? std::make_unique<LocalFurther<Dim>>(domain, spheres, options)
+                               : nullptr),
+          paces_(local_ ? local_->radii() : sizes_.radii(), ranks_),
           moving_(sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
         result_.spheres = spheres;
-        result_.regions = options.regions;
+        result_.regions = local_ ? local_->classes() : options.regions;
         result_.before = fractionOf(result_.spheres);
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
@@ -219,6 +226,7 @@ private:
     /// Adds spheres up to `fraction` where there is room for them.
     void insert(double fraction, std::vector<Sphere<Dim>>& spheres,
                 std::vector<std::int32_t>& regions) const {
+        if (local_) return insertLocally(fraction, spheres, regions);
         const std::uint64_t stage = stage_;
         RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
         const FurtherSpheres added = sizes_.draw((fraction - reachedFraction()) * volume_, random);
@@ -228,6 +236,48 @@ private:
         const auto placed = present.vacancies(added.radii, added.regions, stage);
         spheres.insert(spheres.end(), placed.begin(), placed.end());
         regions.insert(regions.end(), added.regions.begin(), added.regions.end());
+        if (paces_.areNarrow()) stir(spheres, {});
+    }
+
+    /// The same where sizes differ by place: each further sphere has the size that is requested at
+    /// its center.
+    void insertLocally(double fraction, std::vector<Sphere<Dim>>& spheres,
+                       std::vector<std::int32_t>& regions) const {
+        using Further = LocalFurther<Dim>;
+        const double wanted = (fraction - reachedFraction()) * volume_;
+        tbb::enumerable_thread_specific<LocalSizeSampler<Dim>> samplers(
+            [&] { return LocalSizeSampler<Dim>(outer_, *options_.local); });
+        const auto belongs = [&](const Vec<Dim>& x, std::int32_t number) {
+            const LocalSize here = samplers.local().at(x), own = Further::sizeOf(number);
+            return here.group == own.group && here.factor < kNearFactor * own.factor &&
+                   own.factor < kNearFactor * here.factor;
+        };
+        double placed = 0;
+        // Factors differ a little from those of their classes: what is missing is added again.
+        for (std::uint64_t round = 0; placed < wanted; ++round) {
+            RandomStream random(options_.seed ^ 0x64656e73696679ull, stage_ + (round << 32));
+            const FurtherSpheres drawn = local_->draw(wanted - placed, random);
+            std::vector<double> radii;
+            for (std::size_t k = 0; k < drawn.radii.size(); ++k)
+                radii.push_back(drawn.radii[k] * Further::sizeOf(drawn.regions[k]).factor);
+            Relaxation<Dim> present(*domain_, withShell(spheres), options_.fixed, regions,
+                                    options_.seed, true);
+            const auto found =
+                present.vacancies(radii, drawn.regions, stage_ + (round << 32), belongs);
+            for (std::size_t k = 0; k < found.size() && placed < wanted; ++k) {
+                Sphere<Dim> s = found[k];
+                std::int32_t number = drawn.regions[k];
+                if (belongs(s.center, number)) {
+                    const LocalSize here = samplers.local().at(s.center);
+                    s.radius = drawn.radii[k] * here.factor;
+                    number = Further::classOf(here);
+                }
+                s.radius = static_cast<double>(static_cast<float>(s.radius));
+                spheres.push_back(s);
+                regions.push_back(number);
+                placed += Measure<Dim>::ball(s.radius);
+            }
+        }
         if (paces_.areNarrow()) stir(spheres, {});
     }
 
@@ -325,7 +375,7 @@ private:
     bool relaxHere(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions,
                    const Work& work) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
-                                   options_.seed + stage_);
+                                   options_.seed + stage_, local_ != nullptr);
         if (!work(relaxation)) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
@@ -363,6 +413,7 @@ private:
     }
 
     const DensifyOptions& options_;
+    const Domain<Dim>& outer_;
     const Callbacks& callbacks_;
     double volume_;
     double shell_;
@@ -370,6 +421,7 @@ private:
     const Domain<Dim>* domain_ = nullptr;
     Ranks* ranks_;
     FurtherSizes<Dim> sizes_;
+    std::unique_ptr<LocalFurther<Dim>> local_;  ///< null: the same sizes everywhere
     Paces paces_;
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result

@@ -103,7 +103,6 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
     std::uint32_t plane = 0;
-    const float cap = step.cap, capSquare = cap * cap;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
         const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
@@ -119,13 +118,14 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
         float vx = inertia * motion.x + share * push.x;
         float vy = inertia * motion.y + share * push.y;
         float vz = inertia * motion.z + share * push.z;
+        const float unit = unitOf(body.radius), cap = step.cap * unit, capSquare = cap * cap;
         float speed = vx * vx + vy * vy + vz * vz;
         if (speed > capSquare) {
             const float slower = cap / std::sqrt(speed);
             vx *= slower, vy *= slower, vz *= slower;
             speed = capSquare;
         }
-        fastest = std::max(fastest, speed);
+        fastest = std::max(fastest, speed / (unit * unit));
         motion.x = vx, motion.y = vy, motion.z = vz;
         if constexpr (kSqueeze) {
             motion.squeeze = push.squeeze;

@@ -21,7 +21,7 @@ template <int Dim>
 void Relaxation<Dim>::askWall(std::size_t slot) {
     const Body& body = now_.bodies[slot];
     auto& vicinity = now_.vicinities[slot];
-    const float margin = body.radius * delta_ + skin_;
+    const float margin = wallMargin(body.radius);
     if (walls_.isDue(body, vicinity, margin))
         walls_.ask(whereIs(now_.homes[slot], body), body, margin, vicinity);
 }
@@ -34,7 +34,7 @@ void Relaxation<Dim>::listPlanes(Run& run) {
         if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
             const Body& body = now_.bodies[i];
             for (const WallPlane& plane : walls_[wall])
-                if (plane.distance(body) < body.radius * listGrow_ + skin_)
+                if (plane.distance(body) < body.radius * listGrow_ + skin_ * unitOf(body.radius))
                     run.planes.push_back(plane);
         }
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
@@ -53,7 +53,7 @@ bool Relaxation<Dim>::keepsWall() {
             const Body& body = now_.bodies[i];
             const Home home = whereIs(now_.homes[i], body);
             if (walls_.allows(home, body, grow)) continue;
-            walls_.ask(home, body, body.radius * delta_ + skin_, now_.vicinities[i]);
+            walls_.ask(home, body, wallMargin(body.radius), now_.vicinities[i]);
             asked = true;
         }
         if (!asked) return;

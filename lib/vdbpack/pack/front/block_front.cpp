@@ -22,6 +22,9 @@ constexpr int kLongestPause = 256;
 /// A fresh front that places more makes it worthwhile to start the search over.
 constexpr std::size_t kManySpheres = 200;
 
+/// Factors on radii that differ by no more than this share are the same.
+constexpr double kSameFactor = 3e-4;
+
 }  // namespace
 
 template <int Dim>
@@ -29,7 +32,7 @@ class BlockFront<Dim>::Work {
 public:
     explicit Work(const FrontSettings<Dim>& settings) : front_(settings), placement_(front_) {}
 
-    void fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
+    void fill(const Place& place, const BlockSpheres<Dim>& around, std::vector<RadiusPool>& pools,
               SpeciesQueue* further, DomainSampler<Dim>& sampler,
               const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 
@@ -43,11 +46,32 @@ private:
     void collect(BlockSpheres<Dim>& placed);
     void runFront();
     void grow(std::uint32_t site);
+    bool growAs(std::uint32_t site, const LocalSize& size);
+    bool restLocally(std::uint32_t site, const LocalSize& size, std::size_t k, double& radius,
+                     Vec<Dim>& center);
     bool placeWide(std::uint32_t site);
     bool placeFurther(std::uint32_t site);
     void countElement(const Vec<Dim>& center);
-    bool placePending(const Vec<Dim>& center, std::size_t k);
+    bool placePending(const Vec<Dim>& center, const LocalSize& size, std::size_t k);
     void fillVacancy(Vec<Dim> x);
+
+    /// What is requested where the largest sphere at a site would be.
+    LocalSize sizeAtSite(std::uint32_t site) const {
+        return front_.block.local ? front_.block.sizeAt(front_.sites.center(site)) : LocalSize{};
+    }
+    /// The `k`-th smallest pending radius of a group where it has this factor, mm.
+    double radiusOf(const LocalSize& size, std::size_t k) const {
+        const double pending = (*pools_)[size.group][k];
+        if (!front_.block.local) return pending;
+        return static_cast<double>(static_cast<float>(pending * size.factor)) +
+               front_.block.local->layer();
+    }
+    /// How many of the pending radii of a group are <= `r` (mm) where they have this factor.
+    std::size_t fitting(const LocalSize& size, double r) const {
+        if (const auto* local = front_.block.local)
+            r = (std::min(r, front_.block.settings.maxRadius) - local->layer()) / size.factor;
+        return (*pools_)[size.group].countUpTo(r);
+    }
 
     /// Looks now and then whether the pack is to be stopped: a step takes microseconds, next to
     /// clusters of existing spheres milliseconds.
@@ -58,7 +82,7 @@ private:
     Front<Dim> front_;
     Placer placement_;
     VacancySearch<Dim> search_;
-    RadiusPool* pool_ = nullptr;
+    std::vector<RadiusPool>* pools_ = nullptr;
     SpeciesQueue* further_ = nullptr;
     std::vector<std::uint8_t> species_;  ///< beside the block's spheres where there are several
     const std::function<bool()>* cancelled_ = nullptr;
@@ -68,7 +92,7 @@ private:
 
 template <int Dim>
 void BlockFront<Dim>::Work::fill(const Place& place, const BlockSpheres<Dim>& around,
-                                 RadiusPool& pool, SpeciesQueue* further,
+                                 std::vector<RadiusPool>& pools, SpeciesQueue* further,
                                  DomainSampler<Dim>& sampler,
                                  const std::function<bool()>& cancelled,
                                  BlockSpheres<Dim>& placed) {
@@ -79,7 +103,9 @@ void BlockFront<Dim>::Work::fill(const Place& place, const BlockSpheres<Dim>& ar
     block.own = {block.search.lo, place.own.hi - block.origin};
     block.laterBehind = place.laterBehind;
     block.sampler = &sampler;
-    pool_ = &pool;
+    block.local = place.local;
+    if (place.lengths) static_cast<FrontLengths&>(block.settings) = *place.lengths;
+    pools_ = &pools;
     further_ = further;
     species_.clear();
     cancelled_ = &cancelled;
@@ -105,7 +131,7 @@ void BlockFront<Dim>::Work::addExisting(const BlockSpheres<Dim>& around) {
     const double ball =
         std::min(settings.meanBall, 0.6 * Measure<Dim>::ball(settings.commonRadius));
     block.cells.reset(block.own.grown(2 * settings.commonRadius), std::pow(20 * ball, 1.0 / Dim),
-                      settings.commonRadius);
+                      settings.commonRadius, block.local != nullptr);
     std::vector<std::uint32_t> local(around.spheres.size(), FrontSites<Dim>::kNone);
     for (std::size_t i = 0; i < around.spheres.size(); ++i) {
         const Sphere<Dim> s{around.spheres[i].center - block.origin, around.spheres[i].radius};
@@ -115,7 +141,7 @@ void BlockFront<Dim>::Work::addExisting(const BlockSpheres<Dim>& around) {
     }
     takeOver(around, local, front_);
     front_.standing = block.spheres.size();
-    pool_->refill();
+    for (RadiusPool& pool : *pools_) pool.refill();
     for (std::size_t k = 0; k < around.unexplored.size() && !stop_; ++k) {
         askToStop(k);
         const std::uint32_t i = local[around.unexplored[k]];
@@ -170,50 +196,98 @@ void BlockFront<Dim>::Work::runFront() {
 /// Places the largest pending radius that fits at a site, or gives the site up.
 template <int Dim>
 void BlockFront<Dim>::Work::grow(std::uint32_t site) {
-    using Outcome = typename Placer::Outcome;
-    const double common = front_.block.settings.commonRadius;
     if ((further_ && further_->isDue() && placeFurther(site)) || placeWide(site)) {
         if (!front_.sites.isRemoved(site)) front_.sites.enqueue(site);
         return;
     }
+    const LocalSize size = sizeAtSite(site);
+    if (growAs(site, size)) return;
+    // Smaller spheres there may lie where other sizes are requested.
+    Vec<Dim> start;
+    if (front_.block.local &&
+        front_.sites.restingCenter(
+            site, static_cast<double>(front_.sites.probe(front_.sites.pivot(site))), start)) {
+        const LocalSize other = front_.block.sizeAt(start);
+        if (!LocalLengths<Dim>::areAlike(size, other) && growAs(site, other)) return;
+    }
+    front_.sites.giveUp(site);
+}
+
+/// Places the largest pending radius of the sizes requested nearby that fits at a site. @return
+/// whether the site is settled: taken, left to another block, or queued again.
+template <int Dim>
+bool BlockFront<Dim>::Work::growAs(std::uint32_t site, const LocalSize& size) {
+    using Outcome = typename Placer::Outcome;
+    const BlockState<Dim>& block = front_.block;
+    RadiusPool& pool = (*pools_)[size.group];
+    const FrontLengths lengths = block.lengthsOf(size);
+    const double common = lengths.commonRadius;
     const float limit = front_.sites.limit(site);
-    std::size_t k = pool_->countUpTo(static_cast<double>(limit));
+    std::size_t k = fitting(size, static_cast<double>(limit));
     for (std::size_t attempt = 0; attempt < kAttempts && k > 0; ++attempt) {
-        const double radius = (*pool_)[--k];
+        double radius = radiusOf(size, --k);
         Vec<Dim> center;
         if (!front_.sites.restingCenter(site, radius, center)) continue;
-        switch (placement_.placeAtSite(site, radius, center)) {
+        if (block.local && !restLocally(site, size, k, radius, center)) continue;
+        switch (placement_.placeAtSite(site, radius, center, lengths)) {
             case Outcome::placed:
-                pool_->take(k);
+                pool.take(k);
                 countElement(center);
-                return;
+                return true;
             case Outcome::wallLearned:
                 // Queued again where the wall leaves it less room.
-                if (front_.sites.isRemoved(site) || front_.sites.limit(site) < limit) return;
+                if (front_.sites.isRemoved(site) || front_.sites.limit(site) < limit) return true;
                 break;
             case Outcome::foreign:
-                return;
+                return true;
             case Outcome::blocked:
                 // The limit for one far larger than most is an estimate without the bodies beyond
                 // the reach.
-                if (radius > common) k = pool_->countUpTo(std::max(common, 0.6 * radius));
+                if (radius > common) k = fitting(size, std::max(common, 0.6 * radius));
+                // So it is next to finer spheres.
+                else if (block.local && placement_.tighten(site, radius, center))
+                    return true;
                 break;
         }
     }
-    front_.sites.giveUp(site);
+    return false;
+}
+
+/// Finds the radius of the `k`-th pending one where its sphere rests at a site: its factor is that
+/// of its center. @return false if other sizes are requested there, or it does not fit.
+template <int Dim>
+bool BlockFront<Dim>::Work::restLocally(std::uint32_t site, const LocalSize& size, std::size_t k,
+                                        double& radius, Vec<Dim>& center) {
+    constexpr int kTurns = 3;
+    LocalSize used = size;
+    for (int turn = 0; turn < kTurns; ++turn) {
+        const LocalSize here = front_.block.sizeAt(center);
+        if (!LocalLengths<Dim>::areAlike(size, here)) return false;
+        if (std::fabs(here.factor - used.factor) <= kSameFactor * here.factor) return true;
+        used = here;
+        radius = radiusOf(here, k);
+        if (radius > static_cast<double>(front_.sites.limit(site)) ||
+            radius > front_.block.settings.maxRadius ||
+            !front_.sites.restingCenter(site, radius, center))
+            return false;
+    }
+    return true;
 }
 
 /// Places the largest pending radius ahead of the front if it is one of the wide ones; after a
 /// failure, passes ever more sites before the next attempt.
 template <int Dim>
 bool BlockFront<Dim>::Work::placeWide(std::uint32_t site) {
-    if (!(pool_->largest() > front_.block.settings.wideRadius)) return false;
+    const LocalSize size = sizeAtSite(site);
+    RadiusPool& pool = (*pools_)[size.group];
+    const std::size_t last = pool.size() - 1;
+    if (!(radiusOf(size, last) > front_.block.lengthsOf(size).wideRadius)) return false;
     if (wideWait_ > 0) {
         --wideWait_;
         return false;
     }
-    if (placement_.setDown(site, pool_->largest(), 0, 0)) {
-        pool_->take(pool_->size() - 1);
+    if (placement_.setDown(site, radiusOf(size, last), 0, 0)) {
+        pool.take(last);
         widePause_ = 1;
         return true;
     }
@@ -244,11 +318,17 @@ void BlockFront<Dim>::Work::countElement(const Vec<Dim>& center) {
     if (-block.sampler->signedDistance(center + block.origin) > further_->depth()) further_->draw();
 }
 
-/// Places the `k`-th pending radius at `center` if it is free there.
+/// Places the `k`-th pending radius of a group at `center` if it is free there.
 template <int Dim>
-bool BlockFront<Dim>::Work::placePending(const Vec<Dim>& center, std::size_t k) {
-    if (!placement_.placeAt(center, (*pool_)[k], 0)) return false;
-    pool_->take(k);
+bool BlockFront<Dim>::Work::placePending(const Vec<Dim>& center, const LocalSize& size,
+                                         std::size_t k) {
+    const BlockState<Dim>& block = front_.block;
+    const LocalSize here = block.sizeAt(center);
+    if (here.group != size.group) return false;
+    const double radius = radiusOf(here, k);
+    if (block.local && radius > block.settings.maxRadius) return false;
+    if (!placement_.placeAt(center, radius, 0)) return false;
+    (*pools_)[size.group].take(k);
     countElement(center);
     return true;
 }
@@ -258,33 +338,45 @@ template <int Dim>
 void BlockFront<Dim>::Work::fillVacancy(Vec<Dim> x) {
     const BlockState<Dim>& block = front_.block;
     const FrontSettings<Dim>& settings = block.settings;
-    double far = 1.5 * settings.commonRadius;
+    const Vec<Dim> found = x;
+    LocalSize size = block.sizeAt(x);
+    double far = 1.5 * block.lengthsOf(size).commonRadius;
     double room = block.clearance(x, far);
     if (room >= far) {
-        far = 1.5 * settings.maxRadius;
+        far = 1.5 * block.lengthsOf(size).maxRadius;
         room = block.clearance(x, far);
     }
     // To where there is most room, so that the largest pending radius that fits is taken.
-    block.climb(x, room, far);
-    pool_->refill();
-    const std::size_t fitting = pool_->countUpTo(room - 2 * settings.quantum);
-    if (fitting == 0) return;
+    block.climb(x, room, far, block.lengthsOf(size).minRadius);
+    for (RadiusPool& pool : *pools_) pool.refill();
+    if (block.local) {
+        const LocalSize there = block.sizeAt(x);
+        if (fitting(there, room - 2 * settings.quantum) > 0) {
+            size = there;
+        } else {  // larger ones are requested there
+            x = found;
+            room = block.clearance(x, far);
+        }
+    }
+    const std::size_t k = fitting(size, room - 2 * settings.quantum);
+    if (k == 0) return;
     // Down the sweep until it touches something.
-    const double radius = (*pool_)[fitting - 1];
+    const double radius = radiusOf(size, k - 1);
     Vec<Dim> low = x;
     for (int step = 0; settings.order == Order::sweep && step < 200; ++step) {
         const double free = block.clearance(low, far) - radius - settings.quantum;
         if (free < 1e-6 * radius) break;
         const Vec<Dim> y = low - settings.sweep * free;
         if (!block.owns(y)) break;
+        if (block.local && !LocalLengths<Dim>::areAlike(size, block.sizeAt(y))) break;
         low = y;
     }
     // Snapping moves the center by less than a quantum; step back where that was too much.
     Vec<Dim> center = block.snapped(low);
     for (int step = 0; step < 8 && block.clearance(center, far) < radius; ++step)
         center = block.snapped(low + settings.sweep * (settings.quantum * (2 << step)));
-    if (placePending(center, fitting - 1) || placePending(block.snapped(x), fitting - 1) ||
-        placePending(block.snapped(x), 0)) {
+    if (placePending(center, size, k - 1) || placePending(block.snapped(x), size, k - 1) ||
+        placePending(block.snapped(x), size, 0)) {
         ++seeds_;
         runFront();
     }
@@ -298,10 +390,11 @@ template <int Dim>
 BlockFront<Dim>::~BlockFront() = default;
 
 template <int Dim>
-void BlockFront<Dim>::fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
-                           SpeciesQueue* further, DomainSampler<Dim>& sampler,
-                           const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed) {
-    work_->fill(place, around, pool, further, sampler, cancelled, placed);
+void BlockFront<Dim>::fill(const Place& place, const BlockSpheres<Dim>& around,
+                           std::vector<RadiusPool>& pools, SpeciesQueue* further,
+                           DomainSampler<Dim>& sampler, const std::function<bool()>& cancelled,
+                           BlockSpheres<Dim>& placed) {
+    work_->fill(place, around, pools, further, sampler, cancelled, placed);
 }
 
 template <int Dim>

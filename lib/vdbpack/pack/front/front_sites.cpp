@@ -55,14 +55,27 @@ std::vector<Vec<3>> directionsBeside(const Bodies& around, double rolling, float
 }  // namespace
 
 template <int Dim>
-FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls)
-    : block_(block),
-      walls_(walls),
-      probe_(static_cast<float>(block.settings.probe)),
-      least_(static_cast<float>(block.settings.least)),
+FrontSites<Dim>::PivotRadii::PivotRadii(const FrontLengths& lengths)
+    : probe(static_cast<float>(lengths.probe)),
+      least(static_cast<float>(lengths.least)),
       // No smaller than the largest radius: an unlimited site must take that one as well.
-      largest_(floatUp(block.settings.maxRadius)),
-      common_(static_cast<float>(block.settings.commonRadius)) {}
+      largest(floatUp(lengths.maxRadius)),
+      common(static_cast<float>(lengths.commonRadius)),
+      lead(static_cast<float>(lengths.lead)),
+      reach(lengths.reach) {}
+
+template <int Dim>
+FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls)
+    : block_(block), walls_(walls), radii_{PivotRadii(block.settings)} {}
+
+template <int Dim>
+void FrontSites<Dim>::addSphere(const Sphere<Dim>& sphere, bool isPivot) {
+    first_.push_back(kNone);
+    if (!block_.local) return;
+    radii_.emplace_back(isPivot
+                            ? block_.local->ofPivot(sphere.center + block_.origin, sphere.radius)
+                            : FrontLengths(block_.settings));
+}
 
 template <int Dim>
 void FrontSites<Dim>::clear() {
@@ -72,8 +85,9 @@ void FrontSites<Dim>::clear() {
     first_.clear();
     unused_ = kNone;
     arrived_ = 0;
+    if (block_.local) radii_.clear();
     const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
-    queue_.reset(static_cast<float>(low - settings.lead),
+    queue_.reset(static_cast<float>(low - (block_.local ? settings.maxRadius : settings.lead)),
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
@@ -107,7 +121,9 @@ void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings
         const double above = dot(center - plane.point, plane.normal);
         around.addWall(toFloat(plane.normal), static_cast<float>(above), kWallBody + wall);
     });
-    around.findSites(static_cast<float>(sphere(pivot).radius), {probe_, least_, largest_}, only,
+    const PivotRadii& radii = radiiOf(pivot);
+    around.findSites(static_cast<float>(sphere(pivot).radius),
+                     {radii.probe, radii.least, radii.largest}, only,
                      inOwnBlock ? &inBlock : nullptr, found_);
     for (const auto& site : found_) add(pivot, site);
     if (found_.empty() && only == Surroundings<Dim>::kAll && around.reached() <= Dim)
@@ -117,7 +133,7 @@ void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings
 template <int Dim>
 std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
                                    const typename Surroundings<Dim>::Site& site) {
-    if (site.limit < least_) return kNone;
+    if (site.limit < radiiOf(pivot).least) return kNone;
     const Vec<Dim>& center = sphere(pivot).center;
     End end;
     Vec<Dim> start;
@@ -156,22 +172,25 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
 /// A front begins with too few bodies to touch: then a sphere may touch the pivot alone.
 template <int Dim>
 void FrontSites<Dim>::addLoose(std::uint32_t pivot, const Surroundings<Dim>& around) {
+    const PivotRadii radii = radiiOf(pivot);
     std::vector<Vec<Dim>> directions;
     if constexpr (Dim == 3)
-        directions =
-            directionsBeside(around.spheres, sphere(pivot).radius + block_.settings.commonRadius,
-                             common_, [&](std::uint32_t body) { return cap(pivot, body); });
+        directions = directionsBeside(
+            around.spheres,
+            sphere(pivot).radius +
+                (block_.local ? static_cast<double>(radii.common) : block_.settings.commonRadius),
+            radii.common, [&](std::uint32_t body) { return cap(pivot, body); });
     if (directions.empty()) directions.push_back(-block_.settings.sweep);
-    const float rolling = static_cast<float>(sphere(pivot).radius) + probe_;
+    const float rolling = static_cast<float>(sphere(pivot).radius) + radii.probe;
     for (const Vec<Dim>& n : directions) {
         typename Surroundings<Dim>::Site site;
         site.track.makeLoose(rolling, toFloat(n));
-        const float most = largest_ - probe_;
+        const float most = radii.largest - radii.probe;
         const float t = around.growth(site.track, most);
         if (most > 0 && !(t > 0)) continue;
         site.track.at(0, site.start);
         site.track.at(t, site.end);
-        site.limit = t >= most ? largest_ : probe_ + t;
+        site.limit = t >= most ? radii.largest : radii.probe + t;
         site.side = 1;
         site.bodies.fill(kNoBody);
         add(pivot, site);
@@ -203,9 +222,10 @@ void FrontSites<Dim>::enqueue(std::uint32_t index) {
     if (site.foreign != 0) return;
     float key = site.base;
     const float limit = ends_[index].limit;
-    if (limit < 0.99f * largest_ && common_ > probe_)
-        key -= static_cast<float>(block_.settings.lead) * (std::min(limit, common_) - probe_) /
-               (common_ - probe_);
+    const PivotRadii& radii = radiiOf(site.pivot);
+    if (limit < 0.99f * radii.largest && radii.common > radii.probe)
+        key -= radii.lead * (std::min(limit, radii.common) - radii.probe) /
+               (radii.common - radii.probe);
     queue_.push(index, key);
 }
 
@@ -227,9 +247,11 @@ template <int Dim>
 void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     const Site& site = sites_[index];
     End& end = ends_[index];
-    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe_;
-    const float most = end.limit - probe_;
-    const float level = cap.level + probe_ * cap.slope;
+    const PivotRadii& radii = radiiOf(site.pivot);
+    const float probe = radii.probe;
+    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe;
+    const float most = end.limit - probe;
+    const float level = cap.level + probe * cap.slope;
     std::array<float, Dim> x;
     bool fits = site.track.at(0, x);
     float room = level;
@@ -244,8 +266,8 @@ void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     const float t =
         firstHit<float, Dim>(site.track, cap.to, level, cap.slope, kTouching * rolling, most);
     if (t >= most) return;
-    end.limit = probe_ + t;
-    if (end.limit < least_) {
+    end.limit = probe + t;
+    if (end.limit < radii.least) {
         end.dead = true;
         queue_.remove(index);
         return;

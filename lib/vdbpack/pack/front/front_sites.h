@@ -31,8 +31,8 @@ public:
 
     /// Empties the front for the block as it is set up.
     void clear();
-    /// The next sphere, which has no sites yet.
-    void addSphere() { first_.push_back(kNone); }
+    /// The next sphere, which has no sites yet. @param isPivot  whether it may have some.
+    void addSphere(const Sphere<Dim>& sphere, bool isPivot);
 
     /// Finds and adds the sites on a pivot: all, or those that touch body `only`.
     /// @param around      the spheres around the pivot, as collected.
@@ -77,7 +77,9 @@ public:
     }
     /// The cap of a body beside a pivot.
     Cap<float, Dim> cap(std::uint32_t pivot, std::uint32_t body) const;
-    float probe() const { return probe_; }
+    float probe(std::uint32_t pivot) const { return radiiOf(pivot).probe; }
+    /// FrontLengths::reach at a sphere, mm.
+    double reach(std::uint32_t pivot) const { return radiiOf(pivot).reach; }
 
 private:
     struct Site {
@@ -96,6 +98,16 @@ private:
         std::uint32_t next;             ///< of the same pivot
         bool dead;
     };
+    /// Radii of FrontLengths for the sites on a pivot, mm.
+    struct PivotRadii {
+        float probe, least, largest, common, lead;
+        double reach;
+        explicit PivotRadii(const FrontLengths& lengths);
+    };
+    /// Where sizes differ by place, each sphere has its own.
+    const PivotRadii& radiiOf(std::uint32_t pivot) const {
+        return radii_[block_.local ? pivot : 0];
+    }
     const Sphere<Dim>& sphere(std::uint32_t i) const { return block_.spheres[i]; }
     std::uint32_t neighborAt(const Vec<Dim>& x) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
@@ -105,8 +117,8 @@ private:
 
     const BlockState<Dim>& block_;
     FrontWalls<Dim>& walls_;
-    float probe_, least_, largest_, common_;  ///< radii of FrontSettings, mm
-    std::uint64_t arrived_ = 0;               ///< sites so far
+    std::vector<PivotRadii> radii_;
+    std::uint64_t arrived_ = 0;  ///< sites so far
     std::vector<Site> sites_;
     std::vector<End> ends_;             ///< beside `sites_`
     std::uint32_t unused_ = kNone;      ///< list of sites to use again

@@ -38,10 +38,10 @@ void takeOver(const BlockSpheres<Dim>& around, const std::vector<std::uint32_t>&
     using Sites = FrontSites<Dim>;
     using Kind = typename HandedSite<Dim>::Support::Kind;
     const Vec<Dim>& origin = front.block.origin;
-    const float probe = front.sites.probe();
     for (const HandedSite<Dim>& handed : around.sites) {
         const std::uint32_t pivot = local[handed.pivot];
         if (pivot == Sites::kNone) continue;
+        const float probe = front.sites.probe(pivot);
         typename Surroundings<Dim>::Site site;
         site.limit = handed.limit;
         site.side = handed.side;
