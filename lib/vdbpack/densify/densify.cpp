@@ -4,6 +4,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/further_spheres.h"
+#include "vdbpack/densify/group_boundary.h"
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/densify/label_homes.h"
 #include "vdbpack/densify/local_further.h"
@@ -19,6 +20,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -90,6 +92,8 @@ public:
         domain_ = inset_ ? inset_.get() : &domain;
         result_.spheres = spheres;
         result_.regions = local_ ? local_->classes() : options.regions;
+        if (local_) relative_ = local_->relative();
+        if (local_ && options.local->shellSizes) boundary_.emplace(domain, options.local->shell);
         result_.before = fractionOf(result_.spheres);
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
@@ -196,6 +200,7 @@ private:
     /// Adds spheres up to `fraction` and relaxes, from pace `first` on. A pack without overlaps is
     /// kept. @return whether there is one.
     bool attempt(double fraction, std::size_t first) {
+        if (local_) return attemptLocally(fraction, first);
         std::vector<Sphere<Dim>> spheres = result_.spheres;
         std::vector<std::int32_t> regions = result_.regions;
         std::vector<std::uint32_t> labels = result_.labels;
@@ -226,7 +231,6 @@ private:
     /// Adds spheres up to `fraction` where there is room for them.
     void insert(double fraction, std::vector<Sphere<Dim>>& spheres,
                 std::vector<std::int32_t>& regions) const {
-        if (local_) return insertLocally(fraction, spheres, regions);
         const std::uint64_t stage = stage_;
         RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
         const FurtherSpheres added = sizes_.draw((fraction - reachedFraction()) * volume_, random);
@@ -239,46 +243,133 @@ private:
         if (paces_.areNarrow()) stir(spheres, {});
     }
 
-    /// The same where sizes differ by place: each further sphere has the size that is requested at
-    /// its center.
-    void insertLocally(double fraction, std::vector<Sphere<Dim>>& spheres,
-                       std::vector<std::int32_t>& regions) const {
+    /// Spheres where sizes differ by place.
+    struct LocalPack {
+        std::vector<Sphere<Dim>> spheres;
+        std::vector<std::int32_t> classes;
+        std::vector<double> relative;  ///< radii where the factor is 1, mm
+    };
+
+    /// As `attempt`, where sizes differ by place.
+    bool attemptLocally(double fraction, std::size_t first) {
+        ++result_.stages;
+        ++stage_;
+        const std::vector<std::uint32_t> places = places_;
+        for (std::size_t k = first; k < paces_.size(); ++k) {
+            LocalPack pack{result_.spheres, result_.regions, relative_};
+            if (reachLocally(fraction, paces_[k], pack)) {
+                result_.spheres = std::move(pack.spheres);
+                result_.regions = std::move(pack.classes);
+                relative_ = std::move(pack.relative);
+                return moved_ = result_.apart = true;
+            }
+            places_ = places;
+            if (result_.interrupted) return false;
+        }
+        return false;
+    }
+
+    /// Spheres drift to where there is room, which changes what is requested of them: most are
+    /// added first, then radii follow the field again, and the others are added. Where there is
+    /// room for it, radii follow the field once more.
+    bool reachLocally(double fraction, const RelaxationPace& pace, LocalPack& pack) {
+        constexpr double kFirst = 0.4;
+        constexpr int kFits = 3;
+        constexpr double kFit = 2e-3;
+        const double begin = reachedFraction();
+        for (std::uint64_t turn = 1;; ++turn) {
+            const double next = turn == 1 ? begin + kFirst * (fraction - begin) : fraction;
+            insertLocally(next, turn << 48, pack);
+            if (!relaxLocally(next, pace, pack)) return false;
+            if (turn > 1 && fractionOf(pack.spheres) >= fraction - kRounding) break;
+            fit(pack);
+        }
+        for (int k = 0; k < kFits && !(misfitOf(pack) < kFit); ++k) {
+            LocalPack fitted = pack;
+            const std::vector<std::uint32_t> places = places_;
+            fit(fitted);
+            if (fractionOf(fitted.spheres) >= fraction - kRounding &&
+                relaxLocally(fraction, pace, fitted)) {
+                pack = std::move(fitted);
+            } else {
+                places_ = places;
+                break;
+            }
+        }
+        return !result_.interrupted;
+    }
+
+    bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack& pack) {
+        const std::size_t count = pack.spheres.size();
+        return relaxHere(pack.spheres, pack.classes, [&](Relaxation<Dim>& relaxation) {
+            return isRelaxed(relaxation, pace, fraction, count);
+        });
+    }
+
+    /// Calls `visit(i, size)` for the spheres that lie where about their own size is requested.
+    template <class Visit>
+    void forEachAtHome(const LocalPack& pack, const Visit& visit) const {
+        const std::vector<LocalSize> sizes = localSizesOf(pack.spheres, outer_, *options_.local);
+        for (std::size_t i = options_.fixed; i < pack.spheres.size(); ++i)
+            if (areNear(sizes[i], LocalFurther<Dim>::sizeOf(pack.classes[i]))) visit(i, sizes[i]);
+    }
+    static bool areNear(const LocalSize& a, const LocalSize& b) {
+        return a.group == b.group && a.factor < kNearFactor * b.factor &&
+               b.factor < kNearFactor * a.factor;
+    }
+
+    /// The root mean square by which radii differ from those requested, as a share.
+    double misfitOf(const LocalPack& pack) const {
+        double squares = 0, count = 1;
+        forEachAtHome(pack, [&](std::size_t i, const LocalSize& size) {
+            const double off = pack.spheres[i].radius / (pack.relative[i] * size.factor) - 1;
+            squares += off * off;
+            ++count;
+        });
+        return std::sqrt(squares / count);
+    }
+
+    /// Gives spheres the radii that are requested of them where they are.
+    void fit(LocalPack& pack) const {
+        forEachAtHome(pack, [&](std::size_t i, const LocalSize& size) {
+            pack.spheres[i].radius =
+                static_cast<double>(static_cast<float>(pack.relative[i] * size.factor));
+            pack.classes[i] = LocalFurther<Dim>::classOf(size);
+        });
+    }
+
+    /// Adds spheres up to `fraction`, each of the size that is requested at its center.
+    void insertLocally(double fraction, std::uint64_t salt, LocalPack& pack) const {
         using Further = LocalFurther<Dim>;
-        const double wanted = (fraction - reachedFraction()) * volume_;
         tbb::enumerable_thread_specific<LocalSizeSampler<Dim>> samplers(
             [&] { return LocalSizeSampler<Dim>(outer_, *options_.local); });
         const auto belongs = [&](const Vec<Dim>& x, std::int32_t number) {
-            const LocalSize here = samplers.local().at(x), own = Further::sizeOf(number);
-            return here.group == own.group && here.factor < kNearFactor * own.factor &&
-                   own.factor < kNearFactor * here.factor;
+            return areNear(samplers.local().at(x), Further::sizeOf(number));
         };
-        double placed = 0;
+        double missing = (fraction - fractionOf(pack.spheres)) * volume_;
         // Factors differ a little from those of their classes: what is missing is added again.
-        for (std::uint64_t round = 0; placed < wanted; ++round) {
-            RandomStream random(options_.seed ^ 0x64656e73696679ull, stage_ + (round << 32));
-            const FurtherSpheres drawn = local_->draw(wanted - placed, random);
+        for (std::uint64_t round = 0; missing > 0; ++round) {
+            const std::uint64_t stage = stage_ ^ salt ^ (round << 32);
+            RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
+            const FurtherSpheres drawn = local_->draw(missing, random);
             std::vector<double> radii;
             for (std::size_t k = 0; k < drawn.radii.size(); ++k)
                 radii.push_back(drawn.radii[k] * Further::sizeOf(drawn.regions[k]).factor);
-            Relaxation<Dim> present(*domain_, withShell(spheres), options_.fixed, regions,
+            Relaxation<Dim> present(*domain_, withShell(pack.spheres), options_.fixed, pack.classes,
                                     options_.seed, true);
-            const auto found =
-                present.vacancies(radii, drawn.regions, stage_ + (round << 32), belongs);
-            for (std::size_t k = 0; k < found.size() && placed < wanted; ++k) {
-                Sphere<Dim> s = found[k];
-                std::int32_t number = drawn.regions[k];
-                if (belongs(s.center, number)) {
-                    const LocalSize here = samplers.local().at(s.center);
-                    s.radius = drawn.radii[k] * here.factor;
-                    number = Further::classOf(here);
-                }
-                s.radius = static_cast<double>(static_cast<float>(s.radius));
-                spheres.push_back(s);
-                regions.push_back(number);
-                placed += Measure<Dim>::ball(s.radius);
+            const auto found = present.vacancies(radii, drawn.regions, stage, belongs);
+            for (std::size_t k = 0; k < found.size() && missing > 0; ++k) {
+                LocalSize size = Further::sizeOf(drawn.regions[k]);
+                if (belongs(found[k].center, drawn.regions[k]))
+                    size = samplers.local().at(found[k].center);
+                const auto radius = static_cast<float>(drawn.radii[k] * size.factor);
+                pack.spheres.push_back({found[k].center, static_cast<double>(radius)});
+                pack.classes.push_back(Further::classOf(size));
+                pack.relative.push_back(drawn.radii[k]);
+                missing -= Measure<Dim>::ball(pack.spheres.back().radius);
             }
         }
-        if (paces_.areNarrow()) stir(spheres, {});
+        if (paces_.areNarrow()) stir(pack.spheres, {});
     }
 
     /// The same over ranks.
@@ -376,6 +467,7 @@ private:
                    const Work& work) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
                                    options_.seed + stage_, local_ != nullptr);
+        if (boundary_) relaxation.keepTo(*boundary_, isInside_);
         if (!work(relaxation)) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
@@ -421,7 +513,12 @@ private:
     const Domain<Dim>* domain_ = nullptr;
     Ranks* ranks_;
     FurtherSizes<Dim> sizes_;
-    std::unique_ptr<LocalFurther<Dim>> local_;  ///< null: the same sizes everywhere
+    std::unique_ptr<LocalFurther<Dim>> local_;    ///< null: the same sizes everywhere
+    std::vector<double> relative_;                ///< as in LocalPack, of the spheres of the result
+    std::optional<GroupBoundary<Dim>> boundary_;  ///< of the shell, if it has sizes of its own
+    const std::function<bool(std::int32_t)> isInside_ = [](std::int32_t number) {
+        return LocalFurther<Dim>::sizeOf(number).group == 0;
+    };
     Paces paces_;
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result

@@ -35,9 +35,10 @@ LocalFurther<Dim>::LocalFurther(const Domain<Dim>& domain, const std::vector<Sph
     groups_.resize(options.local->groups());
     for (std::size_t i = 0; i < spheres.size(); ++i) {
         classes_.push_back(classOf(sizes[i]));
+        relative_.push_back(spheres[i].radius / sizes[i].factor);
         if (i < options.fixed) continue;
         Group& group = groups_[sizes[i].group];
-        radii_.push_back(spheres[i].radius / sizes[i].factor);
+        radii_.push_back(relative_.back());
         group.spheres.push_back({spheres[i].center, radii_.back()});
         const double ball = Measure<Dim>::ball(spheres[i].radius);
         group.volumes[classes_.back()] += ball;

@@ -27,7 +27,9 @@ public:
 
     /// Of each sphere.
     const std::vector<std::int32_t>& classes() const { return classes_; }
-    /// Radii of the moving spheres divided by their factors, in no order, mm.
+    /// Radii of all spheres divided by their factors, mm.
+    const std::vector<double>& relative() const { return relative_; }
+    /// The same of those that move.
     const std::vector<double>& radii() const { return radii_; }
 
     /// Spheres of a total volume (2D: area) of about `volume` mm^Dim: radii where the factor is 1,
@@ -43,7 +45,7 @@ private:
     std::vector<Group> groups_;
     std::vector<FurtherSizes<Dim>> sizes_;  ///< of each group
     std::vector<std::int32_t> classes_;
-    std::vector<double> radii_;
+    std::vector<double> relative_, radii_;
     double volume_ = 0;  ///< of all moving spheres
 };
 

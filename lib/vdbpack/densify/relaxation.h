@@ -8,6 +8,7 @@
 #include "vdbpack/densify/body.h"
 #include "vdbpack/densify/body_cells.h"
 #include "vdbpack/densify/candidates.h"
+#include "vdbpack/densify/group_boundary.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/domain.h"
 
@@ -55,6 +56,13 @@ public:
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres, Ranks& ranks,
                const std::vector<std::uint32_t>& labels, double further, std::uint64_t seed);
     ~Relaxation();
+    /// Keeps the centers of spheres on their side of a boundary; see GroupBoundary.
+    /// @param isInside  whether the spheres of a region lie inside; must outlive this, as the
+    /// first.
+    void keepTo(GroupBoundary<Dim>& boundary, const std::function<bool(std::int32_t)>& isInside) {
+        boundary_ = &boundary;
+        isInside_ = &isInside;
+    }
     Relaxation(const Relaxation&) = delete;
     Relaxation& operator=(const Relaxation&) = delete;
 
@@ -236,6 +244,8 @@ private:
     void askWalls();
     void askWall(std::size_t slot);
     void listPlanes(Run& run);
+    /// Lists the end of a shell as a wall for the center of a slot.
+    void listBoundary(Run& run, std::uint32_t slot);
     /// Whether all spheres lie inside by the exact wall; lists the planes of those that do not.
     bool keepsWall();
 
@@ -284,6 +294,8 @@ private:
     float delta_ = 0;
     float listGrow_ = 1;  ///< radii are enlarged by this factor where neighbors are listed
     bool graded_ = false;
+    GroupBoundary<Dim>* boundary_ = nullptr;  ///< null: none
+    const std::function<bool(std::int32_t)>* isInside_ = nullptr;
     float skin_ = 0;   ///< quanta, times the units of the spheres, as the next
     float spent_ = 0;  ///< upper bound of the way of any sphere since lists were made, quanta
     int listed_ = 0;   ///< steps since then

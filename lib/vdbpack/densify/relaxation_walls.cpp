@@ -4,7 +4,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <atomic>
+#include <cmath>
 
 namespace vdbpack {
 
@@ -37,8 +39,35 @@ void Relaxation<Dim>::listPlanes(Run& run) {
                 if (plane.distance(body) < body.radius * listGrow_ + skin_ * unitOf(body.radius))
                     run.planes.push_back(plane);
         }
+        if (boundary_ && !isFixed(now_.labels[i])) listBoundary(run, i);
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
     }
+}
+
+template <int Dim>
+void Relaxation<Dim>::listBoundary(Run& run, std::uint32_t slot) {
+    constexpr double kInside = 3;  // on the right side by more than what is accepted as none
+    const Body& body = now_.bodies[slot];
+    const double radius = static_cast<double>(body.radius);
+    const double reach = static_cast<double>(skin_ * unitOf(body.radius)) * quantum_;
+    Vec<Dim> toward;
+    double beyond = 0;
+    if (!boundary_->isNear(walls_.position(whereIs(now_.homes[slot], body)), reach, toward, beyond))
+        return;
+    if (!(*isInside_)(regions_[now_.labels[slot]])) {
+        toward *= -1.0;
+        beyond = -beyond;
+    }
+    // A wall that the sphere touches when its center reaches the boundary.
+    const double away = beyond / quantum_ + radius * (1 - kInside * static_cast<double>(delta_));
+    std::array<std::uint32_t, 3> point{body.x, body.y, body.z};
+    std::array<float, 3> normal{};
+    for (std::size_t d = 0; d < Dim; ++d) {
+        normal[d] = static_cast<float>(toward.c[d]);
+        point[d] -=
+            static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(toward.c[d] * away)));
+    }
+    run.planes.push_back({normal[0], normal[1], normal[2], point[0], point[1], point[2]});
 }
 
 template <int Dim>

@@ -163,6 +163,11 @@ std::size_t poolCapacity(const PackOptions& options, bool last) {
     return options.effort != Effort::dense ? 64 : last ? 128 : 256;
 }
 
+std::size_t pendingOfGroup(std::size_t usual, double expected) {
+    constexpr double kLeast = 12, kShare = 1.0 / 600;
+    return std::min(usual, static_cast<std::size_t>(std::max(kLeast, kShare * expected)));
+}
+
 std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t stream) {
     const double shell = options.local.any() ? 0 : shellOf(options);
     std::vector<RadiusPool> pools;

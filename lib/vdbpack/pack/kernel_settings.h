@@ -46,5 +46,9 @@ std::size_t poolCapacity(const PackOptions& options, bool last);
 /// A pool for each group of sizes: of radii with the shell, unless they differ by place.
 /// @param stream  of random numbers.
 std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t stream);
+/// Pending radii of a pool of a group of about `expected` spheres: some of each row of blocks are
+/// never placed, which few spheres would show.
+/// @param usual  of large groups.
+std::size_t pendingOfGroup(std::size_t usual, double expected);
 
 }  // namespace vdbpack

@@ -75,7 +75,7 @@ template <int Dim>
 LocalBalls<Dim>::LocalBalls(const Domain<Dim>& domain, const SizeDistribution& sizes,
                             const LocalSizes& local) {
     if (!local.any()) {
-        shares_.push_back({sizes, 1, 1});
+        shares_.push_back({sizes, 1, 1, 0});
         return;
     }
     const auto inside = domain.sampler();
@@ -107,9 +107,9 @@ LocalBalls<Dim>::LocalBalls(const Domain<Dim>& domain, const SizeDistribution& s
                 ++all;
             }
     for (const auto& [key, c] : classes)
-        shares_.push_back(
-            {local.sizesOf(key.first, sizes), std::exp2(c.logs / c.points), c.points / all});
-    if (shares_.empty()) shares_.push_back({sizes, local.factors().most, 1});
+        shares_.push_back({local.sizesOf(key.first, sizes), std::exp2(c.logs / c.points),
+                           c.points / all, key.first});
+    if (shares_.empty()) shares_.push_back({sizes, local.factors().most, 1, 0});
 }
 
 template <int Dim>
@@ -123,6 +123,14 @@ double LocalBalls<Dim>::mean(double scale, double layer) const {
     for (const Share& s : shares_)
         spheres += s.weight / ballWithShell<Dim>(s.sizes, scale * s.factor, layer);
     return 1 / spheres;
+}
+
+template <int Dim>
+double LocalBalls<Dim>::groupShare(std::uint32_t group) const {
+    double spheres = 0;
+    for (const Share& s : shares_)
+        if (s.group == group) spheres += s.weight / ballWithShell<Dim>(s.sizes, s.factor, 0);
+    return spheres;
 }
 
 template <int Dim>

@@ -79,11 +79,15 @@ public:
 
     /// With radii times `scale`, and a layer of `layer` mm around each sphere, mm^Dim.
     double mean(double scale = 1, double layer = 0) const;
+    /// Spheres of a group in a volume (2D: area) of the domain that spheres filled wholly, per
+    /// mm^Dim.
+    double groupShare(std::uint32_t group) const;
 
 private:
     struct Share {
         SizeDistribution sizes;
         double factor, weight;
+        std::uint32_t group = 0;
     };
     std::vector<Share> shares_;
 };

@@ -7,8 +7,13 @@
 
 namespace vdbpack {
 
+namespace {
+/// Ratio of values that are nearly the same.
+constexpr double kNearly = 1.03;
+}  // namespace
+
 SizeField::SizeField(const Box<3>& bounds, const Vec<3>& node, double step,
-                     const std::function<double(const Vec<3>&)>& value)
+                     const std::function<double(const Vec<3>&)>& value, double mostNodes)
     : step_(step) {
     double nodes = 0;
     for (;; step_ *= 1.1) {
@@ -22,11 +27,11 @@ SizeField::SizeField(const Box<3>& bounds, const Vec<3>& node, double step,
                 origin_[d] = node[d] + first * step_;
                 const double steps = std::ceil((bounds.hi[d] - origin_[d]) / step_ - 1e-9);
                 nodes *= steps + 1;
-                if (!(nodes <= kMostNodes)) break;
+                if (!(nodes <= mostNodes)) break;
                 count_[at] = static_cast<int>(steps) + 1;
             }
         }
-        if (nodes <= kMostNodes) break;
+        if (nodes <= mostNodes) break;
     }
     inverse_ = 1 / step_;
     values_.resize(static_cast<std::size_t>(nodes));
@@ -119,43 +124,55 @@ double SizeField::at(const Vec<3>& x) const {
     return count_[2] == 1 ? a : a + share[2] * (layer(up[2]) - a);
 }
 
+SizeField::Range SizeField::withinCells(const Level& level, const Index& from,
+                                        const Index& to) const {
+    Index first, last;
+    for (std::size_t d = 0; d < 3; ++d) {
+        first[d] = std::min(from[d] / level.cell, level.count[d] - 1);
+        last[d] = std::clamp((to[d] - 1) / level.cell, first[d], level.count[d] - 1);
+    }
+    auto low = static_cast<float>(all_.most), high = static_cast<float>(all_.least);
+    for (int k = first[2]; k <= last[2]; ++k)
+        for (int j = first[1]; j <= last[1]; ++j)
+            for (int i = first[0]; i <= last[0]; ++i) {
+                const auto& [a, b] = level.bounds[static_cast<std::size_t>(
+                    (k * level.count[1] + j) * level.count[0] + i)];
+                low = std::min(low, a);
+                high = std::max(high, b);
+            }
+    return {static_cast<double>(low), static_cast<double>(high)};
+}
+
 SizeField::Range SizeField::within(const Box<3>& box) const {
     constexpr int kFewNodes = 6;
     Index from, to;
     int longest = 0;
     for (std::size_t d = 0; d < 3; ++d) {
         const double most = count_[d] - 1;
-        const auto clamped = [&](double v) { return static_cast<int>(std::clamp(v, 0.0, most)); };
-        from[d] = clamped(std::floor((box.lo.c[d] - origin_.c[d]) * inverse_));
-        to[d] = clamped(std::ceil((box.hi.c[d] - origin_.c[d]) * inverse_));
+        const double lo = (box.lo.c[d] - origin_.c[d]) * inverse_;
+        const double hi = (box.hi.c[d] - origin_.c[d]) * inverse_;
+        from[d] = static_cast<int>(std::clamp(lo, 0.0, most));
+        to[d] = static_cast<int>(std::clamp(hi + 1, 0.0, most));
         longest = std::max(longest, to[d] - from[d]);
     }
-    float low = static_cast<float>(all_.most), high = static_cast<float>(all_.least);
-    if (longest < kFewNodes) {
-        for (int k = from[2]; k <= to[2]; ++k)
-            for (int j = from[1]; j <= to[1]; ++j)
-                for (int i = from[0]; i <= to[0]; ++i) {
-                    const float v = values_[indexOf(i, j, k)];
-                    low = std::min(low, v);
-                    high = std::max(high, v);
-                }
-        return {static_cast<double>(low), static_cast<double>(high)};
-    }
+    // A few cells are enough where all values are nearly the same.
     std::size_t l = 0;
-    while (l + 1 < levels_.size() && levels_[l].cell * kFewNodes < longest) ++l;
-    const Level& level = levels_[l];
-    for (std::size_t d = 0; d < 3; ++d) {
-        from[d] = std::min(from[d] / level.cell, level.count[d] - 1);
-        to[d] = std::clamp((to[d] - 1) / level.cell, from[d], level.count[d] - 1);
+    while (l + 1 < levels_.size() && levels_[l].cell < longest) ++l;
+    const Range few = withinCells(levels_[l], from, to);
+    if (few.most <= kNearly * few.least) return few;
+    if (longest >= kFewNodes) {
+        while (l > 0 && levels_[l - 1].cell * kFewNodes > longest) --l;
+        return withinCells(levels_[l], from, to);
     }
+    auto low = static_cast<float>(all_.most), high = static_cast<float>(all_.least);
     for (int k = from[2]; k <= to[2]; ++k)
-        for (int j = from[1]; j <= to[1]; ++j)
+        for (int j = from[1]; j <= to[1]; ++j) {
+            const float* const row = &values_[indexOf(0, j, k)];
             for (int i = from[0]; i <= to[0]; ++i) {
-                const auto& [a, b] = level.bounds[static_cast<std::size_t>(
-                    (k * level.count[1] + j) * level.count[0] + i)];
-                low = std::min(low, a);
-                high = std::max(high, b);
+                low = std::min(low, row[i]);
+                high = std::max(high, row[i]);
             }
+        }
     return {static_cast<double>(low), static_cast<double>(high)};
 }
 

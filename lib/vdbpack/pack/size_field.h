@@ -19,11 +19,10 @@ public:
     /// @param bounds  where it is known, mm; without extent along z for a field of the plane.
     /// @param node    where one of the nodes is to lie, mm.
     /// @param step    between the nodes along each axis, mm, > 0; longer where the lattice would
-    ///                have more than `kMostNodes`.
+    ///                have more than `mostNodes`.
     /// @param value   thread-safe; positive.
     SizeField(const Box<3>& bounds, const Vec<3>& node, double step,
-              const std::function<double(const Vec<3>&)>& value);
-    static constexpr double kMostNodes = 3.2e7;
+              const std::function<double(const Vec<3>&)>& value, double mostNodes = 3.2e7);
 
     double at(const Vec<3>& x) const;
     /// In the plane of the field.
@@ -52,6 +51,8 @@ private:
     static constexpr int kFirst = 4;
     void addLevels();
     Level coarser(const Level& fine) const;
+    /// Bounds of the values at the nodes from `from` to `to`, or those of the cells that hold them.
+    Range withinCells(const Level& level, const Index& from, const Index& to) const;
     std::size_t indexOf(int i, int j, int k) const {
         return (static_cast<std::size_t>(k) * static_cast<std::size_t>(count_[1]) +
                 static_cast<std::size_t>(j)) *

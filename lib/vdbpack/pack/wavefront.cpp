@@ -50,8 +50,11 @@ public:
         cancelled_ = [this] { return isStopped(); };
         expected_ = 0.6 * domain.volume() / settings_.meanBall;
         if (!options.local.any()) return;
-        expected_ = 0.6 * domain.volume() /
-                    LocalBalls<Dim>(outer, options.sizes, options.local).mean(1, shellOf(options));
+        const LocalBalls<Dim> balls(outer, options.sizes, options.local);
+        expected_ = 0.6 * domain.volume() / balls.mean(1, shellOf(options));
+        if (groups_.size() > 1)
+            for (std::uint32_t g = 0; g < groups_.size(); ++g)
+                expectedOf_.push_back(0.6 * domain.volume() * balls.groupShare(g));
         findLengths();
     }
 
@@ -364,9 +367,12 @@ private:
         if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
+        const std::size_t pending = poolCapacity(options_, lattice_.endsPool(b));
         for (std::size_t g = 0; g < block.pools.size(); ++g)
             block.pools[g].setCapacity(
-                poolCapacity(options_, lattice_.endsPool(b)),
+                expectedOf_.empty() || options_.pending > 0
+                    ? pending
+                    : pendingOfGroup(pending, expectedOf_[g]),
                 groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0));
         return true;
     }
@@ -516,7 +522,8 @@ private:
     std::atomic<std::int64_t> count_{0};
     std::mutex reporting_;
     double expected_ = 1;
-    bool hasSpecies_ = false;  ///< that are ever drawn
+    std::vector<double> expectedOf_{};  // spheres of each of several groups of sizes
+    bool hasSpecies_ = false;           ///< that are ever drawn
 };
 
 }  // namespace

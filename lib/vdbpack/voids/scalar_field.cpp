@@ -46,13 +46,13 @@ public:
         least_ = most_ = numbers.front().second;
         Box<3> points;
         for (const auto& [x, number] : numbers) points.add(x);
-        // A quarter of the distance of points that are spread evenly.
+        // Half the distance of points that are spread evenly.
         double space = 1;
         int axes = 0;
         for (int d = 0; d < 3; ++d)
             if (const double side = points.size()[d]; side > 0) space *= side, ++axes;
         const double each = space / static_cast<double>(numbers.size());
-        lattice_ = {numbers.front().first, axes > 0 ? 0.25 * std::pow(each, 1.0 / axes) : 1};
+        lattice_ = {numbers.front().first, axes > 0 ? 0.5 * std::pow(each, 1.0 / axes) : 1};
         for (const auto& [x, number] : numbers) {
             least_ = std::min(least_, number);
             most_ = std::max(most_, number);

@@ -34,6 +34,8 @@ struct BlockState {
     CellList<Dim> cells;               ///< of all `spheres`
     DomainSampler<Dim>* sampler = nullptr;
     LocalLengths<Dim>* local = nullptr;  ///< null: the same sizes everywhere
+    /// Then, of each sphere: the least mean radius that is requested around it, mm.
+    std::vector<double> leastMeans{};
 
     /// What is requested at a point.
     LocalSize sizeAt(const Vec<Dim>& x) const {
@@ -46,6 +48,10 @@ struct BlockState {
     /// The least mean radius that is requested within a distance of a point, mm.
     double leastMean(const Vec<Dim>& x, double distance) const {
         return local ? local->leastMean(x + origin, distance) : settings.meanRadius;
+    }
+    /// The mean radius that is requested at a point, mm.
+    double meanAt(const Vec<Dim>& x) const {
+        return local ? local->mean(x + origin) : settings.meanRadius;
     }
 
     /// Whether a center belongs to the block.

@@ -28,6 +28,7 @@ struct Front {
 
     void clear() {
         block.spheres.clear();
+        block.leastMeans.clear();
         walls.clear();
         sites.clear();
     }
@@ -43,7 +44,17 @@ private:
     std::uint32_t append(const Sphere<Dim>& sphere, bool isPivot) {
         block.spheres.push_back(sphere);
         walls.addSphere();
-        sites.addSphere(sphere, isPivot);
+        if (block.local) {
+            FrontLengths lengths = block.settings;
+            double leastMean = lengths.meanRadius;
+            if (isPivot)
+                lengths =
+                    block.local->ofPivot(sphere.center + block.origin, sphere.radius, leastMean);
+            sites.addSphere(lengths);
+            block.leastMeans.push_back(leastMean);
+        } else {
+            sites.addSphere();
+        }
         return static_cast<std::uint32_t>(block.spheres.size() - 1);
     }
 };

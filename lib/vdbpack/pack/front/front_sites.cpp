@@ -69,15 +69,6 @@ FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls
     : block_(block), walls_(walls), radii_{PivotRadii(block.settings)} {}
 
 template <int Dim>
-void FrontSites<Dim>::addSphere(const Sphere<Dim>& sphere, bool isPivot) {
-    first_.push_back(kNone);
-    if (!block_.local) return;
-    radii_.emplace_back(isPivot
-                            ? block_.local->ofPivot(sphere.center + block_.origin, sphere.radius)
-                            : FrontLengths(block_.settings));
-}
-
-template <int Dim>
 void FrontSites<Dim>::clear() {
     const FrontSettings<Dim>& settings = block_.settings;
     sites_.clear();

@@ -31,8 +31,13 @@ public:
 
     /// Empties the front for the block as it is set up.
     void clear();
-    /// The next sphere, which has no sites yet. @param isPivot  whether it may have some.
-    void addSphere(const Sphere<Dim>& sphere, bool isPivot);
+    /// The next sphere, which has no sites yet.
+    void addSphere() { first_.push_back(kNone); }
+    /// The same where sizes differ by place.
+    void addSphere(const FrontLengths& lengths) {
+        addSphere();
+        radii_.emplace_back(lengths);
+    }
 
     /// Finds and adds the sites on a pivot: all, or those that touch body `only`.
     /// @param around      the spheres around the pivot, as collected.

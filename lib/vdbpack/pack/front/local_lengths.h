@@ -33,9 +33,15 @@ public:
 
     /// Of the sites on a sphere. Where other sizes begin at about its surface, those of the coarser
     /// ones are sought as well.
-    FrontLengths ofPivot(const Vec<Dim>& x, double radius) {
+    /// @param leastMean  set to the least mean radius that is requested up to `kRoom` of its own
+    ///                   mean radii from its surface, mm.
+    FrontLengths ofPivot(const Vec<Dim>& x, double radius, double& leastMean) {
         const LocalSize size = at(x);
         FrontLengths own = of(size);
+        const auto all = sampler_.around(x, radius + kRoom * own.meanRadius);
+        leastMean = meanOf(all);
+        // Nearly the same sizes everywhere there.
+        if (all.inner != all.shell && all.most <= kJump * all.least) return own;
         const auto range = sampler_.around(x, kBeside * radius);
         const bool other = size.group == 0 ? range.shell : range.inner && groups_.size() > 1;
         if (!other && range.most <= kJump * size.factor) return own;
@@ -51,15 +57,15 @@ public:
 
     /// The least mean radius that is requested within a distance of a point, mm.
     double leastMean(const Vec<Dim>& x, double distance) {
-        const auto range = sampler_.around(x, distance);
-        double least = 0;
-        for (std::size_t g = 0; g < groups_.size(); ++g) {
-            if (!(g == 0 ? range.inner || !range.shell : range.shell)) continue;
-            const double mean = (groups_[g].meanRadius - layer_) * range.least + layer_;
-            least = least > 0 ? std::min(least, mean) : mean;
-        }
-        return least;
+        return meanOf(sampler_.around(x, distance));
     }
+    /// The mean radius that is requested at a point, mm.
+    double mean(const Vec<Dim>& x) {
+        const LocalSize size = at(x);
+        return (groups_[size.group].meanRadius - layer_) * size.factor + layer_;
+    }
+    /// See `ofPivot`.
+    static constexpr double kRoom = 1.02;
 
     /// Whether two requests are nearly the same, so that one sphere may serve either.
     static bool areAlike(const LocalSize& a, const LocalSize& b) {
@@ -72,6 +78,15 @@ private:
     static constexpr double kBeside = 1.5, kJump = 1.5;
     static constexpr double kAlike = 0.1;
 
+    double meanOf(const typename LocalSizeSampler<Dim>::Range& range) const {
+        double least = 0;
+        for (std::size_t g = 0; g < groups_.size(); ++g) {
+            if (!(g == 0 ? range.inner || !range.shell : range.shell)) continue;
+            const double mean = (groups_[g].meanRadius - layer_) * range.least + layer_;
+            least = least > 0 ? std::min(least, mean) : mean;
+        }
+        return least;
+    }
     FrontLengths joined(const typename LocalSizeSampler<Dim>::Range& range) const {
         FrontLengths all;
         for (std::uint32_t g = 0; g < groups_.size(); ++g) {

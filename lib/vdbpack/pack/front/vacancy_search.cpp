@@ -12,8 +12,9 @@ namespace {
 /// the room is hardly less than the wanted radius, as along the middle of a thin bone.
 constexpr double kMostRoom = 1.018;
 
-/// By how much more the wanted room may vary within a cell.
-constexpr double kCoarser = 1.25;
+/// Where other sizes begin, parts of a cell with corners that are this near are not halved, in
+/// wanted radii.
+constexpr double kSliver = 0.12, kJump = 1.1;
 
 /// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
 /// leave more cells to halve.
@@ -63,10 +64,10 @@ void VacancySearch<Dim>::stampSpheres() {
     const double inverse = 1 / step_;
     const int most = steps_[0] - 1;
     const Float8 count = {0, 1, 2, 3, 4, 5, 6, 7};
-    for (const auto& s : state_->spheres) {
+    for (std::size_t i = 0; i < state_->spheres.size(); ++i) {
+        const Sphere<Dim>& s = state_->spheres[i];
         const double mostRoom =
-            kMostRoom *
-            wanted(s.center, state_->local ? s.radius + kMostRoom * wanted(s.center, 0) : 0);
+            kMostRoom * (state_->local ? state_->leastMeans[i] : state_->settings.meanRadius);
         // Less by more than floats are off by.
         const double reach = (s.radius + mostRoom - corner) * inverse * (1 - 1e-5) -
                              1e-6 * static_cast<double>(most + 1);
@@ -137,7 +138,7 @@ void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
         for (int j = at[1]; j < end[1]; ++j) left |= ~row(j, k)[at[0] >> 6] & mask;
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
-    const double mostRoom = kMostRoom * wanted(center - state_->origin, corner);
+    const double mostRoom = kMostRoom * state_->leastMean(center - state_->origin, corner);
     if (isTooShallow(center, corner, mostRoom)) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
@@ -178,11 +179,12 @@ bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
             Vec<Dim> c;
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
-            const double mostRoom = kMostRoom * wanted(c, corner);
+            wanted_ = finestIn(c, step_);
+            straddles_ = state_->local && state_->meanAt(c) > kJump * wanted_;
+            const double mostRoom = kMostRoom * wanted_;
             if (isTooShallow(c + state_->origin, corner, mostRoom)) continue;
             nearby_.clear();
-            // The finest sizes of a part of the cell may be coarser.
-            const double reach = state_->local ? kCoarser * kMostRoom * wanted(c, 0) : mostRoom;
+            const double reach = straddles_ ? kMostRoom * state_->meanAt(c) : mostRoom;
             state_->cells.near(c, reach, [&](std::uint32_t i) {
                 nearby_.push_back(i);
                 return true;
@@ -193,13 +195,26 @@ bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
     return false;
 }
 
+template <int Dim>
+double VacancySearch<Dim>::finestIn(const Vec<Dim>& center, double edge) const {
+    double least = state_->meanAt(center);
+    for (int d = 0; d < Dim && state_->local; ++d)
+        for (const double side : {-0.5, 0.5}) {
+            Vec<Dim> x = center;
+            x[d] += side * edge;
+            least = std::min(least, state_->meanAt(x));
+        }
+    return least;
+}
+
 /// Searches a cell for a vacancy, by halving; `nearby_` holds the spheres in reach.
 template <int Dim>
 bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& vacancy) {
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     const FrontSettings<Dim>& settings = state_->settings;
     DomainSampler<Dim>& sampler = *state_->sampler;
-    const double least = wanted(center, corner), mostRoom = kMostRoom * least;
+    const double least = straddles_ ? finestIn(center, edge) : wanted_;
+    const double mostRoom = kMostRoom * least;
     double room = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : nearby_) {
         const Sphere<Dim>& s = state_->spheres[i];
@@ -218,13 +233,16 @@ bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& v
     if (outside > settings.fieldError ||
         (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
         return false;
-    if (room >= least && !sampler.isWallCloser(global, least)) {
+    const double own = straddles_ ? state_->meanAt(center) : least;
+    if (room >= own && !sampler.isWallCloser(global, own)) {
         vacancy = center;
         // All of a ball that no wall crosses is on one side.
         return sampler.contains(global);
     }
     // Otherwise a center this close to a vacancy has the room itself, unless its sign is wrong.
     if (corner < 0.5 * (mostRoom - least)) return false;
+    // Where other sizes begin, it has the room of the finer ones alone.
+    if (own > kJump * least && corner < kSliver * least) return false;
     for (int child = 0; child < (1 << Dim); ++child) {
         Vec<Dim> c = center;
         for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;

@@ -46,12 +46,12 @@ private:
 
     const BlockState<Dim>* state_ = nullptr;
     bool centersOnly_ = false;
-    /// Room that a vacancy must have within a distance of a point, mm; where sizes differ by place,
-    /// that of the finest.
-    double wanted(const Vec<Dim>& x, double distance) const {
-        return state_->leastMean(x, distance);
-    }
+    /// Room that a vacancy must have in a cell, mm: that of the finest sizes requested at its
+    /// center and beside it.
+    double finestIn(const Vec<Dim>& center, double edge) const;
 
+    double wanted_ = 0;                   ///< room that a vacancy must have in the current cell, mm
+    bool straddles_ = false;              ///< whether other sizes begin in it
     double step_ = 0;                     ///< edge of a cell, mm
     std::array<int, 3> steps_;            ///< cells along each axis
     std::size_t rowWords_ = 0;            ///< 64-bit words of a row of cells
