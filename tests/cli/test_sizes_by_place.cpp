@@ -13,6 +13,7 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 #include <openvdb/io/File.h>
 
 #include <string>
@@ -39,7 +40,7 @@ std::string rampTable(double low, double high, double side = 26) {
 }
 
 /// 0.7 and 1.4 in halves of a .vdb.
-void writeHalves(const std::string& file) {
+void writeTwoFactors(const std::string& file) {
     auto grid = newGrid<openvdb::FloatGrid>(1.0f);
     auto accessor = grid->getAccessor();
     for (int k = -14; k <= 14; ++k)
@@ -62,7 +63,7 @@ TEST_CASE("sizes follow a table or a grid, and the report says how well", "[cli]
     const bool grid = GENERATE(false, true);
     CAPTURE(grid);
     if (grid)
-        writeHalves(file = folder.file("halves.vdb"));
+        writeTwoFactors(file = folder.file("halves.vdb"));
     else
         putContent(file, rampTable(0.5, 1));
     const RunResult run = runPack(recipeWith(file));
@@ -171,7 +172,7 @@ TEST_CASE("a recipe file repeats a pack of sizes by place", "[cli]") {
         return text.substr(at, text.find('\n', at) - at);
     };
     CHECK(hashOf(made.text) == hashOf(again.text));
-    CHECK_THAT(textOf(folder.file("pack.recipe.toml")), Contains("ramp.csv"));
+    CHECK_THAT(contentOf(folder.file("pack.recipe.toml")), Contains("ramp.csv"));
 }
 
 TEST_CASE("a dry run foresees the count of sizes by place", "[cli]") {
