@@ -172,7 +172,7 @@ TEMPLATE_TEST_CASE_SIG("radii follow a field, and the field alone", "[pack]", ((
 
 TEMPLATE_TEST_CASE_SIG("a pack of sizes by place is the same for any number of threads", "[pack]",
                        ((int Dim), Dim), 2, 3) {
-    const auto domain = ballDomain<Dim>(0.5 * kEdge<Dim>);
+    const auto domain = ballDomain<Dim>(Dim == 3 ? 29 : 60);  // blocks of 8 largest radii
     PackOptions options = withFactor<Dim>(*domain, ramp<Dim>);
     options.blockSide = 16;
     options.threads = 1;

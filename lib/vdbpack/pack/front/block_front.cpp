@@ -23,7 +23,7 @@ constexpr int kLongestPause = 256;
 constexpr std::size_t kManySpheres = 200;
 
 /// Factors on radii that differ by no more than this share are the same.
-constexpr double kSameFactor = 3e-4;
+constexpr double kSameFactor = 3e-4, kNearlySameFactor = 5e-4;
 
 }  // namespace
 
@@ -271,7 +271,10 @@ bool BlockFront<Dim>::Work::restLocally(std::uint32_t site, const LocalSize& siz
             !front_.sites.restingCenter(site, radius, center))
             return false;
     }
-    return true;
+    // Where the field is so steep that no radius was found, the site is left.
+    const LocalSize here = front_.block.sizeAt(center);
+    return here.group == used.group &&
+           std::fabs(here.factor - used.factor) <= kNearlySameFactor * here.factor;
 }
 
 /// Places the largest pending radius ahead of the front if it is one of the wide ones; after a
