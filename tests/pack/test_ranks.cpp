@@ -25,7 +25,7 @@ PackResult<Dim> packByRanks(int ranks, const Domain<Dim>& domain, const PackOpti
         PackOptions mine = options;
         mine.ranks = &rank;
         parts[static_cast<std::size_t>(rank.rank())] =
-            packBlocks(domain, mine, callbacks, existing);
+            packBlocks(domain, domain, mine, callbacks, existing);
     });
     for (const auto& box : office.boxes) CHECK(box.empty());
     PackResult<Dim> all = parts.front();
@@ -49,7 +49,7 @@ PackResult<Dim> packByRanks(int ranks, const Domain<Dim>& domain, const PackOpti
 template <int Dim>
 void checkRanks(const Domain<Dim>& domain, PackOptions options,
                 const std::vector<Sphere<Dim>>& existing = {}) {
-    const auto alone = packBlocks(domain, options, Callbacks{}, existing);
+    const auto alone = packBlocks(domain, domain, options, Callbacks{}, existing);
     REQUIRE(alone.blocks > 8);
     for (const auto& [ranks, threads] : {std::pair(1, 2), {2, 1}, {3, 2}, {4, 1}, {8, 2}}) {
         CAPTURE(ranks, threads);
@@ -122,5 +122,5 @@ TEST_CASE("ranks end together when one of them is interrupted", "[pack][ranks]")
     const auto part = packByRanks<3>(4, *domain, options, {}, callbacks);
     CHECK(part.interrupted);
     CHECK(part.pack.spheres.size() <
-          packBlocks(*domain, options, Callbacks{}, {}).pack.spheres.size());
+          packBlocks(*domain, *domain, options, Callbacks{}, {}).pack.spheres.size());
 }

@@ -58,6 +58,8 @@ constexpr OptionName kOptionNames[] = {
     {"shell", "--shell"},
     {"shellField", "--shell-field"},
     {"shellFrom", "--shell-from"},
+    {"shellRadius", "--shell-radius"},
+    {"sizeField", "--size-field"},
     {"slice", "--slice"},
     {"sphereMorphometry", "--morphometry"},
     {"table", "--table"},

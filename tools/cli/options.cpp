@@ -67,6 +67,21 @@ void addSphereOptions(CLI::App* command, PackJob& job) {
     addSizeOptions(*command, job.radius, job.weightBy,
                    " (default: uniform with ratio 1:2, about 100,000 spheres)");
     command
+        ->add_option("--size-field", job.sizeField,
+                     "factor on the radii by place, that of the center of each sphere: a .vdb grid "
+                     "of floats, a .csv (x, y, z, value) or an image; from its smallest to its "
+                     "largest value at most 1:20")
+        ->option_text("FILE")
+        ->check(notEmpty())
+        ->group("Spheres");
+    command
+        ->add_option("--shell-radius", job.shellRadius,
+                     "radii of the spheres with centers in the shell (--shell), like --radius, "
+                     "which is then that of the others")
+        ->option_text("SPEC")
+        ->check(notEmpty())
+        ->group("Spheres");
+    command
         ->add_option("--target-count", job.targetCount,
                      "scale the radii so that about N spheres are written: those that voids leave, "
                      "with those that --densify adds, without those of --existing")

@@ -53,9 +53,9 @@ std::string renamed(const std::string& option, const std::string& value, const R
     if (isOneOf(option, {"DOMAIN", "domain", "like-domain"}))
         return isShape(value) ? value : rename(value);
     if (isOneOf(option, {"report", "preview", "table", "void-matrix", "void-field", "bvtv-field",
-                         "shell-field", "parts", "like"}))
+                         "shell-field", "size-field", "parts", "like"}))
         return rename(value);
-    if (isOneOf(option, {"radius", "void-radius", "void-aspect"}))
+    if (isOneOf(option, {"radius", "shell-radius", "void-radius", "void-aspect"}))
         return renamedBehind({"table:", "psd:"}, value, rename);
     if (option == "sample") {
         const auto mark = value.find('=');

@@ -4,19 +4,23 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/further_spheres.h"
+#include "vdbpack/densify/group_boundary.h"
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/densify/label_homes.h"
+#include "vdbpack/densify/local_further.h"
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -30,6 +34,8 @@ namespace {
 /// Way that circles of nearly equal size are moved at random first, in radii along each axis.
 constexpr double kStir = 0.8;
 constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
+/// Ratio of the factors up to which a sphere may lie where another one is requested.
+constexpr double kNearFactor = 1.2;
 /// A fraction is reached but for this.
 constexpr double kRounding = 1e-9;
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it.
@@ -75,17 +81,22 @@ public:
     Densifier(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
               const DensifyOptions& options, const Callbacks& callbacks)
         : options_(options),
+          outer_(domain),
           callbacks_(callbacks),
           volume_(domain.volume()),
           shell_(0.5 * options.gap),
           ranks_(options.ranks),
           sizes_(spheres, options),
-          paces_(Dim, sizes_.radii(), ranks_),
+          local_(options.local ? std::make_unique<LocalFurther<Dim>>(domain, spheres, options)
+                               : nullptr),
+          paces_(Dim, local_ ? local_->radii() : sizes_.radii(), ranks_),
           moving_(sumOver(ranks_, std::uint64_t{sizes_.radii().size()})) {
         if (shell_ > 0) inset_ = insetDomain(domain, shell_);
         domain_ = inset_ ? inset_.get() : &domain;
         result_.spheres = spheres;
-        result_.regions = options.regions;
+        result_.regions = local_ ? local_->classes() : options.regions;
+        if (local_) relative_ = local_->relative();
+        if (local_ && options.local->shellSizes) boundary_.emplace(domain, options.local->shell);
         result_.before = fractionOf(result_.spheres);
         places_.resize(spheres.size());
         std::iota(places_.begin(), places_.end(), 0u);
@@ -213,6 +224,7 @@ private:
     /// Adds spheres up to `fraction` and relaxes, from pace `first` on. A pack without overlaps is
     /// kept. @return whether there is one.
     bool attempt(double fraction, std::size_t first) {
+        if (local_) return attemptLocally(fraction, first);
         std::vector<Sphere<Dim>> spheres = result_.spheres;
         std::vector<std::int32_t> regions = result_.regions;
         std::vector<std::uint32_t> labels = result_.labels;
@@ -253,6 +265,135 @@ private:
         spheres.insert(spheres.end(), placed.begin(), placed.end());
         regions.insert(regions.end(), added.regions.begin(), added.regions.end());
         if (paces_.areEqualCircles()) stir(spheres, {});
+    }
+
+    /// Spheres where sizes differ by place.
+    struct LocalPack {
+        std::vector<Sphere<Dim>> spheres;
+        std::vector<std::int32_t> classes;
+        std::vector<double> relative;  ///< radii where the factor is 1, mm
+    };
+
+    /// As `attempt`, where sizes differ by place.
+    bool attemptLocally(double fraction, std::size_t first) {
+        ++result_.stages;
+        ++stage_;
+        const std::vector<std::uint32_t> places = places_;
+        for (std::size_t k = first; k < paces_.size(); ++k) {
+            LocalPack pack{result_.spheres, result_.regions, relative_};
+            if (reachLocally(fraction, paces_[k], pack)) {
+                result_.spheres = std::move(pack.spheres);
+                result_.regions = std::move(pack.classes);
+                relative_ = std::move(pack.relative);
+                return moved_ = result_.apart = true;
+            }
+            places_ = places;
+            if (result_.interrupted) return false;
+        }
+        return false;
+    }
+
+    /// Spheres drift to where there is room, which changes what is requested of them: most are
+    /// added first, then radii follow the field again, and the others are added. Where there is
+    /// room for it, radii follow the field once more.
+    bool reachLocally(double fraction, const RelaxationPace& pace, LocalPack& pack) {
+        constexpr double kFirst = 0.4;
+        constexpr int kFits = 3;
+        constexpr double kFit = 2e-3;
+        const double begin = reachedFraction();
+        for (std::uint64_t turn = 1;; ++turn) {
+            const double next = turn == 1 ? begin + kFirst * (fraction - begin) : fraction;
+            insertLocally(next, turn << 48, pack);
+            if (!relaxLocally(next, pace, pack)) return false;
+            if (turn > 1 && fractionOf(pack.spheres) >= fraction - kRounding) break;
+            fit(pack);
+        }
+        for (int k = 0; k < kFits && !(misfitOf(pack) < kFit); ++k) {
+            LocalPack fitted = pack;
+            const std::vector<std::uint32_t> places = places_;
+            fit(fitted);
+            if (fractionOf(fitted.spheres) >= fraction - kRounding &&
+                relaxLocally(fraction, pace, fitted)) {
+                pack = std::move(fitted);
+            } else {
+                places_ = places;
+                break;
+            }
+        }
+        return !result_.interrupted;
+    }
+
+    bool relaxLocally(double fraction, const RelaxationPace& pace, LocalPack& pack) {
+        const std::size_t count = pack.spheres.size();
+        return relaxHere(pack.spheres, pack.classes, [&](Relaxation<Dim>& relaxation) {
+            return isRelaxed(relaxation, pace, fraction, count);
+        });
+    }
+
+    /// Calls `visit(i, size)` for the spheres that lie where about their own size is requested.
+    template <class Visit>
+    void forEachAtHome(const LocalPack& pack, const Visit& visit) const {
+        const std::vector<LocalSize> sizes = localSizesOf(pack.spheres, outer_, *options_.local);
+        for (std::size_t i = options_.fixed; i < pack.spheres.size(); ++i)
+            if (areNear(sizes[i], LocalFurther<Dim>::sizeOf(pack.classes[i]))) visit(i, sizes[i]);
+    }
+    static bool areNear(const LocalSize& a, const LocalSize& b) {
+        return a.group == b.group && a.factor < kNearFactor * b.factor &&
+               b.factor < kNearFactor * a.factor;
+    }
+
+    /// The root mean square by which radii differ from those requested, as a share.
+    double misfitOf(const LocalPack& pack) const {
+        double squares = 0, count = 1;
+        forEachAtHome(pack, [&](std::size_t i, const LocalSize& size) {
+            const double off = pack.spheres[i].radius / (pack.relative[i] * size.factor) - 1;
+            squares += off * off;
+            ++count;
+        });
+        return std::sqrt(squares / count);
+    }
+
+    /// Gives spheres the radii that are requested of them where they are.
+    void fit(LocalPack& pack) const {
+        forEachAtHome(pack, [&](std::size_t i, const LocalSize& size) {
+            pack.spheres[i].radius =
+                static_cast<double>(static_cast<float>(pack.relative[i] * size.factor));
+            pack.classes[i] = LocalFurther<Dim>::classOf(size);
+        });
+    }
+
+    /// Adds spheres up to `fraction`, each of the size that is requested at its center.
+    void insertLocally(double fraction, std::uint64_t salt, LocalPack& pack) const {
+        using Further = LocalFurther<Dim>;
+        tbb::enumerable_thread_specific<LocalSizeSampler<Dim>> samplers(
+            [&] { return LocalSizeSampler<Dim>(outer_, *options_.local); });
+        const auto belongs = [&](const Vec<Dim>& x, std::int32_t number) {
+            return areNear(samplers.local().at(x), Further::sizeOf(number));
+        };
+        double missing = (fraction - fractionOf(pack.spheres)) * volume_;
+        // Factors differ a little from those of their classes: what is missing is added again.
+        for (std::uint64_t round = 0; missing > 0; ++round) {
+            const std::uint64_t stage = stage_ ^ salt ^ (round << 32);
+            RandomStream random(options_.seed ^ 0x64656e73696679ull, stage);
+            const FurtherSpheres drawn = local_->draw(missing, random);
+            std::vector<double> radii;
+            for (std::size_t k = 0; k < drawn.radii.size(); ++k)
+                radii.push_back(drawn.radii[k] * Further::sizeOf(drawn.regions[k]).factor);
+            Relaxation<Dim> present(*domain_, withShell(pack.spheres), options_.fixed, pack.classes,
+                                    options_.seed, true);
+            const auto found = present.vacancies(radii, drawn.regions, stage, belongs);
+            for (std::size_t k = 0; k < found.size() && missing > 0; ++k) {
+                LocalSize size = Further::sizeOf(drawn.regions[k]);
+                if (belongs(found[k].center, drawn.regions[k]))
+                    size = samplers.local().at(found[k].center);
+                const auto radius = static_cast<float>(drawn.radii[k] * size.factor);
+                pack.spheres.push_back({found[k].center, static_cast<double>(radius)});
+                pack.classes.push_back(Further::classOf(size));
+                pack.relative.push_back(drawn.radii[k]);
+                missing -= Measure<Dim>::ball(pack.spheres.back().radius);
+            }
+        }
+        if (paces_.areEqualCircles()) stir(pack.spheres, {});
     }
 
     /// The same over ranks.
@@ -349,7 +490,8 @@ private:
     bool relaxHere(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions,
                    const Work& work) {
         Relaxation<Dim> relaxation(*domain_, withShell(spheres), options_.fixed, regions,
-                                   options_.seed + stage_);
+                                   options_.seed + stage_, local_ != nullptr);
+        if (boundary_) relaxation.keepTo(*boundary_, isInside_);
         if (!work(relaxation)) return false;
         const auto moved = relaxation.spheres();
         for (std::size_t i = 0; i < moved.size(); ++i) spheres[i].center = moved[i].center;
@@ -387,6 +529,7 @@ private:
     }
 
     const DensifyOptions& options_;
+    const Domain<Dim>& outer_;
     const Callbacks& callbacks_;
     double volume_;
     double shell_;
@@ -394,6 +537,12 @@ private:
     const Domain<Dim>* domain_ = nullptr;
     Ranks* ranks_;
     FurtherSizes<Dim> sizes_;
+    std::unique_ptr<LocalFurther<Dim>> local_;    ///< null: the same sizes everywhere
+    std::vector<double> relative_;                ///< as in LocalPack, of the spheres of the result
+    std::optional<GroupBoundary<Dim>> boundary_;  ///< of the shell, if it has sizes of its own
+    const std::function<bool(std::int32_t)> isInside_ = [](std::int32_t number) {
+        return LocalFurther<Dim>::sizeOf(number).group == 0;
+    };
     Paces paces_;
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result

@@ -5,6 +5,7 @@
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 
 #include <cstdint>
@@ -27,6 +28,10 @@ struct DensifyOptions {
     /// region only. Every region receives its share (by volume) of the added spheres, near its own
     /// spheres; without `sizes` their radii are those of the region.
     std::vector<std::int32_t> regions;
+
+    /// What differs by place in `sizes`, which are given; null: nothing. Spheres exchange positions
+    /// with those of nearly the same request; `regions` and `ranks` are not used then.
+    const LocalSizes* local = nullptr;
 
     /// Whether near spheres are drawn together until they touch, where spheres have moved.
     bool contacts = true;

@@ -52,7 +52,7 @@ void Relaxation<Dim>::exchange(Run& run, std::uint32_t k, std::uint32_t l) {
     std::swap(run.ranks[k], run.ranks[l]);
     touching_[a] = touching_[b] = -1;  // once per step: their squeezes are outdated
     now_.vicinities[a].roam -= more;
-    run.grown = std::max(run.grown, small.radius - listedRadii_[a]);
+    run.grown = std::max(run.grown, (small.radius - listedRadii_[a]) / unitOf(listedRadii_[a]));
 }
 
 template <int Dim>

@@ -46,8 +46,10 @@ void Relaxation<Dim>::sort() {
     moveHomes();
     if (cell_.any()) addImages();
     const std::size_t n = now_.labels.size();
-    wraps_ = cells_.sort(now_.homes, now_.bodies.data(), smallest_, most_,
-                         {2 * (1 + static_cast<double>(delta_)), static_cast<double>(skin_)});
+    wraps_ = cells_.sort(
+        now_.homes, now_.bodies.data(), smallest_, most_,
+        {2 * (1 + static_cast<double>(delta_)) + 2 * static_cast<double>(listedGrow() - listGrow_),
+         static_cast<double>(listedGap())});
     forAll(n, [&](std::size_t to) {
         const std::uint32_t i = cells_.order()[to];
         sorted_.take(to, now_, i);
@@ -89,9 +91,10 @@ bool Relaxation<Dim>::listsExpired(const Extremes& all) {
         for (std::uint32_t i = runs_[k].first; i < runs_[k].last; ++i) {
             const Home& home = now_.homes[i];
             const Body& body = now_.bodies[i];
-            way = std::max(way, square(difference(body.x, lowBits(home[0]))) +
-                                    square(difference(body.y, lowBits(home[1]))) +
-                                    square(difference(body.z, lowBits(home[2]))));
+            const float own = square(difference(body.x, lowBits(home[0]))) +
+                              square(difference(body.y, lowBits(home[1]))) +
+                              square(difference(body.z, lowBits(home[2])));
+            way = std::max(way, own / square(unitOf(listedRadii_[i])));
         }
         moved[k] = std::sqrt(way);
     });
@@ -190,8 +193,8 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
     for (const auto& level : cells_.levels()) {
         if (level.count[0] == 0) continue;
         const double reach = (static_cast<double>(largest) + static_cast<double>(level.largest)) *
-                                 static_cast<double>(listGrow_) * (1 + 1e-6) +
-                             static_cast<double>(skin_);
+                                 static_cast<double>(listedGrow()) * (1 + 1e-6) +
+                             static_cast<double>(listedGap());
         cells_.forEachRow(level, lo, hi, reach, [&](std::uint32_t from, std::uint32_t to) {
             around.add(now_.bodies.data(), from, to);
         });
@@ -200,7 +203,7 @@ void Relaxation<Dim>::collect(std::uint32_t first, std::uint32_t last, Candidate
 
 template <int Dim>
 void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around) {
-    const float grow = listGrow_;
+    const float grow = listedGrow(), gap = listedGap();
     const Body body = now_.bodies[slot];
     std::uint32_t* const found = around.found.data();
     std::uint32_t count = 0;
@@ -211,7 +214,7 @@ void Relaxation<Dim>::listSlot(Run& run, std::uint32_t slot, Candidates& around)
         const Float8 dy = difference(other.y, body.y);
         const Float8 dz = difference(other.z, body.z);
         const Float8 d2 = dx * dx + dy * dy + dz * dz;
-        const Float8 near = (other.radius + body.radius) * grow + skin_;
+        const Float8 near = (other.radius + body.radius) * grow + gap;
         unsigned bits = bitsOf(d2 < near * near);
         if (around.count - j < 8) bits &= (1u << (around.count - j)) - 1;
         const unsigned same = bitsOf(d2 == 0) & bits;

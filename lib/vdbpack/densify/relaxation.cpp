@@ -78,13 +78,14 @@ void Relaxation<Dim>::Slots::resize(std::size_t n) {
 template <int Dim>
 Relaxation<Dim>::Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
                             std::size_t fixed, const std::vector<std::int32_t>& regions,
-                            std::uint64_t seed)
+                            std::uint64_t seed, bool graded)
     : quantum_(quantumOf(spheres, nullptr)),
       cell_(domain.cell()),
       given_(spheres),
       regions_(regions),
       fixed_(static_cast<std::uint32_t>(fixed)),
       seed_(seed),
+      graded_(graded),
       walls_(domain, quantum_) {
     const std::size_t n = spheres.size();
     if (n > 0x7fffffff)

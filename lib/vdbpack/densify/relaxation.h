@@ -8,6 +8,7 @@
 #include "vdbpack/densify/body.h"
 #include "vdbpack/densify/body_cells.h"
 #include "vdbpack/densify/candidates.h"
+#include "vdbpack/densify/group_boundary.h"
 #include "vdbpack/densify/wall_planes.h"
 #include "vdbpack/domain/domain.h"
 
@@ -42,15 +43,26 @@ public:
     /// @param fixed    the first of them that stay where they are.
     /// @param regions  of the spheres, which exchange positions within a region only; empty: one.
     /// @param domain   must outlive this.
+    /// @param graded   whether sizes differ by place: then steps, and the gaps up to which
+    ///                 neighbors are listed, go with each sphere's own radius instead of the
+    ///                 smallest of all.
     /// @throws ResourceError above 2^31 spheres.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres,
-               std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed);
+               std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed,
+               bool graded = false);
     /// Over ranks: spheres of this one, of which all move, in one region.
     /// @param labels  of the spheres: their numbers among those of all ranks, rising.
     /// @param further  radius of the spheres for which vacancies are sought, mm; 0: none are.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres, Ranks& ranks,
                const std::vector<std::uint32_t>& labels, double further, std::uint64_t seed);
     ~Relaxation();
+    /// Keeps the centers of spheres on their side of a boundary; see GroupBoundary.
+    /// @param isInside  whether the spheres of a region lie inside; must outlive this, as the
+    /// first.
+    void keepTo(GroupBoundary<Dim>& boundary, const std::function<bool(std::int32_t)>& isInside) {
+        boundary_ = &boundary;
+        isInside_ = &isInside;
+    }
     Relaxation(const Relaxation&) = delete;
     Relaxation& operator=(const Relaxation&) = delete;
 
@@ -75,9 +87,12 @@ public:
     /// A vacancy for each of further spheres: the point with the most room of some points drawn
     /// near a sphere. They may overlap other spheres and one another. Radii in mm.
     /// @param regions  of each further sphere, near whose spheres it is placed; empty: anywhere.
+    /// @param belongs  whether a point (mm) is one for a sphere of a region; empty: all are.
+    ///                 Thread-safe.
+    using Belongs = std::function<bool(const Vec<Dim>& x, std::int32_t region)>;
     std::vector<Sphere<Dim>> vacancies(const std::vector<double>& radii,
-                                       const std::vector<std::int32_t>& regions,
-                                       std::uint64_t salt);
+                                       const std::vector<std::int32_t>& regions, std::uint64_t salt,
+                                       const Belongs& belongs = {});
 
     /// The same over ranks: of those vacancies that this rank finds.
     struct Vacancy {
@@ -173,9 +188,11 @@ private:
     void advance(float fastest);
 
     /// The point with the most room of some drawn near a slot, mm.
-    /// @param radius  quanta. @param around  scratch space.
+    /// @param radius  quanta. @param around  scratch space. @param belongs  of points, mm; empty:
+    /// all.
     Vec<Dim> vacancyNear(std::uint32_t slot, double radius, RandomStream& random,
-                         std::vector<Body>& around);
+                         std::vector<Body>& around,
+                         const std::function<bool(const Vec<Dim>&)>& belongs = {});
 
     // relaxation_images.cpp
     struct Image {
@@ -227,6 +244,8 @@ private:
     void askWalls();
     void askWall(std::size_t slot);
     void listPlanes(Run& run);
+    /// Lists the end of a shell as a wall for the center of a slot.
+    void listBoundary(Run& run, std::uint32_t slot);
     /// Whether all spheres lie inside by the exact wall; lists the planes of those that do not.
     bool keepsWall();
 
@@ -248,6 +267,14 @@ private:
     void forEachNear(const Home& home, double reach, const Visit& visit) const;
     static constexpr std::uint32_t kOfOthers = 0xffffffff;  ///< label of images
     bool isFixed(std::uint32_t label) const { return label < fixed_ || label == kOfOthers; }
+    /// The length in which ways and gaps of a sphere are counted, in smallest radii.
+    float unitOf(float radius) const { return graded_ ? radius / least_ : 1; }
+    /// Neighbors are listed up to a gap between (r_i + r_j) `listedGrow()` and the distance less
+    /// `listedGap()`, quanta: a `skin_` for each half of their units.
+    float listedGrow() const { return graded_ ? listGrow_ + 0.5f * skin_ / least_ : listGrow_; }
+    float listedGap() const { return graded_ ? 0 : skin_; }
+    /// The same of a sphere and a wall.
+    float wallMargin(float radius) const { return radius * delta_ + skin_ * unitOf(radius); }
     /// Whether the spheres in two slots may exchange positions.
     bool isAlike(std::uint32_t a, std::uint32_t b) const {
         return regions_.empty() || regions_[now_.labels[a]] == regions_[now_.labels[b]];
@@ -266,9 +293,12 @@ private:
     float smallest_ = 0, most_ = 0;  ///< radii of all, quanta
     float delta_ = 0;
     float listGrow_ = 1;  ///< radii are enlarged by this factor where neighbors are listed
-    float skin_ = 0;      ///< quanta
-    float spent_ = 0;     ///< upper bound of the way of any sphere since lists were made, quanta
-    int listed_ = 0;      ///< steps since then
+    bool graded_ = false;
+    GroupBoundary<Dim>* boundary_ = nullptr;  ///< null: none
+    const std::function<bool(std::int32_t)>* isInside_ = nullptr;
+    float skin_ = 0;   ///< quanta, times the units of the spheres, as the next
+    float spent_ = 0;  ///< upper bound of the way of any sphere since lists were made, quanta
+    int listed_ = 0;   ///< steps since then
 
     Slots now_, sorted_;
     std::vector<Body> next_;

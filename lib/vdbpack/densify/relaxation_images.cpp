@@ -29,7 +29,7 @@ void Relaxation<Dim>::addImages() {
     std::size_t own = 0;
     for (std::size_t i = 0; i < now_.labels.size(); ++i)
         if (now_.labels[i] != kOfOthers) now_.take(own++, now_, i);
-    const double grow = static_cast<double>(listGrow_) * (1 + 1e-6);
+    const double grow = static_cast<double>(listedGrow()) * (1 + 1e-6);
     const auto most = static_cast<double>(most_), further = static_cast<double>(further_);
     images_.clear();
     for (std::size_t i = 0; i < own; ++i) {
@@ -43,7 +43,7 @@ void Relaxation<Dim>::addImages() {
             if (!isFixed(now_.labels[i])) now_.vicinities[i].roam = -1;
         }
         const auto radius = static_cast<double>(body.radius);
-        double reach = (radius + most) * grow + static_cast<double>(skin_);
+        double reach = (radius + most) * grow + static_cast<double>(listedGap());
         // Vacancies are sought near a slot, among all spheres around them.
         if (further > 0) reach = std::max(reach, radius + 2.2 * further + most);
         std::array<std::array<std::int64_t, 3>, 3> shifts{};

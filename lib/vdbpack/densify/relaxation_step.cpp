@@ -28,8 +28,11 @@ struct Law {
 /// From the spheres `ids` up to `end`, whole eights.
 /// @param kSqueeze  whether squeeze and contacts are counted.
 /// @param kPull     whether gaps count, as negative overlaps.
+/// @param kGraded   whether stiffness and mass go with the radii: where sizes differ by place, the
+///                  pressure of spheres that overlap by the same share is then the same, and fine
+///                  ones do not drift towards coarse ones.
 /// @param worst     of each lane, raised to the largest overlap divided by the distance.
-template <bool kSqueeze, bool kPull>
+template <bool kSqueeze, bool kPull, bool kGraded>
 VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const std::uint32_t* ids,
                                   const std::uint32_t* end, const Law& law, Float8& worst) {
     Float8 fx = {}, fy = {}, fz = {}, squeeze = {};
@@ -48,9 +51,11 @@ VDBPACK_INLINE Push pushOfSpheres(const Body* bodies, const Body& body, const st
         Float8 push = reach / d - 1;
         if constexpr (kPull) push = larger(push, -law.pull);
         push = where8(near, push);
-        fx -= push * dx;
-        fy -= push * dy;
-        fz -= push * dz;
+        Float8 gain = push;
+        if constexpr (kGraded) gain = push * (2.0f * other.radius) / (other.radius + body.radius);
+        fx -= gain * dx;
+        fy -= gain * dy;
+        fz -= gain * dz;
         worst = larger(worst, push);
         if constexpr (kSqueeze) {
             squeeze += push * d;
@@ -103,11 +108,12 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
     std::uint32_t plane = 0;
-    const float cap = step.cap, capSquare = cap * cap;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
         const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
-        Push push = pushOfSpheres<kSqueeze, kPull>(bodies, body, ids, end, law, worst);
+        Push push = graded_
+                        ? pushOfSpheres<kSqueeze, kPull, true>(bodies, body, ids, end, law, worst)
+                        : pushOfSpheres<kSqueeze, kPull, false>(bodies, body, ids, end, law, worst);
         float share = step.push, inertia = step.inertia;
         if constexpr (kPull) share *= std::min(1.0f, kFewNeighbors / static_cast<float>(end - ids));
         ids = end;
@@ -119,13 +125,14 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
         float vx = inertia * motion.x + share * push.x;
         float vy = inertia * motion.y + share * push.y;
         float vz = inertia * motion.z + share * push.z;
+        const float unit = unitOf(body.radius), cap = step.cap * unit, capSquare = cap * cap;
         float speed = vx * vx + vy * vy + vz * vz;
         if (speed > capSquare) {
             const float slower = cap / std::sqrt(speed);
             vx *= slower, vy *= slower, vz *= slower;
             speed = capSquare;
         }
-        fastest = std::max(fastest, speed);
+        fastest = std::max(fastest, speed / (unit * unit));
         motion.x = vx, motion.y = vy, motion.z = vz;
         if constexpr (kSqueeze) {
             motion.squeeze = push.squeeze;

@@ -4,7 +4,9 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
 #include <atomic>
+#include <cmath>
 
 namespace vdbpack {
 
@@ -21,7 +23,7 @@ template <int Dim>
 void Relaxation<Dim>::askWall(std::size_t slot) {
     const Body& body = now_.bodies[slot];
     auto& vicinity = now_.vicinities[slot];
-    const float margin = body.radius * delta_ + skin_;
+    const float margin = wallMargin(body.radius);
     if (walls_.isDue(body, vicinity, margin))
         walls_.ask(whereIs(now_.homes[slot], body), body, margin, vicinity);
 }
@@ -34,11 +36,38 @@ void Relaxation<Dim>::listPlanes(Run& run) {
         if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
             const Body& body = now_.bodies[i];
             for (const WallPlane& plane : walls_[wall])
-                if (plane.distance(body) < body.radius * listGrow_ + skin_)
+                if (plane.distance(body) < body.radius * listGrow_ + skin_ * unitOf(body.radius))
                     run.planes.push_back(plane);
         }
+        if (boundary_ && !isFixed(now_.labels[i])) listBoundary(run, i);
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
     }
+}
+
+template <int Dim>
+void Relaxation<Dim>::listBoundary(Run& run, std::uint32_t slot) {
+    constexpr double kInside = 3;  // on the right side by more than what is accepted as none
+    const Body& body = now_.bodies[slot];
+    const double radius = static_cast<double>(body.radius);
+    const double reach = static_cast<double>(skin_ * unitOf(body.radius)) * quantum_;
+    Vec<Dim> toward;
+    double beyond = 0;
+    if (!boundary_->isNear(walls_.position(whereIs(now_.homes[slot], body)), reach, toward, beyond))
+        return;
+    if (!(*isInside_)(regions_[now_.labels[slot]])) {
+        toward *= -1.0;
+        beyond = -beyond;
+    }
+    // A wall that the sphere touches when its center reaches the boundary.
+    const double away = beyond / quantum_ + radius * (1 - kInside * static_cast<double>(delta_));
+    std::array<std::uint32_t, 3> point{body.x, body.y, body.z};
+    std::array<float, 3> normal{};
+    for (std::size_t d = 0; d < Dim; ++d) {
+        normal[d] = static_cast<float>(toward.c[d]);
+        point[d] -=
+            static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(toward.c[d] * away)));
+    }
+    run.planes.push_back({normal[0], normal[1], normal[2], point[0], point[1], point[2]});
 }
 
 template <int Dim>
@@ -53,7 +82,7 @@ bool Relaxation<Dim>::keepsWall() {
             const Body& body = now_.bodies[i];
             const Home home = whereIs(now_.homes[i], body);
             if (walls_.allows(home, body, grow)) continue;
-            walls_.ask(home, body, body.radius * delta_ + skin_, now_.vicinities[i]);
+            walls_.ask(home, body, wallMargin(body.radius), now_.vicinities[i]);
             asked = true;
         }
         if (!asked) return;

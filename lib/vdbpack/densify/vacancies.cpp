@@ -35,7 +35,7 @@ float room(const std::vector<Body>& bodies, const Body& at) {
 template <int Dim>
 std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& radii,
                                                     const std::vector<std::int32_t>& regions,
-                                                    std::uint64_t salt) {
+                                                    std::uint64_t salt, const Belongs& belongs) {
     std::vector<Sphere<Dim>> placed(radii.size());
     if (!ready_ || radii.empty()) return placed;
     if (cell_.any()) {  // with images as far as vacancies are sought
@@ -66,8 +66,11 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
                 const auto anchor = static_cast<std::size_t>(
                     (static_cast<double>(numbers[k]) + random.uniform()) /
                     static_cast<double>(region.added) * static_cast<double>(region.slots.size()));
-                placed[k] = {vacancyNear(region.slots[anchor], radii[k] / quantum_, random, around),
-                             radii[k]};
+                std::function<bool(const Vec<Dim>&)> here;
+                if (belongs) here = [&, k](const Vec<Dim>& x) { return belongs(x, regions[k]); };
+                placed[k] = {
+                    vacancyNear(region.slots[anchor], radii[k] / quantum_, random, around, here),
+                    radii[k]};
             }
         });
     return placed;
@@ -97,7 +100,8 @@ std::vector<typename Relaxation<Dim>::Vacancy> Relaxation<Dim>::vacanciesHere(
 
 template <int Dim>
 Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomStream& random,
-                                      std::vector<Body>& around) {
+                                      std::vector<Body>& around,
+                                      const std::function<bool(const Vec<Dim>&)>& belongs) {
     DomainSampler<Dim>& sampler = walls_.sampler();
     const Home& home = now_.homes[slot];
     const double half = static_cast<double>(now_.bodies[slot].radius) + 1.2 * radius;
@@ -105,7 +109,7 @@ Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomS
     forEachNear(home, half + radius, [&](std::uint32_t j) { around.push_back(now_.bodies[j]); });
     while (around.size() % 8 != 0) around.push_back(around.front());
     double most = -std::numeric_limits<double>::infinity();
-    Vec<Dim> best;
+    Vec<Dim> best = walls_.position(home);
     for (int draw = 0; draw < kDraws; ++draw) {
         Home at = home;
         for (int d = 0; d < Dim; ++d)
@@ -116,7 +120,7 @@ Vec<Dim> Relaxation<Dim>::vacancyNear(std::uint32_t slot, double radius, RandomS
         const Body body{lowBits(at[0]), lowBits(at[1]), lowBits(at[2]), 0};
         double space = wall;
         if (wall > most) space = std::min(wall, static_cast<double>(room(around, body)));
-        if (space > most) {
+        if (space > most && (!belongs || belongs(x))) {
             most = space;
             best = x;
         }
@@ -130,9 +134,9 @@ template std::vector<Relaxation<3>::Vacancy> Relaxation<3>::vacanciesHere(
     const std::vector<double>&, std::uint64_t);
 template std::vector<Sphere<2>> Relaxation<2>::vacancies(const std::vector<double>&,
                                                          const std::vector<std::int32_t>&,
-                                                         std::uint64_t);
+                                                         std::uint64_t, const Belongs&);
 template std::vector<Sphere<3>> Relaxation<3>::vacancies(const std::vector<double>&,
                                                          const std::vector<std::int32_t>&,
-                                                         std::uint64_t);
+                                                         std::uint64_t, const Belongs&);
 
 }  // namespace vdbpack

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace vdbpack {
 
 namespace {
@@ -90,6 +92,11 @@ ScalarGrid::~ScalarGrid() = default;
 
 const Box<3>& ScalarGrid::bounds() const {
     return impl_->bounds;
+}
+
+double ScalarGrid::step() const {
+    const openvdb::Vec3d edges = impl_->grid->base().voxelSize();
+    return std::min({edges.x(), edges.y(), edges.z()}) * impl_->scale;
 }
 
 const std::vector<std::pair<Vec<3>, double>>& ScalarGrid::samples() const {

@@ -24,6 +24,8 @@ public:
 
     /// The box around the active voxels, a voxel wider on each side, mm.
     const Box<3>& bounds() const;
+    /// Shortest edge of a voxel, mm.
+    double step() const;
     /// Places (mm) and values of some voxels, which represent the others from afar.
     const std::vector<std::pair<Vec<3>, double>>& samples() const;
     /// Trilinear between the centers of those of the eight voxels around `x` (mm) that are active;

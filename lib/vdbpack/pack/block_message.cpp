@@ -86,8 +86,8 @@ template <int Dim>
 std::vector<std::byte> toBytes(const BlockMessage<Dim>& message) {
     ByteWriter bytes;
     visit<Dim>(bytes, message);
-    bytes(message.pool.has_value());
-    if (message.pool) visitPool(bytes, *message.pool);
+    bytes(std::uint64_t{message.pools.size()});
+    for (const auto& pool : message.pools) visitPool(bytes, pool);
     bytes(message.further.has_value());
     if (message.further) visitFurther(bytes, *message.further);
     return bytes.take();
@@ -98,9 +98,11 @@ BlockMessage<Dim> blockMessage(const std::vector<std::byte>& from) {
     BlockMessage<Dim> message;
     ByteReader bytes(from);
     visit<Dim>(bytes, message);
+    std::uint64_t pools = 0;
+    bytes(pools);
+    message.pools.resize(pools);
+    for (auto& pool : message.pools) visitPool(bytes, pool);
     bool has = false;
-    bytes(has);
-    if (has) visitPool(bytes, message.pool.emplace());
     bytes(has);
     if (has) visitFurther(bytes, message.further.emplace());
     return message;

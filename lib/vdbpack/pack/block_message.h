@@ -17,8 +17,8 @@ struct BlockMessage {
     std::uint32_t block = 0;
     bool stopped = false;      ///< the sender was interrupted: the block may not be complete
     BlockSpheres<Dim> placed;  ///< in reach of blocks of the receiver, with their sites there
-    /// What is pending, if the receiver takes it over.
-    std::optional<RadiusPool::State> pool;
+    /// What is pending of each group of sizes, if the receiver takes it over.
+    std::vector<RadiusPool::State> pools;
     std::optional<SpeciesQueue::State> further;
 };
 

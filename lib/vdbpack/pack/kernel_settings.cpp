@@ -63,45 +63,54 @@ constexpr double kDenseBlock = 3;
 /// 0.614 as one block, 0.613 at 20, 0.610 at 14), longer ones leave threads without work.
 template <int Dim>
 constexpr double kBlockSide = Dim == 3 ? 20 : 60;
+/// Where sizes differ by place, the edge is that for the coarsest ones, or for this many times the
+/// finest: blocks of fine spheres hold many.
+constexpr double kCoarseBlocks = 3;
+
+/// Between the streams of random numbers of two groups of sizes: more than there are blocks.
+constexpr std::uint64_t kGroupStreams = std::uint64_t{1} << 40;
 
 template <int Dim>
-bool areNearlyEqual(const FrontSettings<Dim>& settings) {
+bool areNearlyEqual(const FrontLengths& settings) {
     return Dim == 3 && settings.commonRadius <= kNearlyEqual * settings.minRadius;
 }
 
 }  // namespace
 
-template <int Dim>
-double ballWithShell(const SizeDistribution& sizes, double scale, double shell) {
-    const double mean = scale * sizes.mean(), square = scale * scale * sizes.meanBall(2) / kPi;
-    if constexpr (Dim == 2)
-        return kPi * (square + shell * (2 * mean + shell));
-    else
-        return scale * scale * scale * sizes.meanBall(3) +
-               4.0 / 3.0 * kPi * shell * (3 * square + shell * (3 * mean + shell));
-}
-
-double quantumFor(const SizeDistribution& sizes) {
+double quantumFor(const PackOptions& options) {
+    double mean = options.sizes.mean();
+    if (options.local.any()) {
+        for (std::size_t g = 0; g < options.local.groups(); ++g)
+            mean = std::min(mean, options.local.sizesOf(g, options.sizes).mean());
+        mean *= options.local.factors().least;
+    }
     // Point grids of OpenVDB store 25 bits of a voxel's edge; voxels of up to 8 mean radii suit
     // them.
-    return std::exp2(std::floor(std::log2(sizes.mean())) - 22);
+    return std::exp2(std::floor(std::log2(mean)) - 22);
 }
 
 double leastRadius(const PackOptions& options) {
     double least = options.sizes.min();
     for (const Species& species : options.species) least = std::min(least, species.sizes.min());
-    return least;
+    if (!options.local.any()) return least;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        least = std::min(least, options.local.sizesOf(g, options.sizes).min());
+    return least * options.local.factors().least;
 }
 
+double largestRadius(const PackOptions& options) {
+    double largest = 0;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        largest = std::max(largest, options.local.sizesOf(g, options.sizes).quantile(1));
+    return largest * options.local.factors().most;
+}
+
+namespace {
+
 template <int Dim>
-FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& options) {
-    const SizeDistribution& sizes = options.sizes;
+FrontLengths lengthsFor(const SizeDistribution& sizes, const PackOptions& options) {
     const double shell = shellOf(options);
-    FrontSettings<Dim> s;
-    s.order = options.order;
-    s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
-    if (options.order == Order::center || options.order == Order::fifo)
-        s.middle = largestBall(domain).center;
+    FrontLengths s;
     s.minRadius = sizes.min() + shell;
     s.meanRadius = sizes.mean() + shell;
     s.meanBall = ballWithShell<Dim>(sizes, 1, shell);
@@ -109,8 +118,6 @@ FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& o
     s.maxRadius = std::max(sizes.max(), sizes.quantile(1)) + shell;
     s.commonRadius = std::min(s.maxRadius, kCommon * s.meanRadius);
     s.wideRadius = kWide * s.commonRadius;
-    for (const Species& species : options.species)
-        s.maxRadius = std::max(s.maxRadius, species.sizes.quantile(1) + shell);
     // The probe finds all sites where it is the smallest radius; for wide distributions most
     // spheres are larger, and sites that only the smallest could reach are not worth the time.
     s.probe = std::max(s.minRadius, kProbe * s.meanRadius);
@@ -125,12 +132,43 @@ FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& o
         s.wallLead = kWallLead * s.commonRadius;
         s.seamLead = kSeamLead * s.commonRadius;
     }
-    if (areNearlyEqual(s) && !fast && options.order == Order::sweep) {
+    if (areNearlyEqual<Dim>(s) && !fast && options.order == Order::sweep) {
         s.crowdLead = kCrowdLead * s.meanRadius;
         s.nearGap = kNearGap * s.meanRadius;
         s.reach = std::max(s.reach, kCrowdReach * s.meanRadius);
     }
-    s.quantum = quantumFor(sizes);
+    return s;
+}
+
+}  // namespace
+
+template <int Dim>
+std::vector<FrontLengths> frontLengths(const PackOptions& options) {
+    std::vector<FrontLengths> groups;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        groups.push_back(lengthsFor<Dim>(options.local.sizesOf(g, options.sizes), options));
+    return groups;
+}
+
+template <int Dim>
+FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& options) {
+    const double shell = shellOf(options);
+    FrontSettings<Dim> s;
+    const std::vector<FrontLengths> groups = frontLengths<Dim>(options);
+    static_cast<FrontLengths&>(s) = groups.front();
+    if (options.local.any()) {
+        for (const FrontLengths& group : groups)
+            if (group.meanRadius < s.meanRadius) static_cast<FrontLengths&>(s) = group;
+        static_cast<FrontLengths&>(s) = s.scaled(options.local.factors().least, shell, Dim);
+        s.maxRadius = largestRadius(options) + shell;
+    }
+    s.order = options.order;
+    s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
+    if (options.order == Order::center || options.order == Order::fifo)
+        s.middle = largestBall(domain).center;
+    for (const Species& species : options.species)
+        s.maxRadius = std::max(s.maxRadius, species.sizes.quantile(1) + shell);
+    s.quantum = quantumFor(options);
     s.fieldError = domain.facts().voxelSize;
     s.fieldDepth = domain.fieldDepth();
     return s;
@@ -143,11 +181,18 @@ double blockSide(const Domain<Dim>& domain, const PackOptions& options,
         const Vec<Dim> size = domain.bounds().size();
         return 2 * *std::max_element(size.c.begin(), size.c.end());
     }
+    double common = settings.commonRadius;
+    if (options.local.any()) {
+        for (const FrontLengths& group : frontLengths<Dim>(options))
+            common = std::max(
+                common,
+                group.scaled(options.local.factors().most, shellOf(options), Dim).commonRadius);
+        common = std::min(common, kCoarseBlocks * settings.commonRadius);
+    }
     const double wide =
-        areNearlyEqual(settings) && options.effort == Effort::dense ? kDenseBlock : 1;
-    return std::max(8 * settings.maxRadius, options.blockSide > 0
-                                                ? options.blockSide
-                                                : wide * kBlockSide<Dim> * settings.commonRadius);
+        areNearlyEqual<Dim>(settings) && options.effort == Effort::dense ? kDenseBlock : 1;
+    return std::max(8 * settings.maxRadius,
+                    options.blockSide > 0 ? options.blockSide : wide * kBlockSide<Dim> * common);
 }
 
 std::size_t poolCapacity(const PackOptions& options, bool last) {
@@ -156,8 +201,22 @@ std::size_t poolCapacity(const PackOptions& options, bool last) {
     return options.effort != Effort::dense ? 64 : last ? 128 : 256;
 }
 
-template double ballWithShell<2>(const SizeDistribution&, double, double);
-template double ballWithShell<3>(const SizeDistribution&, double, double);
+std::size_t pendingOfGroup(std::size_t usual, double expected) {
+    constexpr double kLeast = 12, kShare = 1.0 / 600;
+    return std::min(usual, static_cast<std::size_t>(std::max(kLeast, kShare * expected)));
+}
+
+std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t stream) {
+    const double shell = options.local.any() ? 0 : shellOf(options);
+    std::vector<RadiusPool> pools;
+    for (std::size_t g = 0; g < options.local.groups(); ++g)
+        pools.emplace_back(options.local.sizesOf(g, options.sizes), options.seed,
+                           g * kGroupStreams + stream, poolCapacity(options, false), shell);
+    return pools;
+}
+
+template std::vector<FrontLengths> frontLengths<2>(const PackOptions&);
+template std::vector<FrontLengths> frontLengths<3>(const PackOptions&);
 template FrontSettings<2> frontSettings(const Domain<2>&, const PackOptions&);
 template FrontSettings<3> frontSettings(const Domain<3>&, const PackOptions&);
 template double blockSide(const Domain<2>&, const PackOptions&, const FrontSettings<2>&);

@@ -4,8 +4,11 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/front/front_settings.h"
 #include "vdbpack/pack/pack_options.h"
+#include "vdbpack/pack/radius_pool.h"
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace vdbpack {
 
@@ -14,17 +17,20 @@ inline double shellOf(const PackOptions& options) {
     return 0.5 * options.gap;
 }
 
-/// Mean volume (2D: area) of spheres with radii times `scale` and a shell, mm^Dim.
-template <int Dim>
-double ballWithShell(const SizeDistribution& sizes, double scale, double shell);
+/// The power of two of which all centers are whole multiples, mm; by the finest sizes.
+double quantumFor(const PackOptions& options);
 
-/// The power of two of which all centers are whole multiples, mm.
-double quantumFor(const SizeDistribution& sizes);
-
-/// The smallest radius of any species, mm.
+/// The smallest radius of any species, anywhere, mm.
 double leastRadius(const PackOptions& options);
+/// The largest radius of the first species anywhere, mm.
+double largestRadius(const PackOptions& options);
 
-/// What the front works with.
+/// The lengths of each group of sizes where their factor is 1.
+template <int Dim>
+std::vector<FrontLengths> frontLengths(const PackOptions& options);
+
+/// What the front works with; where sizes differ by place, the largest radius is that of all, and
+/// the other lengths are those of the finest sizes.
 template <int Dim>
 FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& options);
 
@@ -36,5 +42,13 @@ double blockSide(const Domain<Dim>& domain, const PackOptions& options,
 /// Pending radii that a row of blocks holds.
 /// @param last  of a block whose pool goes to no other.
 std::size_t poolCapacity(const PackOptions& options, bool last);
+
+/// A pool for each group of sizes: of radii with the shell, unless they differ by place.
+/// @param stream  of random numbers.
+std::vector<RadiusPool> radiusPools(const PackOptions& options, std::uint32_t stream);
+/// Pending radii of a pool of a group of about `expected` spheres: some of each row of blocks are
+/// never placed, which few spheres would show.
+/// @param usual  of large groups.
+std::size_t pendingOfGroup(std::size_t usual, double expected);
 
 }  // namespace vdbpack

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/ranks.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/order.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/pack/species.h"
@@ -32,6 +33,9 @@ struct PackOptions {
 
     /// Radii, mm, as shares by number; the only option without a default.
     SizeDistribution sizes;
+    /// What differs by place; by default nothing. Each part follows its sizes as a whole pack
+    /// would.
+    LocalSizes local;
     /// Start of all random draws: another seed gives another pack of the same kind.
     std::uint64_t seed = 1;
     /// Threads that work at a time; 0: all cores. The pack is the same for any number.

@@ -57,22 +57,29 @@ SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int d
     return s.spec().find(" x ") == std::string::npos ? SizeDistribution::parse(s.spec(), dim) : s;
 }
 
+void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim) {
+    options.sizes = scaledSizes(from.sizes, factor, dim);
+    if (from.local.shellSizes)
+        options.local.shellSizes = scaledSizes(*from.local.shellSizes, factor, dim);
+}
+
 template <int Dim>
 PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, double target,
                             const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing,
                             const CountedSpheres<Dim>& counted) {
-    const SizeDistribution sizes = options.sizes;
+    const PackOptions asked = options;
     PackResult<Dim> best;
     double bestOff = std::numeric_limits<double>::infinity(), bestScale = 1, bestCount = 0;
     ScaleSearch search(target, Dim);
     const double front = std::max(1.0, target / counted.share);
     double scale =
         counted.fraction > 0
-            ? std::pow(counted.fraction * domain.volume() / (front * sizes.meanBall(Dim)),
+            ? std::pow(counted.fraction * domain.volume() /
+                           (front * LocalBalls<Dim>(domain, asked.sizes, asked.local).mean()),
                        1.0 / Dim)
             : scaleForCount(domain, options, front, callbacks, existing);
     for (int attempt = 0; attempt < kCountAttempts; ++attempt) {
-        options.sizes = scaledSizes(sizes, scale, Dim);
+        scaleSizes(options, asked, scale, Dim);
         PackResult<Dim> result;
         try {
             result = packSpheres(domain, options, callbacks, existing);
@@ -83,7 +90,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         const bool interrupted = result.interrupted;
         double count = static_cast<double>(sumOver(options.ranks, std::uint64_t{spheres.size()}));
         if (counted.count && !interrupted && count > 0)
-            count = counted.count(spheres, options.sizes.max());
+            count = counted.count(spheres, options.local.largest(options.sizes));
         // Where the last one was interrupted, the one that has more is kept.
         if (std::fabs(count - target) < bestOff || (interrupted && !(bestCount > 0))) {
             bestOff = std::fabs(count - target);
@@ -95,7 +102,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
         if (interrupted || options.maxCount > 0 || isNear(bestOff, target)) break;
         scale = search.next(scale, count);
     }
-    options.sizes = scaledSizes(sizes, bestScale, Dim);
+    scaleSizes(options, asked, bestScale, Dim);
     return best;
 }
 

@@ -38,4 +38,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
 /// says when it is read again.
 SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
 
+/// Sets the sizes of `options` (those of the shell, too) to the ones of `from` times `factor`.
+void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim);
+
 }  // namespace vdbpack

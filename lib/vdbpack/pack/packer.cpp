@@ -17,6 +17,9 @@ namespace vdbpack {
 
 namespace {
 
+/// Largest ratio of the factors on radii within a domain.
+constexpr double kMostFactors = 20;
+
 void requireValid(const PackOptions& options) {
     if (!(options.gap >= 0 && std::isfinite(options.gap)))
         throw ParameterError(
@@ -26,6 +29,15 @@ void requireValid(const PackOptions& options) {
         if (!(s.probability >= 0 && s.depth >= 0)) further = 2;
         further += s.probability;
     }
+    if (options.local.any() && !options.species.empty())
+        throw ParameterError(
+            "sizes by place and further species cannot be combined; cut voids afterwards instead");
+    if (const auto [least, most] = options.local.factors();
+        !(least > 0 && most <= kMostFactors * least))
+        throw ParameterError(
+            fmt::format("factors on radii from {:g} to {:g}: must be positive, and the largest at "
+                        "most {:g} times the smallest",
+                        least, most, kMostFactors));
     if (!(further < 1) || options.species.size() > 255)
         throw ParameterError(
             fmt::format("{} further species of probability {} in all: probabilities must not be "
@@ -34,9 +46,10 @@ void requireValid(const PackOptions& options) {
 }
 
 template <int Dim>
-void requireCountable(const Domain<Dim>& domain, const PackOptions& options) {
+void requireCountable(const Domain<Dim>& domain, const Domain<Dim>& outer,
+                      const PackOptions& options) {
     const SizeDistribution& sizes = options.sizes;
-    const double expected = domain.volume() / sizes.meanBall(Dim);
+    const double expected = domain.volume() / LocalBalls<Dim>(outer, sizes, options.local).mean();
     const double most = 2e9 * (options.ranks ? options.ranks->count() : 1);
     if (!(expected < most))
         throw ResourceError(fmt::format(
@@ -54,7 +67,7 @@ void requirePeriodic(const PeriodicCell<Dim>& cell, const PackOptions& options,
     if (!options.species.empty())
         throw ParameterError(
             "a periodic cell takes spheres of one species; cut voids afterwards instead");
-    double largest = options.sizes.quantile(1);
+    double largest = largestRadius(options);
     for (const Sphere<Dim>& s : existing) largest = std::max(largest, s.radius);
     requireLongCell(cell, largest + shellOf(options));
     const auto outside = std::count_if(existing.begin(), existing.end(), [&](const auto& s) {
@@ -80,11 +93,13 @@ bool fitsBounds(const Domain<Dim>& domain, const PackOptions& options) {
 /// @param fits  whether the bounds of the domain could hold it.
 /// @throws InputError naming the largest ball if that is too small.
 template <int Dim>
-Sphere<Dim> onlySphere(const Domain<Dim>& domain, const PackOptions& options, double quantum,
-                       bool fits) {
+Sphere<Dim> onlySphere(const Domain<Dim>& domain, const Domain<Dim>& outer,
+                       const PackOptions& options, double quantum, bool fits) {
     Sphere<Dim> ball = largestBall(domain);
     ball.radius -= shellOf(options);
-    Sphere<Dim> only{ball.center, options.sizes.quantile(0)};
+    const LocalSize size = LocalSizeSampler<Dim>(outer, options.local).at(ball.center);
+    const double smallest = options.local.sizesOf(size.group, options.sizes).quantile(0);
+    Sphere<Dim> only{ball.center, static_cast<double>(static_cast<float>(smallest * size.factor))};
     for (int d = 0; d < Dim; ++d)
         only.center[d] = std::nearbyint(ball.center[d] / quantum) * quantum;
     WallPoint<Dim> wall;
@@ -103,7 +118,8 @@ Sphere<Dim> onlySphere(const Domain<Dim>& domain, const PackOptions& options, do
     throw InputError(fmt::format(
         "no {} of radius {:.6g} mm or more fits{}: the largest that fits has radius {:.6g} mm, at "
         "({}); give smaller radii or check the unit of the domain",
-        Measure<Dim>::kSphere, options.sizes.min(), kept, ball.radius, at));
+        Measure<Dim>::kSphere, options.local.any() ? only.radius : options.sizes.min(), kept,
+        ball.radius, at));
 }
 
 }  // namespace
@@ -115,17 +131,17 @@ PackResult<Dim> packSpheres(const Domain<Dim>& outer, const PackOptions& options
     std::unique_ptr<Domain<Dim>> inset;
     if (options.gap > 0) inset = insetDomain(outer, shellOf(options));
     const Domain<Dim>& domain = inset ? *inset : outer;
-    requireCountable(domain, options);
+    requireCountable(domain, outer, options);
     if (const auto cell = domain.cell(); cell.any())
         requirePeriodic(cell, options, existing, callbacks);
     PackResult<Dim> result;
-    result.quantum = quantumFor(options.sizes);
+    result.quantum = quantumFor(options);
     // Blocks for radii that no part of a thin domain can hold would be many, and all empty.
     const bool fits = fitsBounds(domain, options);
-    if (fits) result = packBlocks(domain, options, callbacks, existing);
+    if (fits) result = packBlocks(domain, outer, options, callbacks, existing);
     const std::uint64_t count = sumOver(options.ranks, std::uint64_t{result.pack.spheres.size()});
     if (count == 0 && !result.interrupted && existing.empty()) {
-        const Sphere<Dim> only = onlySphere(domain, options, result.quantum, fits);
+        const Sphere<Dim> only = onlySphere(domain, outer, options, result.quantum, fits);
         if (options.ranks) result.pieces = {0, 1};
         if (options.ranks && !options.ranks->isFirst()) return result;
         result.pack.spheres.push_back(only);

@@ -23,6 +23,8 @@ public:
                std::size_t capacity, double shell = 0);
 
     std::size_t size() const { return radii_.size(); }
+    /// Mean radius of the distribution, mm.
+    double mean() const { return mean_; }
     /// Sets how many radii may be pending; those beyond it stay until they are placed.
     /// @param common  larger radii do not count, mm: where they fit nowhere, the others continue.
     void setCapacity(std::size_t capacity,

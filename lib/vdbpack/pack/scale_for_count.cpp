@@ -25,7 +25,8 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
             fmt::format("`targetCount` {}: must be a number of spheres, 1 or more", count));
     const double shell = shellOf(options);
     const double guess = Dim == 3 ? 0.58 : 0.8;
-    const double most = guess * domain.volume() / ballWithShell<Dim>(options.sizes, 0, shell);
+    const LocalBalls<Dim> balls(domain, options.sizes, options.local);
+    const double most = guess * domain.volume() / balls.mean(0, shell);
     if (!(count < most))
         throw ParameterError(
             fmt::format("{:.0f} {} cannot keep a gap of {:g} mm in this domain, however small they "
@@ -34,10 +35,10 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     // Where `n` spheres with their shells fill that fraction of the domain.
     const auto scaleFor = [&](double fraction, double n) {
         const double ball = fraction * domain.volume() / n;
-        double lo = 0, hi = std::pow(ball / options.sizes.meanBall(Dim), 1.0 / Dim);
+        double lo = 0, hi = std::pow(ball / balls.mean(), 1.0 / Dim);
         for (int i = 0; shell > 0 && i < 100; ++i) {
             const double middle = 0.5 * (lo + hi);
-            (ballWithShell<Dim>(options.sizes, middle, shell) < ball ? lo : hi) = middle;
+            (balls.mean(middle, shell) < ball ? lo : hi) = middle;
         }
         return hi;
     };
@@ -48,6 +49,8 @@ double scaleForCount(const Domain<Dim>& domain, const PackOptions& options, doub
     quiet.progress = nullptr;
     const auto fractionAt = [&](double scale) {
         trial.sizes = options.sizes.scaled(scale);
+        if (options.local.shellSizes)
+            trial.local.shellSizes = options.local.shellSizes->scaled(scale);
         const auto result = packSpheres(domain, trial, quiet, existing);
         return ballShare(result.pack.spheres, domain.volume(), options.ranks, shell);
     };

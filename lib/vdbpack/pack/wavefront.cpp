@@ -31,12 +31,14 @@ namespace {
 template <int Dim>
 class Wavefront {
 public:
-    Wavefront(const Domain<Dim>& domain, const PackOptions& options, const Callbacks& callbacks,
-              const std::vector<Sphere<Dim>>& existing)
+    Wavefront(const Domain<Dim>& domain, const Domain<Dim>& outer, const PackOptions& options,
+              const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing)
         : domain_(domain),
+          outer_(outer),
           options_(options),
           callbacks_(callbacks),
           settings_(frontSettings(domain, options)),
+          groups_(frontLengths<Dim>(options)),
           cell_(domain.cell()),
           lattice_(domain.bounds(), blockSide(domain, options, settings_), 2 * settings_.maxRadius,
                    settings_.quantum, cell_),
@@ -47,6 +49,13 @@ public:
             hasSpecies_ = hasSpecies_ || species.probability > 0;
         cancelled_ = [this] { return isStopped(); };
         expected_ = 0.6 * domain.volume() / settings_.meanBall;
+        if (!options.local.any()) return;
+        const LocalBalls<Dim> balls(outer, options.sizes, options.local);
+        expected_ = 0.6 * domain.volume() / balls.mean(1, shellOf(options));
+        if (groups_.size() > 1)
+            for (std::uint32_t g = 0; g < groups_.size(); ++g)
+                expectedOf_.push_back(0.6 * domain.volume() * balls.groupShare(g));
+        findLengths();
     }
 
     PackResult<Dim> run() {
@@ -81,14 +90,34 @@ private:
         std::atomic<int> readers{0};  // own blocks that are yet to build on it
         BlockSpheres<Dim> existing;
         BlockSpheres<Dim> placed;
-        std::unique_ptr<RadiusPool> pool;
+        std::vector<RadiusPool> pools;  // empty once they have gone to another block
         std::unique_ptr<SpeciesQueue> further;
     };
     struct Thread {
         std::unique_ptr<BlockFront<Dim>> front;
         std::unique_ptr<DomainSampler<Dim>> sampler;
+        std::unique_ptr<LocalLengths<Dim>> local;
         BlockSpheres<Dim> around;
     };
+
+    LocalLengths<Dim> localLengths() const {
+        return {outer_, options_.local, groups_, shellOf(options_)};
+    }
+    /// Where sizes differ by place: the lengths of each block.
+    void findLengths() {
+        LocalLengths<Dim> local = localLengths();
+        lengths_.reserve(lattice_.size());
+        for (std::uint32_t b = 0; b < lattice_.size(); ++b) {
+            Box<Dim> box = lattice_.own(b);
+            const Box<Dim> search = lattice_.search(b);
+            for (int d = 0; d < Dim; ++d) box.lo[d] = std::min(box.lo[d], search.lo[d]);
+            lengths_.push_back(local.over(box));
+        }
+    }
+    /// The largest radius in a block, mm.
+    double maxRadiusOf(std::uint32_t b) const {
+        return lengths_.empty() ? settings_.maxRadius : lengths_[b].maxRadius;
+    }
 
     /// Gives existing spheres to the blocks in whose reach they are.
     void addExisting(const std::vector<Sphere<Dim>>& existing) {
@@ -243,9 +272,11 @@ private:
             message.placed = inReachOf(b, blocks);
             for (const std::uint32_t s : blocks) {
                 const auto& donors = lattice_.poolDonors(s);
-                if (!block.pool || std::find(donors.begin(), donors.end(), b) == donors.end())
+                if (block.pools.empty() ||
+                    std::find(donors.begin(), donors.end(), b) == donors.end())
                     continue;
-                message.pool = block.pool->state();
+                message.pools.clear();
+                for (const RadiusPool& pool : block.pools) message.pools.push_back(pool.state());
                 if (block.further) message.further = block.further->state();
             }
             outbox_.push({to, toBytes(message)});
@@ -291,11 +322,10 @@ private:
     void take(BlockMessage<Dim> message) {
         Block& block = blocks_[message.block];
         block.placed = std::move(message.placed);
-        if (message.pool) {
-            block.pool =
-                std::make_unique<RadiusPool>(options_.sizes, options_.seed, message.block,
-                                             poolCapacity(options_, false), shellOf(options_));
-            block.pool->restore(std::move(*message.pool));
+        if (!message.pools.empty()) {
+            block.pools = radiusPools(options_, message.block);
+            for (std::size_t g = 0; g < block.pools.size(); ++g)
+                block.pools[g].restore(std::move(message.pools[g]));
         }
         if (message.further) {
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed,
@@ -312,6 +342,12 @@ private:
         Box<Dim> reach = lattice_.own(b);
         const Box<Dim> search = lattice_.search(b);
         for (int d = 0; d < Dim; ++d) reach.lo[d] = std::min(reach.lo[d], search.lo[d]);
+        if (!lengths_.empty()) {
+            double most = maxRadiusOf(b);
+            for (const auto& n : lattice_.lowerNeighbors(b))
+                most = std::max(most, maxRadiusOf(n.block));
+            return reach.grown(most + maxRadiusOf(b));
+        }
         // Spheres of further species may lie across the upper faces of their block.
         return reach.grown((hasSpecies_ ? 3 : 2) * settings_.maxRadius);
     }
@@ -321,22 +357,27 @@ private:
     bool takePools(std::uint32_t b) {
         Block& block = blocks_[b];
         for (const std::uint32_t donor : lattice_.poolDonors(b)) {
-            if (!blocks_[donor].pool) return false;
-            if (!block.pool) {
-                block.pool = std::move(blocks_[donor].pool);
+            if (blocks_[donor].pools.empty()) return false;
+            if (block.pools.empty()) {
+                block.pools = std::move(blocks_[donor].pools);
                 block.further = std::move(blocks_[donor].further);
             } else {
-                block.pool->absorb(*blocks_[donor].pool);
+                for (std::size_t g = 0; g < block.pools.size(); ++g)
+                    block.pools[g].absorb(blocks_[donor].pools[g]);
                 if (block.further) block.further->absorb(*blocks_[donor].further);
             }
         }
-        if (!block.pool)
-            block.pool = std::make_unique<RadiusPool>(
-                options_.sizes, options_.seed, b, poolCapacity(options_, false), shellOf(options_));
+        if (block.pools.empty()) block.pools = radiusPools(options_, b);
         if (!block.further && hasSpecies_)
             block.further = std::make_unique<SpeciesQueue>(options_.species, options_.seed, b,
                                                            shellOf(options_));
-        block.pool->setCapacity(poolCapacity(options_, lattice_.endsPool(b)), settings_.wideRadius);
+        const std::size_t pending = poolCapacity(options_, lattice_.endsPool(b));
+        for (std::size_t g = 0; g < block.pools.size(); ++g)
+            block.pools[g].setCapacity(
+                expectedOf_.empty() || options_.pending > 0
+                    ? pending
+                    : pendingOfGroup(pending, expectedOf_[g]),
+                groups_[g].wideRadius - (options_.local.any() ? shellOf(options_) : 0));
         return true;
     }
 
@@ -373,12 +414,15 @@ private:
         if (!thread.front) {
             thread.front = std::make_unique<BlockFront<Dim>>(settings_);
             thread.sampler = domain_.sampler();
+            if (options_.local.any())
+                thread.local = std::make_unique<LocalLengths<Dim>>(localLengths());
         }
         if (!takePools(b)) return;  // interrupted there
         Block& block = blocks_[b];
         collectAround(b, reachOf(b), thread.around);
-        thread.front->fill({lattice_.own(b), lattice_.search(b), lattice_.laterBehind(b)},
-                           thread.around, *block.pool, block.further.get(), *thread.sampler,
+        thread.front->fill({lattice_.own(b), lattice_.search(b), lattice_.laterBehind(b),
+                            lengths_.empty() ? nullptr : &lengths_[b], thread.local.get()},
+                           thread.around, block.pools, block.further.get(), *thread.sampler,
                            cancelled_, block.placed);
         // They stay to the end.
         block.placed.spheres.shrink_to_fit();
@@ -459,10 +503,12 @@ private:
         return result;
     }
 
-    const Domain<Dim>& domain_;
+    const Domain<Dim>&domain_, &outer_;
     const PackOptions& options_;
     const Callbacks& callbacks_;
     FrontSettings<Dim> settings_;
+    std::vector<FrontLengths> groups_;
+    std::vector<FrontLengths> lengths_;  // of each block, where sizes differ by place
     PeriodicCell<Dim> cell_;
     BlockLattice<Dim> lattice_;
     std::vector<Block> blocks_;
@@ -480,20 +526,22 @@ private:
     std::atomic<std::int64_t> count_{0};
     std::mutex reporting_;
     double expected_ = 1;
-    bool hasSpecies_ = false;  ///< that are ever drawn
+    std::vector<double> expectedOf_{};  // spheres of each of several groups of sizes
+    bool hasSpecies_ = false;           ///< that are ever drawn
 };
 
 }  // namespace
 
 template <int Dim>
-PackResult<Dim> packBlocks(const Domain<Dim>& domain, const PackOptions& options,
-                           const Callbacks& callbacks, const std::vector<Sphere<Dim>>& existing) {
-    return Wavefront<Dim>(domain, options, callbacks, existing).run();
+PackResult<Dim> packBlocks(const Domain<Dim>& domain, const Domain<Dim>& outer,
+                           const PackOptions& options, const Callbacks& callbacks,
+                           const std::vector<Sphere<Dim>>& existing) {
+    return Wavefront<Dim>(domain, outer, options, callbacks, existing).run();
 }
 
-template PackResult<2> packBlocks(const Domain<2>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<2>>&);
-template PackResult<3> packBlocks(const Domain<3>&, const PackOptions&, const Callbacks&,
-                                  const std::vector<Sphere<3>>&);
+template PackResult<2> packBlocks(const Domain<2>&, const Domain<2>&, const PackOptions&,
+                                  const Callbacks&, const std::vector<Sphere<2>>&);
+template PackResult<3> packBlocks(const Domain<3>&, const Domain<3>&, const PackOptions&,
+                                  const Callbacks&, const std::vector<Sphere<3>>&);
 
 }  // namespace vdbpack

@@ -103,6 +103,16 @@ struct Report {
     };
     std::optional<WallSizes> wallSizes;
 
+    /// Where sizes were requested by place: each group of them, held against the local factors.
+    struct LocalGroup {
+        std::string name;       ///< "all", or "shell" and "inside"
+        std::string requested;  ///< the size distribution where the factor is 1
+        std::uint64_t count = 0;
+        double factorLeast = 1, factorMost = 1;  ///< at the centers of the spheres
+        double ks = 0, ksByVolume = 0;           ///< of radii divided by the local factor
+    };
+    std::vector<LocalGroup> localSizes;
+
     std::optional<double> solidFractionTotal;
     std::optional<double> solidFractionInterior;
 

@@ -144,6 +144,13 @@ nlohmann::ordered_json toJson(const Report& r) {
                                                     {"ks", r.wallSizes->ks},
                                                     {"ksByVolume", r.wallSizes->ksByVolume}})
                                             : Json()}};
+    for (const auto& group : r.localSizes)
+        json["spheres"]["local"].push_back({{"name", group.name},
+                                            {"requested", group.requested},
+                                            {"count", group.count},
+                                            {"factors", {group.factorLeast, group.factorMost}},
+                                            {"ks", group.ks},
+                                            {"ksByVolume", group.ksByVolume}});
     json["solidFraction"] = {{"total", orNull(r.solidFractionTotal)},
                              {"interior", orNull(r.solidFractionInterior)}};
     json["contacts"] = contactsJson(r);

@@ -86,6 +86,15 @@ void addSpheres(Summary& out, const Report& r, const Words& words) {
     if (r.count > 0)
         out.line("", fmt::format("radius {:.5g} to {:.5g} mm, mean {:.5g}, deviation {:.4g}",
                                  r.radius.min, r.radius.max, r.radius.mean, r.radius.sd));
+    for (const Report::LocalGroup& group : r.localSizes) {
+        std::string by;
+        if (group.factorMost > group.factorLeast)
+            by = fmt::format(" times {:.3g} to {:.3g}", group.factorLeast, group.factorMost);
+        out.line(&group == &r.localSizes.front() ? "by place" : "",
+                 fmt::format("{}: {}, requested {}{} (distance {:.2g}, by {} {:.2g})", group.name,
+                             grouped(group.count), group.requested, by, group.ks, words.volume,
+                             group.ksByVolume));
+    }
     if (!r.solidFractionTotal) return;
     std::string solid = fmt::format("{:.4f} of the domain", *r.solidFractionTotal);
     if (r.solidFractionInterior)

@@ -71,6 +71,8 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         options.ranks = ranks;
         options.labels.assign(pack.order.begin(), pack.order.end());
         options.pieces = *setting.pieces;
+    } else if (setting.local) {
+        options.local = setting.local;
     } else {
         options.regions = pack.region;
     }
@@ -99,7 +101,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         pack.order = labels;
         *setting.pieces = std::move(result.pieces);
     }
-    if (!result.regions.empty()) pack.region = std::move(result.regions);
+    if (!setting.local && !result.regions.empty()) pack.region = std::move(result.regions);
     if (result.interrupted)
         report.interrupted = true;
     else if (!result.apart)

@@ -5,6 +5,7 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/report/report.h"
 
@@ -22,7 +23,8 @@ struct DensifySetting {
     std::size_t fixed = 0;   ///< the first spheres, which stay where they are
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     std::vector<std::int64_t>* pieces =
-        nullptr;  ///< over ranks: as in PackResult, brought up to date
+        nullptr;                        ///< over ranks: as in PackResult, brought up to date
+    const LocalSizes* local = nullptr;  ///< what differs by place in the sizes; null: nothing
 };
 
 /// Moves and adds spheres. Those of the pack keep their indices and attributes, except depths and

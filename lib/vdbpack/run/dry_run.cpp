@@ -125,7 +125,7 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     // Voids keep the sizes that follow from the radii of the pack to come.
     PackRecipe sized = recipe;
     if (!recipe.voids.empty() && recipe.voids.radius.empty())
-        sized.voids.radius = defaultVoidRadius(requested.sizes.max() * radii.scale);
+        sized.voids.radius = defaultVoidRadius(requested.largest() * radii.scale);
     const Trial large = tryLarge(sized, source, scale, extent.voids, callbacks);
     const Trial small = trySmall(sized, source, large, extent.voids, callbacks);
     DryRun run;
@@ -140,7 +140,12 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
         run.densified = solid + existing > recipe.densify - 1e-4;
     }
     // Radii are scaled to a target count; else the count follows from them.
-    const double each = requested.sizes.meanBall(dim), filled = solid * run.trial.volume;
+    const double filled = solid * run.trial.volume;
+    // Sizes by place: as in the trial.
+    const double each =
+        requested.differByPlace() && large.count > 0
+            ? large.solid * run.trial.volume / large.count / std::pow(large.scale, dim)
+            : requested.sizes.meanBall(dim);
     run.count = large.scale > 1 ? filled / each : large.count;
     run.sizes = requested.sizes.spec();
     if (requested.targetCount > 0) {

@@ -70,6 +70,42 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
     report.wallSizes = wall;
 }
 
+/// Each group of sizes, of radii divided by the local factor, and the worst of them.
+template <int Dim>
+void checkLocalSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, const LocalSizes& local,
+                     const Domain<Dim>& domain, Report& report) {
+    constexpr double kKnown = 5e-4;  // share of a radius to which the factor is met
+    const std::vector<LocalSize> requested = localSizesOf(pack.spheres, domain, local);
+    for (auto g = static_cast<std::uint32_t>(local.groups()); g-- > 0;) {
+        Report::LocalGroup group;
+        group.name = local.groups() == 1 ? "all" : g == 1 ? "shell" : "inside";
+        const SizeDistribution& own = local.sizesOf(g, sizes);
+        group.requested = own.spec();
+        std::vector<double> radii;
+        for (std::size_t i = report.existing; i < pack.spheres.size(); ++i) {
+            const LocalSize& here = requested[i];
+            if (here.group != g) continue;
+            const bool first = radii.empty();
+            group.factorLeast = first ? here.factor : std::min(group.factorLeast, here.factor);
+            group.factorMost = first ? here.factor : std::max(group.factorMost, here.factor);
+            radii.push_back(pack.spheres[i].radius / here.factor);
+        }
+        group.count = radii.size();
+        if (radii.empty()) continue;
+        tbb::parallel_sort(radii.begin(), radii.end());
+        const VolumeShares volume(own, Dim);
+        const auto upTo = [&](double r) { return own.cdf(r * (1 + kKnown)); };
+        const auto below = [&](double r) { return own.cdfBelow(r * (1 - kKnown)); };
+        group.ks = ksDistance(radii, upTo, below);
+        group.ksByVolume = ksDistance(
+            std::move(radii), [&](double r) { return volume(upTo(r)); },
+            [&](double r) { return volume(below(r)); }, Dim);
+        report.ks = std::max(report.ks.value_or(0), group.ks);
+        report.ksByVolume = std::max(report.ksByVolume.value_or(0), group.ksByVolume);
+        report.localSizes.push_back(std::move(group));
+    }
+}
+
 /// The layer of a thickness along the wall, and the part that it encloses, if any.
 template <int Dim>
 std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& domain,
@@ -106,7 +142,7 @@ std::vector<RegionFraction> regionsOf(const Pack<Dim>& pack, const Domain<Dim>& 
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report,
-                 const Callbacks& callbacks) {
+                 const Callbacks& callbacks, const LocalSizes* local) {
     const auto goesOn = [&] {
         report.interrupted = report.interrupted || callbacks.isCancelled();
         return !report.interrupted;
@@ -141,7 +177,7 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
     std::optional<ContactCheck> contacts;
     if (goesOn()) contacts = countContacts(pack.spheres, contactTolerance, pack.depth, pack.cell);
     if (!pack.spheres.empty()) report.contacts = contacts;
-    if (sizes && goesOn()) measureSizes(pack, *sizes, report);
+    if (sizes && goesOn()) measureSizes(pack, *sizes, report, local, domain);
     // Pairs that were not counted have larger gaps than the tolerance of the smallest spheres.
     if (contacts && report.existing == 0 &&
         contacts->smallestGap <= contactTolerance * report.radius.min)
@@ -156,8 +192,10 @@ double structureDepth(const RadiusStatistics& radius, double shell) {
 }
 
 template <int Dim>
-void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report) {
+void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report,
+                  const LocalSizes* local, const Domain<Dim>* domain) {
     report.requested = sizes.spec();
+    if (local && local->any()) return checkLocalSizes(pack, sizes, *local, *domain, report);
     checkSizes(pack, sizes, report);
 }
 
@@ -207,11 +245,15 @@ template Structure measureStructure<2>(const Pack<2>&, const Domain<2>*, const R
                                        const Callbacks&, const SphereRows&);
 template Structure measureStructure<3>(const Pack<3>&, const Domain<3>*, const Report&, double,
                                        const Callbacks&, const SphereRows&);
-template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&);
-template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&);
+template void measureSizes(const Pack<2>&, const SizeDistribution&, Report&, const LocalSizes*,
+                           const Domain<2>*);
+template void measureSizes(const Pack<3>&, const SizeDistribution&, Report&, const LocalSizes*,
+                           const Domain<3>*);
 template void measurePack<2>(Pack<2>&, const DomainSource*, const Domain<2>*,
-                             const SizeDistribution*, double, Report&, const Callbacks&);
+                             const SizeDistribution*, double, Report&, const Callbacks&,
+                             const LocalSizes*);
 template void measurePack<3>(Pack<3>&, const DomainSource*, const Domain<3>*,
-                             const SizeDistribution*, double, Report&, const Callbacks&);
+                             const SizeDistribution*, double, Report&, const Callbacks&,
+                             const LocalSizes*);
 
 }  // namespace vdbpack

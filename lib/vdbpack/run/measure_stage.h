@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/measure/structure.h"
+#include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/run/domain_source.h"
@@ -14,18 +15,22 @@ namespace vdbpack {
 /// Cancelling sets `report.interrupted`. If that is set, only count, hash, radii, overlap,
 /// protrusion, solid fraction and, if requested, the gap are measured, and the pack has no depths
 /// and no contacts.
+/// @param local  what differs by place in `sizes`; null: nothing.
 template <int Dim>
 void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
                  const SizeDistribution* sizes, double contactTolerance, Report& report,
-                 const Callbacks& callbacks = {});
+                 const Callbacks& callbacks = {}, const LocalSizes* local = nullptr);
 
 /// Depth of the distance field that `measureStructure` needs for such radii, mm: three mean
 /// diameters for the pair correlation, and slightly more than the shell.
 double structureDepth(const RadiusStatistics& radius, double shell);
 
 /// Compares the radii of a pack with the requested ones; a part of `measurePack`.
+/// @param local   what differs by place; null: nothing.
+/// @param domain  of that.
 template <int Dim>
-void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report);
+void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report,
+                  const LocalSizes* local = nullptr, const Domain<Dim>* domain = nullptr);
 
 /// Density profile, local fraction, pair correlation and regions of a pack whose `depth` was set by
 /// `measurePack`.

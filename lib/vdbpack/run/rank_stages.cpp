@@ -47,6 +47,8 @@ void checkRanks(const PackRecipe& recipe) {
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
            alone);
+    refuse(!recipe.sizeField.empty() || !recipe.shellRadius.empty(),
+           "`sizeField` and `shellRadius`: a pack with sizes by place", alone);
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");

@@ -5,6 +5,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/grey_stage.h"
 #include "vdbpack/run/image_domain.h"
+#include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
@@ -140,6 +141,7 @@ void checkPacking(const PackRecipe& recipe) {
             fmt::format("`targetCount` {}: must be a whole number of spheres", recipe.targetCount));
     // A malformed SPEC is found before a large mesh is read.
     if (!recipe.radius.empty()) SizeDistribution::parse(recipe.radius, 3, recipe.weightBy);
+    checkLocalSizes(recipe);
     checkVoids(recipe.voids, true, true);
     requireVoidFields(recipe.voids);
 }
@@ -149,6 +151,8 @@ void addInputs(const PackRecipe& recipe, std::vector<std::string>& inputs) {
     for (auto& file : domainInputs(recipe.domain)) inputs.push_back(std::move(file));
     if (!recipe.givenExisting) inputs.push_back(recipe.existing);
     inputs.push_back(recipe.radius);  // table:FILE
+    inputs.push_back(recipe.shellRadius);
+    inputs.push_back(recipe.sizeField);
 }
 
 }  // namespace
@@ -191,18 +195,65 @@ void checkRecipe(const PackRecipe& recipe) {
     checkPreviewColumn(recipe, columns);
 }
 
+namespace {
+
+/// Refuses sizes of one pack that differ too much.
+void requireRatio(const SizeDistribution& fine, const SizeDistribution& coarse) {
+    if (!(coarse.max() > kLargestSizeRatio * fine.min())) return;
+    const bool same = fine.spec() == coarse.spec();
+    throw ParameterError(fmt::format(
+        "radius distribution{} '{}'{} {} a ratio of {:.3g}; the limit is {:g}: raise the "
+        "smallest radius",
+        same ? "" : "s", fine.spec(), same ? "" : " and '" + coarse.spec() + "'",
+        same ? "spans" : "span", coarse.max() / fine.min(), kLargestSizeRatio));
+}
+
+}  // namespace
+
+double RequestedSizes::least() const {
+    const double all = shellSizes ? std::min(sizes.min(), shellSizes->min()) : sizes.min();
+    return factor ? all * factor->least() : all;
+}
+
+double RequestedSizes::largest() const {
+    const double all = shellSizes ? std::max(sizes.max(), shellSizes->max()) : sizes.max();
+    return factor ? all * factor->most() : all;
+}
+
+double RequestedSizes::finestMean() const {
+    const double all = shellSizes ? std::min(sizes.mean(), shellSizes->mean()) : sizes.mean();
+    return factor ? all * factor->least() : all;
+}
+
+double RequestedSizes::meanBall(int dim, double shell) const {
+    double ball = sizes.meanBall(dim);
+    if (shellSizes) ball = 1 / ((1 - shell) / ball + shell / shellSizes->meanBall(dim));
+    if (!factor) return ball;
+    // Where all factors from the smallest to the largest are equally frequent.
+    const double a = factor->least(), b = factor->most();
+    return ball * (dim == 3 ? 2 * a * a * b * b / (a + b) : a * b);
+}
+
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
     const bool given = !recipe.radius.empty();
     RequestedSizes r{
         SizeDistribution::parse(given ? recipe.radius : "uniform:1,2", dim, recipe.weightBy),
         recipe.targetCount,
-        {}};
-    if (recipe.radiusFactor != 1) r.sizes = r.sizes.scaled(recipe.radiusFactor);
-    if (r.sizes.max() > kLargestSizeRatio * r.sizes.min())
-        throw ParameterError(fmt::format(
-            "radius distribution '{}' spans a ratio of {:.3g}; the limit is {:g}: raise the "
-            "smallest radius",
-            r.sizes.spec(), r.sizes.max() / r.sizes.min(), kLargestSizeRatio));
+        {},
+        {},
+        readFactors(recipe)};
+    if (!recipe.shellRadius.empty())
+        r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
+    if (recipe.radiusFactor != 1) {
+        r.sizes = r.sizes.scaled(recipe.radiusFactor);
+        if (r.shellSizes) r.shellSizes = r.shellSizes->scaled(recipe.radiusFactor);
+    }
+    requireRatio(r.sizes, r.sizes);
+    if (r.shellSizes) {
+        requireRatio(*r.shellSizes, r.sizes);
+        requireRatio(r.sizes, *r.shellSizes);
+        requireRatio(*r.shellSizes, *r.shellSizes);
+    }
     if (given) return r;
     if (!(r.targetCount > 0)) {
         r.targetCount = kDefaultCount;

@@ -5,10 +5,12 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/settings.h"
+#include "vdbpack/voids/scalar_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,7 +21,12 @@ struct PackRecipe : RunSettings {
     DomainRecipe domain;
     /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
     std::string radius;
-    double radiusFactor = 1;              ///< on all radii
+    double radiusFactor = 1;  ///< on all radii
+    /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
+    /// none.
+    std::string sizeField;
+    /// SPEC of the radii in the shell of `voids`, mm; empty: those of all.
+    std::string shellRadius;
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
     std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
@@ -76,6 +83,16 @@ struct RequestedSizes {
     SizeDistribution sizes;
     double targetCount = 0;           ///< spheres at which to aim by scaling the radii; 0: as given
     std::vector<std::string> chosen;  ///< what was chosen by default, a sentence each
+    std::optional<SizeDistribution> shellSizes;  ///< in the shell; none: those of all
+    std::shared_ptr<const ScalarField> factor;   ///< on all radii by place; null: 1
+
+    bool differByPlace() const { return factor || shellSizes; }
+    /// The smallest and the largest radius anywhere, and the mean of the finest sizes, mm.
+    double least() const;
+    double largest() const;
+    double finestMean() const;
+    /// Mean volume (2D: area) of a sphere where `shell` of the domain is shell, about, mm^dim.
+    double meanBall(int dim, double shell) const;
 };
 /// @throws ParameterError for a bad SPEC or a ratio of sizes beyond the limit.
 RequestedSizes requestedSizes(const PackRecipe& recipe, int dim);

@@ -140,6 +140,8 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& re
     s.add("DOMAIN", recipe.domain, report);
     s.add("--radius", recipe.radius.empty() ? "by default" : recipe.radius);
     if (recipe.weightBy == WeightBy::volume) s.add("--weight-by", "volume");
+    s.add("--size-field", recipe.sizeField);
+    s.add("--shell-radius", recipe.shellRadius);
     if (recipe.voids.fill == Fill::solid) s.add("--fill", "solid");
     s.add("--target-count", recipe.targetCount);
     s.add("radii used", report.requested);
@@ -219,7 +221,9 @@ PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSo
                         const Domain<Dim>& domain, const SizeDistribution& sizes,
                         const Report& report, const Callbacks& callbacks, const SphereRows& rows) {
     PageDetails details;
-    details.radii = histogramOf(pack, fixed, &sizes, rows.ranks);
+    // Radii by place have no distribution of their own.
+    details.radii =
+        histogramOf(pack, fixed, report.localSizes.empty() ? &sizes : nullptr, rows.ranks);
     // Its layers are those of one thickness.
     const double shell = report.voids && !report.voids->leastShell ? report.voids->shell : 0;
     const double depth = structureDepth(report.radius, shell);

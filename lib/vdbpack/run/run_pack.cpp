@@ -14,6 +14,7 @@
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/run_parts.h"
+#include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
@@ -43,6 +44,7 @@ struct Prepared {
     std::uint64_t inputOverlaps = 0, inputProtrusions = 0;
     std::function<double(const Vec<Dim>&)> bvtv{};  ///< by place; empty: the same everywhere
     ShellThickness shell{};                         ///< by place; uniform: that of the recipe
+    LocalSizes local{};                             ///< what differs by place in the sizes
 };
 
 /// Reads the spheres to pack around, and counts what is wrong with them already.
@@ -89,7 +91,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
     prepared.built =
         source.build(radii.detail, radii.reach, callbacks, plannedVoxel(recipe.voids, Dim));
     const Domain<Dim>& domain = *ofDim<Dim>(prepared.built);
-    const double largest = prepared.requested.sizes.max() * radii.scale;
+    const double largest = prepared.requested.largest() * radii.scale;
     prepared.shell = shellOver(recipe.voids, domain.bounds(), prepared.built.sliceHeight);
     if (recipe.voids.hasShell() || !recipe.voids.empty())
         checkRoom(VoidSetting<Dim>{recipe.voids,
@@ -102,6 +104,8 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                                    {},
                                    prepared.shell},
                   true);
+    prepared.local =
+        localSizes(recipe, prepared.requested, domain, prepared.built.sliceHeight, prepared.shell);
     prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
                                    prepared.built.sliceHeight, callbacks);
     checkPreview<Dim>(recipe.preview, domain, nullptr);
@@ -176,14 +180,16 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
         result = packTarget(run, recipe, target, prepared, options);
     else if (!holes)
         result = packSpheres(run.filled(), options, run.callbacks, existing);
-    run.largestRadius = options.sizes.max();
+    run.largestRadius = options.local.largest(options.sizes);
     if (holes && !result.interrupted)
         result = packWithHoles(run.voidSetting(), options, existing, run.voids);
     if (target > 0)
-        run.report.chosen.push_back(
-            fmt::format("radii {} mm, so that about {:.0f} {} {}", options.sizes.spec(), target,
-                        Measure<Dim>::kSpheres,
-                        recipe.voids.empty() ? "fill the domain" : "remain beside the voids"));
+        run.report.chosen.push_back(fmt::format(
+            "radii {} mm{}, so that about {:.0f} {} {}", options.sizes.spec(),
+            options.local.shellSizes ? ", in the shell " + options.local.shellSizes->spec() + " mm"
+                                     : std::string(),
+            target, Measure<Dim>::kSpheres,
+            recipe.voids.empty() ? "fill the domain" : "remain beside the voids"));
     result.pack.sliceHeight = run.built.sliceHeight;
     run.report.interrupted = result.interrupted;
     run.positionStep = result.quantum;
@@ -227,10 +233,11 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     run->report.chosen = prepared.requested.chosen;
     run->report.requestedGap = recipe.gap;
     run->sizes = &options.sizes;
+    run->local = options.local.any() ? &options.local : nullptr;
     clock.lap();
     if constexpr (Dim == 3)
         if (recipe.voids.fill == Fill::solid) {
-            run->largestRadius = prepared.requested.sizes.max() * prepared.radii.scale;
+            run->largestRadius = prepared.requested.largest() * prepared.radii.scale;
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
         }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
@@ -270,12 +277,12 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     held.warning = [holds, tell = callbacks.warning](const std::string& text) {
         if (tell && !*holds) tell(text);
     };
-    SizeDistribution sizes = options.sizes;  // of the first round
+    PackOptions first = options;  // with the sizes of the first round
     double scale = 1;
     std::optional<Miss> larger, smaller, nearest;  // of the counts above and below the target
     for (int round = 1;; ++round) {
         auto run = packAndCut(recipe, source, prepared, begun, round > 1, clock, held, options);
-        if (round == 1) sizes = options.sizes;
+        if (round == 1) first = options;
         const auto count = static_cast<double>(
             sumOver(run->ranks(), std::uint64_t{run->pack.spheres.size() - run->fixed}));
         const bool near = std::fabs(count - target) <= std::max(kNear * target, 0.5);
@@ -292,7 +299,7 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
         scale = round == kMostRounds - 1 ? std::exp(nearest->scale)
                 : larger && smaller      ? std::exp(between(*larger, *smaller))
                                          : scale * std::pow(count / target, 1.0 / Dim);
-        options.sizes = scaledSizes(sizes, scale, Dim);
+        scaleSizes(options, first, scale, Dim);
         begun.seconds = run->report.seconds;
     }
 }
@@ -307,7 +314,7 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
     measureStage(*run);
     if (recipe.maxCount == 0) {
         warnOfCount(*run, prepared.requested.targetCount);
-        warnOfFewSpheres(*run, options.sizes.max());
+        warnOfFewSpheres(*run, options.local.largest(options.sizes));
     }
     return run;
 }
@@ -318,6 +325,7 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
                        const Prepared<Dim>& prepared, const Report& begun, Clock& clock,
                        const Callbacks& callbacks) {
     PackOptions options = packOptions(recipe, prepared.requested.sizes);
+    options.local = prepared.local;
     const RunPtr<Dim> packed =
         packMeasured(recipe, source, prepared, begun, clock, callbacks, options);
     Run<Dim>& run = *packed;
@@ -376,6 +384,7 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
     first.seconds.domain = clock.lap();
     PackedPart part{std::make_unique<PackOptions>(packOptions(recipe, prepared.requested.sizes)),
                     nullptr};
+    part.options->local = prepared.local;
     part.run = packMeasured<3>(recipe, source, prepared, first, clock, callbacks, *part.options);
     part.run->bvtv = {};  // it holds an image
     return part;

@@ -168,7 +168,8 @@ template <int Dim>
 void densifyStage(Run<Dim>& run, double fraction, double gap) {
     if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
     densifyPack(run.filled(),
-                {fraction, run.sizes, gap, run.settings.seed, run.fixed, run.ranks(), &run.pieces},
+                {fraction, run.sizes, gap, run.settings.seed, run.fixed, run.ranks(), &run.pieces,
+                 run.local},
                 run.pack, run.report, run.callbacks);
     run.report.seconds.densify += run.clock.lap();
 }
@@ -221,7 +222,7 @@ void cutStage(Run<Dim>& run, bool made) {
         if (run.ranks())
             compareSizes(run);
         else if (run.hasPack && run.sizes)
-            measureSizes(run.pack, *run.sizes, run.report);
+            measureSizes(run.pack, *run.sizes, run.report, run.local, &run.filled());
         if (!made) run.unlessInterrupted([&] { run.voids = makeVoids(run.voidSetting()); });
         const auto& chosen = run.voids.report.chosen;
         run.report.chosen.insert(run.report.chosen.end(), chosen.begin(), chosen.end());
@@ -270,7 +271,7 @@ void measureStage(Run<Dim>& run) {
         measureOverRanks(run);
     else
         measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
-                    tolerance, run.report, run.callbacks);
+                    tolerance, run.report, run.callbacks, run.local);
     if (run.solid && !run.ranks()) {
         // The contour of a level set may leave the domain by its error; no sphere does.
         const ProtrusionCheck wall = run.source.protrusion(run.pack.spheres);

@@ -71,6 +71,7 @@ struct Run {
     std::size_t fixed = 0;     ///< the first spheres are neither moved nor removed
     std::size_t labelled = 0;  ///< the first spheres keep the regions that they came with
     const SizeDistribution* sizes = nullptr;  ///< requested; null: none
+    const LocalSizes* local = nullptr;        ///< what differs by place in them; null: nothing
     double positionStep = 0;                  ///< coordinates are multiples of it, mm; 0: unknown
 
     const VoidRecipe* voidRecipe = nullptr;       ///< null: none are cut

@@ -1,5 +1,7 @@
 #include "vdbpack/voids/cull.h"
 
+#include "vdbpack/domain/shell_test.h"
+
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -67,19 +69,10 @@ std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
                                      const Domain<Dim>& domain, const ShellThickness& shell) {
     std::vector<std::int32_t> deep(spheres.size(), 1);
     if (!shell.any()) return deep;
-    const Domain<Dim>& envelope = domain.envelope();
-    const double error = envelope.facts().voxelSize;
     forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
-        const auto sampler = envelope.sampler();
-        for (std::size_t i = range.begin(); i < range.end(); ++i) {
-            const double depth = -sampler->signedDistance(spheres[i].center);
-            const double thickness = shell.at(spheres[i].center);
-            WallPoint<Dim> wall;
-            if (error > 0 && depth > 0 && std::fabs(depth - thickness) < error)
-                deep[i] = !sampler->nearestWall(spheres[i].center, thickness, wall);
-            else
-                deep[i] = depth > thickness;
-        }
+        ShellTest<Dim> test(domain, shell);
+        for (std::size_t i = range.begin(); i < range.end(); ++i)
+            deep[i] = test.isDeeper(spheres[i].center);
     });
     return deep;
 }

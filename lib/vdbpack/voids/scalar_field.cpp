@@ -44,12 +44,22 @@ public:
                  bool planar)
         : numbers_(numbers), bounds_(bounds), planar_(planar) {
         least_ = most_ = numbers.front().second;
+        Box<3> points;
+        for (const auto& [x, number] : numbers) points.add(x);
+        // Half the distance of points that are spread evenly.
+        double space = 1;
+        int axes = 0;
+        for (int d = 0; d < 3; ++d)
+            if (const double side = points.size()[d]; side > 0) space *= side, ++axes;
+        const double each = space / static_cast<double>(numbers.size());
+        lattice_ = {numbers.front().first, axes > 0 ? 0.5 * std::pow(each, 1.0 / axes) : 1};
         for (const auto& [x, number] : numbers) {
             least_ = std::min(least_, number);
             most_ = std::max(most_, number);
         }
     }
     Box<3> bounds() const override { return bounds_; }
+    std::pair<Vec<3>, double> lattice() const override { return lattice_; }
     double at(const Vec<3>& x) const override {
         return std::clamp(numbers_.at(planar_ ? Vec<3>{{x[0], x[1], 0}} : x), least_, most_);
     }
@@ -58,6 +68,7 @@ private:
     PointNumbers numbers_;
     Box<3> bounds_;
     bool planar_;
+    std::pair<Vec<3>, double> lattice_;
 };
 
 class GridNumbers : public ScalarField {
@@ -76,6 +87,9 @@ public:
           beyond_(grid_.samples()) {}
 
     Box<3> bounds() const override { return grid_.bounds(); }
+    std::pair<Vec<3>, double> lattice() const override {
+        return {grid_.samples().front().first, grid_.step()};
+    }
     double at(const Vec<3>& x) const override {
         const auto number = grid_.at(x);
         return std::clamp(number ? *number : beyond_.at(x), least_, most_);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -19,6 +20,8 @@ public:
     /// The value at `x` (mm), between `least()` and `most()`. Beyond the data, that of the nearest
     /// data. Thread-safe.
     virtual double at(const Vec<3>& x) const = 0;
+    /// A point of the data, mm, and a step that resolves them, mm: for a copy on a lattice.
+    virtual std::pair<Vec<3>, double> lattice() const = 0;
     /// The smallest and the largest value of the file.
     double least() const { return least_; }
     double most() const { return most_; }

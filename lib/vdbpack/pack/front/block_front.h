@@ -5,6 +5,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/front/block_spheres.h"
 #include "vdbpack/pack/front/front_settings.h"
+#include "vdbpack/pack/front/local_lengths.h"
 #include "vdbpack/pack/radius_pool.h"
 #include "vdbpack/pack/species.h"
 
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace vdbpack {
 
@@ -46,17 +48,22 @@ public:
         /// Neighbors behind the block that come later all the same, bits as of `neighborBit`: sites
         /// in them are handed over, too.
         std::uint32_t laterBehind = 0;
+        /// Where sizes differ by place: the lengths of this block, and those of its points. Null:
+        /// those of the settings.
+        const FrontLengths* lengths = nullptr;
+        LocalLengths<Dim>* local = nullptr;
     };
 
     /// @param around    existing spheres within a largest radius (with further species, two) of
     ///                  `own` or `search` (others do no harm), in an order fixed by the caller, and
     ///                  the sites on them in `own`.
-    /// @param pool      pending radii; refilled, and left for the next block.
+    /// @param pools     pending radii of each group of sizes, where these differ by place per
+    ///                  factor; refilled, and left for the next block.
     /// @param further   due spheres of further species, left for the next block; null: none.
     /// @param sampler   of this thread, for the domain.
     /// @param cancelled asked now and then; when true the block is left unfinished.
     /// @param placed    is overwritten with the spheres of this block in the order of placement.
-    void fill(const Place& place, const BlockSpheres<Dim>& around, RadiusPool& pool,
+    void fill(const Place& place, const BlockSpheres<Dim>& around, std::vector<RadiusPool>& pools,
               SpeciesQueue* further, DomainSampler<Dim>& sampler,
               const std::function<bool()>& cancelled, BlockSpheres<Dim>& placed);
 

@@ -46,8 +46,8 @@ double BlockState<Dim>::clearance(const Vec<Dim>& x, double reach) const {
 }
 
 template <int Dim>
-void BlockState<Dim>::climb(Vec<Dim>& x, double& room, double reach) const {
-    for (double step = 0.25 * settings.minRadius; step > 0.005 * settings.minRadius;) {
+void BlockState<Dim>::climb(Vec<Dim>& x, double& room, double reach, double least) const {
+    for (double step = 0.25 * least; step > 0.005 * least;) {
         Vec<Dim> best = x;
         double bestRoom = room;
         for (int d = 0; d < Dim; ++d)

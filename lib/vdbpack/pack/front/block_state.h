@@ -6,6 +6,7 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/pack/front/cell_list.h"
 #include "vdbpack/pack/front/front_settings.h"
+#include "vdbpack/pack/front/local_lengths.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,6 +33,26 @@ struct BlockState {
     std::vector<Sphere<Dim>> spheres;  ///< around the block first, then those placed
     CellList<Dim> cells;               ///< of all `spheres`
     DomainSampler<Dim>* sampler = nullptr;
+    LocalLengths<Dim>* local = nullptr;  ///< null: the same sizes everywhere
+    /// Then, of each sphere: the least mean radius that is requested around it, mm.
+    std::vector<double> leastMeans{};
+
+    /// What is requested at a point.
+    LocalSize sizeAt(const Vec<Dim>& x) const {
+        return local ? local->at(x + origin) : LocalSize{};
+    }
+    FrontLengths lengthsOf(const LocalSize& size) const {
+        if (local) return local->of(size);
+        return settings;
+    }
+    /// The least mean radius that is requested within a distance of a point, mm.
+    double leastMean(const Vec<Dim>& x, double distance) const {
+        return local ? local->leastMean(x + origin, distance) : settings.meanRadius;
+    }
+    /// The mean radius that is requested at a point, mm.
+    double meanAt(const Vec<Dim>& x) const {
+        return local ? local->mean(x + origin) : settings.meanRadius;
+    }
 
     /// Whether a center belongs to the block.
     /// @param beyond  how far past its upper faces it may lie, mm.
@@ -68,7 +89,8 @@ struct BlockState {
     double clearance(const Vec<Dim>& x, double reach) const;
 
     /// Moves `x` uphill to where its clearance `room` is largest, at most `reach`, mm.
-    void climb(Vec<Dim>& x, double& room, double reach) const;
+    /// @param least  radius of which a quarter is the first step, mm.
+    void climb(Vec<Dim>& x, double& room, double reach, double least) const;
 };
 
 }  // namespace vdbpack

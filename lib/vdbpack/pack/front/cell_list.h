@@ -21,10 +21,13 @@ class CellList {
 public:
     /// Empties the list and lays cells of edge `cell` (mm) over `bounds`.
     /// @param common  radius up to which spheres lie on the finest level, mm.
-    void reset(const Box<Dim>& bounds, double cell, double common) {
+    /// @param graded  whether spheres up to the largest are many somewhere: then levels are finer,
+    ///                and their cells hold about as many spheres each.
+    void reset(const Box<Dim>& bounds, double cell, double common, bool graded = false) {
         bounds_ = bounds;
         overflow_.clear();
         used_ = 0;
+        graded_ = graded;
         addLevel(cell, common);
     }
 
@@ -33,13 +36,15 @@ public:
     void add(const Sphere<Dim>& s, std::uint32_t index) {
         std::size_t l = 0;
         for (; s.radius > levels_[l].maxRadius; ++l)
-            if (l + 1 == used_)
-                addLevel(2 * kNextLevel * levels_[l].maxRadius, kNextLevel * levels_[l].maxRadius);
+            if (l + 1 == used_) addCoarserLevel(levels_[l]);
         Level& level = levels_[l];
         std::size_t cell = 0;
-        for (int d = Dim - 1; d >= 0; --d)
-            cell = cell * static_cast<std::size_t>(level.n[d]) +
-                   static_cast<std::size_t>(coordinate(level, s.center[d], d));
+        for (int d = Dim - 1; d >= 0; --d) {
+            const int at = coordinate(level, s.center[d], d);
+            level.low[d] = std::min(level.low[d], at);
+            level.high[d] = std::max(level.high[d], at);
+            cell = cell * static_cast<std::size_t>(level.n[d]) + static_cast<std::size_t>(at);
+        }
         const std::uint32_t count = level.count[cell]++;
         const std::uint32_t at = count % kChunk;
         if (at == 0 && count >= kOwnChunks * kChunk) {
@@ -137,14 +142,23 @@ private:
     };
 
     /// Each level holds spheres up to this many times as large as the one before.
-    static constexpr double kNextLevel = 4;
+    static constexpr double kNextLevel = 4, kNextGradedLevel = 2;
     struct Level {
         double maxRadius = 0, inverse = 1;
         int n[3] = {1, 1, 1};
-        std::vector<std::uint32_t> count;     ///< of spheres in each cell
-        std::vector<std::uint32_t> overflow;  ///< its last chunk there, if it has any
-        std::vector<Chunk> chunks;            ///< kOwnChunks of each cell
+        int low[3] = {0, 0, 0}, high[3] = {0, 0, 0};  ///< cells in use lie between these
+        std::vector<std::uint32_t> count;             ///< of spheres in each cell
+        std::vector<std::uint32_t> overflow;          ///< its last chunk there, if it has any
+        std::vector<Chunk> chunks;                    ///< kOwnChunks of each cell
     };
+
+    void addCoarserLevel(const Level& level) {
+        const double maxRadius = level.maxRadius;
+        if (graded_)
+            addLevel(kNextGradedLevel / level.inverse, kNextGradedLevel * maxRadius);
+        else
+            addLevel(2 * kNextLevel * maxRadius, kNextLevel * maxRadius);
+    }
 
     void addLevel(double cell, double maxRadius) {
         if (levels_.size() == used_) levels_.emplace_back();
@@ -155,6 +169,8 @@ private:
         for (int d = 0; d < Dim; ++d) {
             level.n[d] = std::max(
                 1, static_cast<int>(std::ceil((bounds_.hi[d] - bounds_.lo[d]) * level.inverse)));
+            level.low[d] = level.n[d];
+            level.high[d] = -1;
             total *= static_cast<std::size_t>(level.n[d]);
         }
         level.count.assign(total, 0);
@@ -172,8 +188,8 @@ private:
             const double far = reach + level.maxRadius;
             int from[3] = {0, 0, 0}, to[3] = {0, 0, 0};
             for (int d = 0; d < Dim; ++d) {
-                from[d] = coordinate(level, x[d] - far, d);
-                to[d] = coordinate(level, x[d] + far, d);
+                from[d] = std::max(coordinate(level, x[d] - far, d), level.low[d]);
+                to[d] = std::min(coordinate(level, x[d] + far, d), level.high[d]);
             }
             const auto r = static_cast<float>(reach + 1e-5 * (std::fabs(reach) + level.maxRadius));
             const auto look = [&](const Chunk& c) {
@@ -218,6 +234,7 @@ private:
     Box<Dim> bounds_;
     std::vector<Level> levels_;
     std::size_t used_ = 0;  ///< levels in use; the others keep their memory
+    bool graded_ = false;
     std::vector<Chunk> overflow_;
 };
 

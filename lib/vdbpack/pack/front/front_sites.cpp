@@ -64,16 +64,22 @@ std::vector<Vec<3>> directionsBeside(const Bodies& around, double rolling, float
 }  // namespace
 
 template <int Dim>
-FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls)
-    : block_(block),
-      walls_(walls),
-      probe_(static_cast<float>(block.settings.probe)),
-      least_(static_cast<float>(block.settings.least)),
+FrontSites<Dim>::PivotRadii::PivotRadii(const FrontLengths& lengths)
+    : probe(static_cast<float>(lengths.probe)),
+      least(static_cast<float>(lengths.least)),
       // No smaller than the largest radius: an unlimited site must take that one as well.
-      largest_(floatUp(block.settings.maxRadius)),
-      common_(static_cast<float>(block.settings.commonRadius)),
-      crowdLead_(static_cast<float>(block.settings.crowdLead)),
-      nearGap_(static_cast<float>(block.settings.nearGap)) {}
+      largest(floatUp(lengths.maxRadius)),
+      common(static_cast<float>(lengths.commonRadius)),
+      crowdLead(static_cast<float>(lengths.crowdLead)),
+      nearGap(static_cast<float>(lengths.nearGap)),
+      lead(lengths.lead),
+      wallLead(lengths.wallLead),
+      seamLead(lengths.seamLead),
+      reach(lengths.reach) {}
+
+template <int Dim>
+FrontSites<Dim>::FrontSites(const BlockState<Dim>& block, FrontWalls<Dim>& walls)
+    : block_(block), walls_(walls), radii_{PivotRadii(block.settings)} {}
 
 template <int Dim>
 void FrontSites<Dim>::clear() {
@@ -83,9 +89,13 @@ void FrontSites<Dim>::clear() {
     first_.clear();
     unused_ = kNone;
     arrived_ = 0;
+    if (block_.local) radii_.clear();
     const double low = settings.order == Order::sweep ? dot(block_.own.lo, settings.sweep) : 0.0;
-    queue_.reset(static_cast<float>(low - settings.lead - settings.wallLead -
-                                    kMostNear * settings.crowdLead),
+    // The lengths are those of the finest spheres, but for the largest radius.
+    const double coarse = block_.local ? settings.maxRadius / settings.commonRadius : 1;
+    const double ahead =
+        coarse * (settings.lead + settings.wallLead + kMostNear * settings.crowdLead);
+    queue_.reset(static_cast<float>(low - ahead),
                  static_cast<float>(kBucket * settings.meanRadius));
 }
 
@@ -119,7 +129,9 @@ void FrontSites<Dim>::find(std::uint32_t pivot, std::uint32_t only, Surroundings
         const double above = dot(center - plane.point, plane.normal);
         around.addWall(toFloat(plane.normal), static_cast<float>(above), kWallBody + wall);
     });
-    around.findSites(static_cast<float>(sphere(pivot).radius), {probe_, least_, largest_}, only,
+    const PivotRadii& radii = radiiOf(pivot);
+    around.findSites(static_cast<float>(sphere(pivot).radius),
+                     {radii.probe, radii.least, radii.largest}, only,
                      inOwnBlock ? &inBlock : nullptr, found_);
     for (const auto& site : found_) add(pivot, site, &around);
     if (found_.empty() && only == Surroundings<Dim>::kAll && around.reached() <= Dim)
@@ -130,7 +142,8 @@ template <int Dim>
 std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
                                    const typename Surroundings<Dim>::Site& site,
                                    const Surroundings<Dim>* around) {
-    if (site.limit < least_) return kNone;
+    const PivotRadii& radii = radiiOf(pivot);
+    if (site.limit < radii.least) return kNone;
     const Vec<Dim>& center = sphere(pivot).center;
     End end;
     Vec<Dim> start;
@@ -158,13 +171,13 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
     s.pivot = pivot;
     s.foreign = foreign;
     s.crowd = 0;
-    if (crowdLead_ > 0) {
+    if (radii.crowdLead > 0) {
         s.base += kSink * heightAbove(pivot, site.bodies, start);
-        s.crowd = around ? around->crowdAt(site.end, site.limit, nearGap_) : 0.0f;
+        s.crowd = around ? around->crowdAt(site.end, site.limit, radii.nearGap) : 0.0f;
         walls_.forEach(pivot, [&](std::uint32_t, const TangentPlane<Dim>& plane) {
             const auto above =
                 static_cast<float>(dot(fromFloat<Dim>(end.center) - plane.point, plane.normal));
-            s.crowd += kWallCrowd * nearness(above - site.limit);
+            s.crowd += kWallCrowd * nearness(above - site.limit, radii.nearGap);
         });
     }
     end.limit = site.limit;
@@ -179,22 +192,25 @@ std::uint32_t FrontSites<Dim>::add(std::uint32_t pivot,
 /// A front begins with too few bodies to touch: then a sphere may touch the pivot alone.
 template <int Dim>
 void FrontSites<Dim>::addLoose(std::uint32_t pivot, const Surroundings<Dim>& around) {
+    const PivotRadii radii = radiiOf(pivot);
     std::vector<Vec<Dim>> directions;
     if constexpr (Dim == 3)
-        directions =
-            directionsBeside(around.spheres, sphere(pivot).radius + block_.settings.commonRadius,
-                             common_, [&](std::uint32_t body) { return cap(pivot, body); });
+        directions = directionsBeside(
+            around.spheres,
+            sphere(pivot).radius +
+                (block_.local ? static_cast<double>(radii.common) : block_.settings.commonRadius),
+            radii.common, [&](std::uint32_t body) { return cap(pivot, body); });
     if (directions.empty()) directions.push_back(-block_.settings.sweep);
-    const float rolling = static_cast<float>(sphere(pivot).radius) + probe_;
+    const float rolling = static_cast<float>(sphere(pivot).radius) + radii.probe;
     for (const Vec<Dim>& n : directions) {
         typename Surroundings<Dim>::Site site;
         site.track.makeLoose(rolling, toFloat(n));
-        const float most = largest_ - probe_;
+        const float most = radii.largest - radii.probe;
         const float t = around.growth(site.track, most);
         if (most > 0 && !(t > 0)) continue;
         site.track.at(0, site.start);
         site.track.at(t, site.end);
-        site.limit = t >= most ? largest_ : probe_ + t;
+        site.limit = t >= most ? radii.largest : radii.probe + t;
         site.side = 1;
         site.bodies.fill(kNoBody);
         add(pivot, site);
@@ -208,27 +224,28 @@ float FrontSites<Dim>::heightAbove(std::uint32_t pivot, const Bodies& bodies,
                                    const Vec<Dim>& start) const {
     if (bodies[0] == kNoBody) return 0;
     const Vec<Dim>& sweep = block_.settings.sweep;
+    const auto probe = static_cast<double>(radiiOf(pivot).probe);
     double height = dot(start - sphere(pivot).center, sweep);
     for (const std::uint32_t body : bodies)
-        height += body >= kWallBody
-                      ? 2 * block_.settings.probe * dot(walls_[body - kWallBody].normal, sweep)
-                      : dot(start - sphere(body).center, sweep);
+        height += body >= kWallBody ? 2 * probe * dot(walls_[body - kWallBody].normal, sweep)
+                                    : dot(start - sphere(body).center, sweep);
     return static_cast<float>(height / Dim);
 }
 
 /// What a body at a gap from a sphere adds to `Site::crowd`.
 template <int Dim>
-float FrontSites<Dim>::nearness(float gap) const {
-    const float near = 1 - std::max(gap, 0.0f) / nearGap_;
+float FrontSites<Dim>::nearness(float gap, float nearGap) {
+    const float near = 1 - std::max(gap, 0.0f) / nearGap;
     return near > 0 ? near * near : 0;
 }
 
 /// Counts a sphere whose center is at a squared distance from that of a site.
 template <int Dim>
 void FrontSites<Dim>::crowd(std::uint32_t index, float square, float radius) {
-    const float least = radius + ends_[index].limit, most = least + nearGap_;
+    const float nearGap = radiiOf(sites_[index].pivot).nearGap;
+    const float least = radius + ends_[index].limit, most = least + nearGap;
     if (square >= most * most) return;
-    sites_[index].crowd += nearness(std::sqrt(square) - least);
+    sites_[index].crowd += nearness(std::sqrt(square) - least, nearGap);
     enqueue(index);
 }
 
@@ -280,33 +297,34 @@ bool FrontSites<Dim>::isBeyond(std::uint32_t index) const {
 /// How far a site goes ahead because of what the front is going to meet there, mm.
 template <int Dim>
 double FrontSites<Dim>::meetingLead(std::uint32_t index) const {
-    const FrontSettings<Dim>& settings = block_.settings;
+    const PivotRadii& radii = radiiOf(sites_[index].pivot);
     bool meets = isBeyond(sites_[index].pivot);
     for (const std::uint32_t body : sites_[index].bodies) {
         if (body == kNoBody) continue;
         if (body < kWallBody)
             meets = meets || isBeyond(body);
-        else if (dot(walls_[body - kWallBody].normal, settings.sweep) < 0)
-            return settings.wallLead;
+        else if (dot(walls_[body - kWallBody].normal, block_.settings.sweep) < 0)
+            return radii.wallLead;
     }
-    return meets ? settings.seamLead : 0;
+    return meets ? radii.seamLead : 0;
 }
 
 /// How far a site goes ahead of its position along the sweep, mm.
 template <int Dim>
 float FrontSites<Dim>::leadOf(std::uint32_t index) const {
-    const FrontSettings<Dim>& settings = block_.settings;
-    if (!(common_ > probe_)) return 0;
-    double lead = isOpen(index) ? 0 : settings.lead;
-    if (settings.wallLead > 0) lead += meetingLead(index);
-    const float limit = std::min(ends_[index].limit, common_);
-    return static_cast<float>(lead) * (limit - probe_) / (common_ - probe_);
+    const PivotRadii& radii = radiiOf(sites_[index].pivot);
+    if (!(radii.common > radii.probe)) return 0;
+    double lead = isOpen(index) ? 0 : radii.lead;
+    if (radii.wallLead > 0) lead += meetingLead(index);
+    const float limit = std::min(ends_[index].limit, radii.common);
+    return static_cast<float>(lead) * (limit - radii.probe) / (radii.common - radii.probe);
 }
 
 template <int Dim>
 void FrontSites<Dim>::enqueue(std::uint32_t index) {
     const Site& site = sites_[index];
-    if (site.foreign == 0) queue_.push(index, site.base - leadOf(index) - crowdLead_ * site.crowd);
+    if (site.foreign != 0) return;
+    queue_.push(index, site.base - leadOf(index) - radiiOf(site.pivot).crowdLead * site.crowd);
 }
 
 template <int Dim>
@@ -327,9 +345,11 @@ template <int Dim>
 void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     const Site& site = sites_[index];
     End& end = ends_[index];
-    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe_;
-    const float most = end.limit - probe_;
-    const float level = cap.level + probe_ * cap.slope;
+    const PivotRadii& radii = radiiOf(site.pivot);
+    const float probe = radii.probe;
+    const float rolling = static_cast<float>(sphere(site.pivot).radius) + probe;
+    const float most = end.limit - probe;
+    const float level = cap.level + probe * cap.slope;
     std::array<float, Dim> x;
     bool fits = site.track.at(0, x);
     float room = level;
@@ -344,8 +364,8 @@ void FrontSites<Dim>::limitBy(std::uint32_t index, const Cap<float, Dim>& cap) {
     const float t =
         firstHit<float, Dim>(site.track, cap.to, level, cap.slope, kTouching * rolling, most);
     if (t >= most) return;
-    end.limit = probe_ + t;
-    if (end.limit < least_) {
+    end.limit = probe + t;
+    if (end.limit < radii.least) {
         end.dead = true;
         queue_.remove(index);
         return;
@@ -383,7 +403,7 @@ void FrontSites<Dim>::keepOff(std::uint32_t intruder, const Surroundings<Dim>& a
             End& end = ends_[*link];
             const float square = squaredDistance(center, end);
             if (!end.dead && reaches(square, radius, end)) limitBy(*link, cap(pivot, intruder));
-            if (crowdLead_ > 0 && !end.dead) crowd(*link, square, radius);
+            if (radiiOf(pivot).crowdLead > 0 && !end.dead) crowd(*link, square, radius);
             if (end.dead) {
                 const std::uint32_t gone = *link;
                 *link = end.next;
@@ -407,12 +427,13 @@ template <int Dim>
 void FrontSites<Dim>::keepOffWall(std::uint32_t pivot, std::uint32_t wall) {
     const Cap<float, Dim> forbidden = cap(pivot, kWallBody + wall);
     const TangentPlane<Dim>& plane = walls_[wall];
+    const PivotRadii& radii = radiiOf(pivot);
     for (std::uint32_t s = first_[pivot]; s != kNone; s = ends_[s].next) {
         if (!ends_[s].dead) limitBy(s, forbidden);
-        if (!(crowdLead_ > 0) || ends_[s].dead) continue;
+        if (!(radii.crowdLead > 0) || ends_[s].dead) continue;
         const auto above =
             static_cast<float>(dot(fromFloat<Dim>(ends_[s].center) - plane.point, plane.normal));
-        sites_[s].crowd += kWallCrowd * nearness(above - ends_[s].limit);
+        sites_[s].crowd += kWallCrowd * nearness(above - ends_[s].limit, radii.nearGap);
         enqueue(s);
     }
 }

@@ -33,6 +33,11 @@ public:
     void clear();
     /// The next sphere, which has no sites yet.
     void addSphere() { first_.push_back(kNone); }
+    /// The same where sizes differ by place.
+    void addSphere(const FrontLengths& lengths) {
+        addSphere();
+        radii_.emplace_back(lengths);
+    }
 
     /// Finds and adds the sites on a pivot: all, or those that touch body `only`.
     /// @param around      the spheres around the pivot, as collected.
@@ -46,7 +51,7 @@ public:
     /// Counts a sphere that was there before the site.
     void countNear(std::uint32_t index, std::uint32_t sphere);
     /// How far from a site, beside its limit, spheres are counted, mm.
-    float nearGap() const { return nearGap_; }
+    float nearGap(std::uint32_t pivot) const { return radiiOf(pivot).nearGap; }
 
     /// Limits the sites that a new sphere reaches into. @param around  the spheres around it.
     void keepOff(std::uint32_t intruder, const Surroundings<Dim>& around);
@@ -70,7 +75,9 @@ public:
     float side(std::uint32_t index) const { return sites_[index].side; }
     bool isRemoved(std::uint32_t index) const { return ends_[index].dead; }
     /// Whether no further body limits the growth there.
-    bool isOpen(std::uint32_t index) const { return !(ends_[index].limit < kOpen * largest_); }
+    bool isOpen(std::uint32_t index) const {
+        return !(ends_[index].limit < kOpen * radiiOf(sites_[index].pivot).largest);
+    }
     /// The wall that a sphere touches there; null if it touches none.
     const TangentPlane<Dim>* wall(std::uint32_t index) const;
     /// Largest radius that fits, as far as is known, mm.
@@ -88,7 +95,9 @@ public:
     }
     /// The cap of a body beside a pivot.
     Cap<float, Dim> cap(std::uint32_t pivot, std::uint32_t body) const;
-    float probe() const { return probe_; }
+    float probe(std::uint32_t pivot) const { return radiiOf(pivot).probe; }
+    /// FrontLengths::reach at a sphere, mm.
+    double reach(std::uint32_t pivot) const { return radiiOf(pivot).reach; }
 
 private:
     struct Site {
@@ -108,6 +117,16 @@ private:
         std::uint32_t next;             ///< of the same pivot
         bool dead;
     };
+    /// FrontLengths for the sites on a pivot, mm.
+    struct PivotRadii {
+        float probe, least, largest, common, crowdLead, nearGap;
+        double lead, wallLead, seamLead, reach;
+        explicit PivotRadii(const FrontLengths& lengths);
+    };
+    /// Where sizes differ by place, each sphere has its own.
+    const PivotRadii& radiiOf(std::uint32_t pivot) const {
+        return radii_[block_.local ? pivot : 0];
+    }
     const Sphere<Dim>& sphere(std::uint32_t i) const { return block_.spheres[i]; }
     std::uint32_t neighborAt(const Vec<Dim>& x) const;
     void addLoose(std::uint32_t pivot, const Surroundings<Dim>& around);
@@ -116,7 +135,7 @@ private:
     double meetingLead(std::uint32_t index) const;
     float leadOf(std::uint32_t index) const;
     float heightAbove(std::uint32_t pivot, const Bodies& bodies, const Vec<Dim>& start) const;
-    float nearness(float gap) const;
+    static float nearness(float gap, float nearGap);
     static float squaredDistance(const std::array<float, Dim>& center, const End& end);
     static bool reaches(float square, float radius, const End& end);
     void crowd(std::uint32_t index, float square, float radius);
@@ -127,9 +146,8 @@ private:
 
     const BlockState<Dim>& block_;
     FrontWalls<Dim>& walls_;
-    float probe_, least_, largest_, common_;  ///< radii of FrontSettings, mm
-    float crowdLead_, nearGap_;               ///< of FrontSettings, mm
-    std::uint64_t arrived_ = 0;               ///< sites so far
+    std::vector<PivotRadii> radii_;
+    std::uint64_t arrived_ = 0;  ///< sites so far
     std::vector<Site> sites_;
     std::vector<End> ends_;             ///< beside `sites_`
     std::uint32_t unused_ = kNone;      ///< list of sites to use again

@@ -38,10 +38,10 @@ void takeOver(const BlockSpheres<Dim>& around, const std::vector<std::uint32_t>&
     using Sites = FrontSites<Dim>;
     using Kind = typename HandedSite<Dim>::Support::Kind;
     const Vec<Dim>& origin = front.block.origin;
-    const float probe = front.sites.probe();
     for (const HandedSite<Dim>& handed : around.sites) {
         const std::uint32_t pivot = local[handed.pivot];
         if (pivot == Sites::kNone) continue;
+        const float probe = front.sites.probe(pivot);
         typename Surroundings<Dim>::Site site;
         site.limit = handed.limit;
         site.side = handed.side;
@@ -68,9 +68,9 @@ void takeOver(const BlockSpheres<Dim>& around, const std::vector<std::uint32_t>&
         site.end = toFloat(from);
         const std::uint32_t index = front.sites.add(pivot, site);
         if (index == Sites::kNone) continue;
-        if (front.sites.nearGap() > 0)
+        if (front.sites.nearGap(pivot) > 0)
             front.block.cells.near(center,
-                                   static_cast<double>(handed.limit + front.sites.nearGap()),
+                                   static_cast<double>(handed.limit + front.sites.nearGap(pivot)),
                                    [&](std::uint32_t i) {
                                        if (i != pivot) front.sites.countNear(index, i);
                                        return true;

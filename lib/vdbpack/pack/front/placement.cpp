@@ -55,18 +55,19 @@ void Placement<Dim>::add(const Sphere<Dim>& sphere) {
 template <int Dim>
 void Placement<Dim>::explore(std::uint32_t index) {
     const Sphere<Dim> s = sphere(index);
-    collect(s.center, s.radius, index);
+    const double reach = front_.reachOf(index);
+    collect(s.center, reach, index);
     TangentPlane<Dim> plane;
     double distance;
-    if (front_.block.findWall(s.center, s.center, s.radius, front_.reachOf(s.radius), plane,
-                              distance))
+    if (front_.block.findWall(s.center, s.center, s.radius, reach, plane, distance))
         front_.walls.add(index, plane);
     front_.sites.find(index, Surroundings<Dim>::kAll, around_, index < front_.standing);
 }
 
 template <int Dim>
 typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site, double radius,
-                                                             Vec<Dim> center) {
+                                                             Vec<Dim> center,
+                                                             const FrontLengths& lengths) {
     const BlockState<Dim>& block = front_.block;
     const Vec<Dim> guess = center;
     const std::uint32_t pivot = front_.sites.pivot(site);
@@ -79,13 +80,12 @@ typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site,
     center = block.snapped(center);
     if (!block.owns(center)) return leave();
     // One far larger than most has many neighbors, and most positions are too narrow for it.
-    if (radius > block.settings.commonRadius && !block.isFree(center, radius))
-        return Outcome::blocked;
-    collect(center, radius, FrontSites<Dim>::kNone);
+    if (radius > lengths.commonRadius && !block.isFree(center, radius)) return Outcome::blocked;
+    const double reach = radius + lengths.reach;
+    collect(center, reach, FrontSites<Dim>::kNone);
     if (overlaps(center, radius)) return Outcome::blocked;
     double distance = 0;
-    hasWall_ = block.findWall(sphere(pivot).center, center, radius, front_.reachOf(radius), wall_,
-                              distance);
+    hasWall_ = block.findWall(sphere(pivot).center, center, radius, reach, wall_, distance);
     if (!hasWall_ || distance >= radius) {
         front_.sites.remove(site);
         add({center, radius});
@@ -101,12 +101,25 @@ typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site,
     return Outcome::blocked;
 }
 
+template <int Dim>
+bool Placement<Dim>::tighten(std::uint32_t site, double radius, const Vec<Dim>& center) {
+    const float before = front_.sites.limit(site);
+    front_.block.cells.near(center, radius, [&](std::uint32_t i) {
+        const double least = sphere(i).radius + radius;
+        if (i != front_.sites.pivot(site) &&
+            squaredLength(sphere(i).center - center) < least * least)
+            front_.sites.keepOff(site, i);
+        return !front_.sites.isRemoved(site);
+    });
+    return front_.sites.isRemoved(site) || front_.sites.limit(site) < before;
+}
+
 /// Gives a pivot a wall that it did not know of.
 template <int Dim>
 void Placement<Dim>::learn(std::uint32_t pivot, const TangentPlane<Dim>& plane) {
     const std::uint32_t wall = front_.walls.add(pivot, plane);
     front_.sites.keepOffWall(pivot, wall);
-    collect(sphere(pivot).center, sphere(pivot).radius, pivot);
+    collect(sphere(pivot).center, front_.reachOf(pivot), pivot);
     front_.sites.find(pivot, FrontSites<Dim>::kWallBody + wall, around_, pivot < front_.standing);
 }
 
@@ -165,9 +178,10 @@ template <int Dim>
 bool Placement<Dim>::placeAt(const Vec<Dim>& center, double radius, double beyond) {
     const BlockState<Dim>& block = front_.block;
     if (!block.owns(center, beyond)) return false;
-    collect(center, radius, FrontSites<Dim>::kNone);
+    const double reach = radius + block.lengthsOf(block.sizeAt(center)).reach;
+    collect(center, reach, FrontSites<Dim>::kNone);
     double distance = 0;
-    hasWall_ = block.findWall(center, center, radius, front_.reachOf(radius), wall_, distance);
+    hasWall_ = block.findWall(center, center, radius, reach, wall_, distance);
     if (overlaps(center, radius) || (hasWall_ && distance < radius) ||
         !block.sampler->contains(center + block.origin))
         return false;
@@ -184,6 +198,7 @@ bool Placement<Dim>::setDown(std::uint32_t site, double radius, double depth, do
     // Snapping must not take anything off the depth.
     const double room = radius + (depth > 0 ? depth + settings.quantum : 0);
     Vec<Dim> x = front_.sites.center(site);
+    const LocalSize size = block.sizeAt(x);
     const Vec<Dim> ahead = settings.order == Order::sweep ? settings.sweep : normalized(x - pivot);
     x += ahead * (radius - limit);
     Vec<Dim> resting;
@@ -213,7 +228,9 @@ bool Placement<Dim>::setDown(std::uint32_t site, double radius, double depth, do
         x += by;
         if (step == kSetDownSteps || !block.owns(x, beyond)) return false;
     }
-    return placeAt(block.snapped(x), radius, beyond);
+    const Vec<Dim> center = block.snapped(x);
+    if (block.local && !LocalLengths<Dim>::areAlike(size, block.sizeAt(center))) return false;
+    return placeAt(center, radius, beyond);
 }
 
 template class Placement<2>;

@@ -22,8 +22,13 @@ public:
         wallLearned  ///< by a wall that the pivot now knows of
     };
     /// Tries a sphere of `radius` at a site.
-    /// @param center  where it rests at the site, see FrontSites::restingCenter.
-    Outcome placeAtSite(std::uint32_t site, double radius, Vec<Dim> center);
+    /// @param center   where it rests at the site, see FrontSites::restingCenter.
+    /// @param lengths  of what is requested there.
+    Outcome placeAtSite(std::uint32_t site, double radius, Vec<Dim> center,
+                        const FrontLengths& lengths);
+    /// After a sphere was blocked at a site whose pivot did not know of all bodies around: limits
+    /// the site by those in the way. @return whether that left it less room.
+    bool tighten(std::uint32_t site, double radius, const Vec<Dim>& center);
 
     /// Places a sphere at `center` if it is free there. @return whether it was.
     /// @param beyond  how far the center may lie past the upper faces of the block, mm.
@@ -44,8 +49,8 @@ private:
     void learn(std::uint32_t pivot, const TangentPlane<Dim>& plane);
     bool followWalls(std::uint32_t site, double radius, Vec<Dim>& center) const;
     bool overlaps(const Vec<Dim>& center, double radius) const;
-    void collect(const Vec<Dim>& center, double radius, std::uint32_t except) {
-        around_.collect(front_.block.cells, center, front_.reachOf(radius), except);
+    void collect(const Vec<Dim>& center, double reach, std::uint32_t except) {
+        around_.collect(front_.block.cells, center, reach, except);
     }
 
     Front<Dim>& front_;

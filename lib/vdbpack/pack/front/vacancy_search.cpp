@@ -12,6 +12,10 @@ namespace {
 /// the room is hardly less than the wanted radius, as along the middle of a thin bone.
 constexpr double kMostRoom = 1.018;
 
+/// Where other sizes begin, parts of a cell with corners that are this near are not halved, in
+/// wanted radii.
+constexpr double kSliver = 0.12, kJump = 1.1;
+
 /// Edge of a cell of the bitmap, in wanted radii: finer ones cost more stamping, coarser ones
 /// leave more cells to halve.
 template <int Dim>
@@ -38,9 +42,7 @@ template <int Dim>
 void VacancySearch<Dim>::start(const BlockState<Dim>& state, bool centersOnly) {
     state_ = &state;
     centersOnly_ = centersOnly;
-    wanted_ = state.settings.meanRadius;
-    mostRoom_ = kMostRoom * wanted_;
-    step_ = kStep<Dim> * wanted_;
+    step_ = kStep<Dim> * state.settings.meanRadius;
     steps_ = {1, 1, 1};
     for (int d = 0; d < Dim; ++d)
         steps_[static_cast<std::size_t>(d)] = std::max(
@@ -62,9 +64,12 @@ void VacancySearch<Dim>::stampSpheres() {
     const double inverse = 1 / step_;
     const int most = steps_[0] - 1;
     const Float8 count = {0, 1, 2, 3, 4, 5, 6, 7};
-    for (const auto& s : state_->spheres) {
+    for (std::size_t i = 0; i < state_->spheres.size(); ++i) {
+        const Sphere<Dim>& s = state_->spheres[i];
+        const double mostRoom =
+            kMostRoom * (state_->local ? state_->leastMeans[i] : state_->settings.meanRadius);
         // Less by more than floats are off by.
-        const double reach = (s.radius + mostRoom_ - corner) * inverse * (1 - 1e-5) -
+        const double reach = (s.radius + mostRoom - corner) * inverse * (1 - 1e-5) -
                              1e-6 * static_cast<double>(most + 1);
         if (reach <= 0) continue;
         // In steps, with cell i's center at i.
@@ -100,10 +105,10 @@ void VacancySearch<Dim>::stampSpheres() {
 
 /// Whether all points within `around` of `x` are certainly too near to the wall, or outside.
 template <int Dim>
-bool VacancySearch<Dim>::isTooShallow(const Vec<Dim>& x, double around) {
+bool VacancySearch<Dim>::isTooShallow(const Vec<Dim>& x, double around, double mostRoom) {
     DomainSampler<Dim>& sampler = *state_->sampler;
     const double depth = -sampler.signedDistance(x), error = state_->settings.fieldError;
-    const double least = mostRoom_ - around;
+    const double least = mostRoom - around;
     return depth < least - error || (depth < least + error && sampler.depthRange(x).most < least);
 }
 
@@ -133,10 +138,11 @@ void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
         for (int j = at[1]; j < end[1]; ++j) left |= ~row(j, k)[at[0] >> 6] & mask;
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
-    if (isTooShallow(center, corner)) {
+    const double mostRoom = kMostRoom * state_->leastMean(center - state_->origin, corner);
+    if (isTooShallow(center, corner, mostRoom)) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
-    } else if (edge > 2 && isTooShallow(center, -corner)) {
+    } else if (edge > 2 && isTooShallow(center, -corner, mostRoom)) {
         const int half = edge / 2;
         for (int child = 0; child < (1 << Dim); ++child) {
             std::array<int, 3> sub = at;
@@ -173,9 +179,13 @@ bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
             Vec<Dim> c;
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
-            if (isTooShallow(c + state_->origin, corner)) continue;
+            wanted_ = finestIn(c, step_);
+            straddles_ = state_->local && state_->meanAt(c) > kJump * wanted_;
+            const double mostRoom = kMostRoom * wanted_;
+            if (isTooShallow(c + state_->origin, corner, mostRoom)) continue;
             nearby_.clear();
-            state_->cells.near(c, mostRoom_, [&](std::uint32_t i) {
+            const double reach = straddles_ ? kMostRoom * state_->meanAt(c) : mostRoom;
+            state_->cells.near(c, reach, [&](std::uint32_t i) {
                 nearby_.push_back(i);
                 return true;
             });
@@ -185,23 +195,37 @@ bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
     return false;
 }
 
+template <int Dim>
+double VacancySearch<Dim>::finestIn(const Vec<Dim>& center, double edge) const {
+    double least = state_->meanAt(center);
+    for (int d = 0; d < Dim && state_->local; ++d)
+        for (const double side : {-0.5, 0.5}) {
+            Vec<Dim> x = center;
+            x[d] += side * edge;
+            least = std::min(least, state_->meanAt(x));
+        }
+    return least;
+}
+
 /// Searches a cell for a vacancy, by halving; `nearby_` holds the spheres in reach.
 template <int Dim>
 bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& vacancy) {
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     const FrontSettings<Dim>& settings = state_->settings;
     DomainSampler<Dim>& sampler = *state_->sampler;
+    const double least = straddles_ ? finestIn(center, edge) : wanted_;
+    const double mostRoom = kMostRoom * least;
     double room = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : nearby_) {
         const Sphere<Dim>& s = state_->spheres[i];
-        const double least = s.radius + mostRoom_ - corner;
+        const double reach = s.radius + mostRoom - corner;
         const double square = squaredLength(s.center - center);
-        if (least > 0 && square < least * least) return false;
+        if (reach > 0 && square < reach * reach) return false;
         room = std::min(room, std::sqrt(square) - s.radius);
     }
     // The field alone would be too coarse: every cell along the wall would be halved to the end.
     const Vec<Dim> global = center + state_->origin;
-    if (mostRoom_ > corner && sampler.isWallCloser(global, mostRoom_ - corner)) return false;
+    if (mostRoom > corner && sampler.isWallCloser(global, mostRoom - corner)) return false;
     // A vacancy is at least the wanted radius away from a center outside, more than the corner of
     // the cell: none is in it.
     const double outside = sampler.signedDistance(global);
@@ -209,13 +233,16 @@ bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& v
     if (outside > settings.fieldError ||
         (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
         return false;
-    if (room >= wanted_ && !sampler.isWallCloser(global, wanted_)) {
+    const double own = straddles_ ? state_->meanAt(center) : least;
+    if (room >= own && !sampler.isWallCloser(global, own)) {
         vacancy = center;
         // All of a ball that no wall crosses is on one side.
         return sampler.contains(global);
     }
     // Otherwise a center this close to a vacancy has the room itself, unless its sign is wrong.
-    if (corner < 0.5 * (mostRoom_ - wanted_)) return false;
+    if (corner < 0.5 * (mostRoom - least)) return false;
+    // Where other sizes begin, it has the room of the finer ones alone.
+    if (own > kJump * least && corner < kSliver * least) return false;
     for (int child = 0; child < (1 << Dim); ++child) {
         Vec<Dim> c = center;
         for (int d = 0; d < Dim; ++d) c[d] += (child >> d & 1 ? 0.25 : -0.25) * edge;

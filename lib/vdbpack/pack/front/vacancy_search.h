@@ -32,7 +32,7 @@ public:
 
 private:
     void stampSpheres();
-    bool isTooShallow(const Vec<Dim>& x, double around);
+    bool isTooShallow(const Vec<Dim>& x, double around, double mostRoom);
     void stampOutside();
     void stampOutside(const std::array<int, 3>& at, int edge);
     std::uint64_t* row(int j, int k) {
@@ -46,8 +46,12 @@ private:
 
     const BlockState<Dim>* state_ = nullptr;
     bool centersOnly_ = false;
-    double wanted_ = 0;                   ///< room that a vacancy must have, mm
-    double mostRoom_ = 0;                 ///< room that no center may be left with, mm
+    /// Room that a vacancy must have in a cell, mm: that of the finest sizes requested at its
+    /// center and beside it.
+    double finestIn(const Vec<Dim>& center, double edge) const;
+
+    double wanted_ = 0;                   ///< room that a vacancy must have in the current cell, mm
+    bool straddles_ = false;              ///< whether other sizes begin in it
     double step_ = 0;                     ///< edge of a cell, mm
     std::array<int, 3> steps_;            ///< cells along each axis
     std::size_t rowWords_ = 0;            ///< 64-bit words of a row of cells

@@ -1,0 +1,104 @@
+// Sizes that are requested by place: a factor on all radii, and a distribution for the shell.
+#pragma once
+
+#include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/shell_test.h"
+#include "vdbpack/domain/shell_thickness.h"
+#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/pack/size_field.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace vdbpack {
+
+/// What differs by place in the sizes of a pack. The center of a sphere decides.
+struct LocalSizes {
+    /// Factor on the radii; null: 1 everywhere.
+    std::shared_ptr<const SizeField> factor;
+    /// Radii (times the factor) of spheres with centers in `shell`; none: those of the others.
+    std::optional<SizeDistribution> shellSizes;
+    ShellThickness shell;
+
+    bool any() const { return factor || shellSizes; }
+    /// The largest radius anywhere, mm. @param sizes  of group 0.
+    double largest(const SizeDistribution& sizes) const {
+        const double all = shellSizes ? std::max(sizes.max(), shellSizes->max()) : sizes.max();
+        return factor ? all * factor->all().most : all;
+    }
+    SizeField::Range factors() const { return factor ? factor->all() : SizeField::Range{1, 1}; }
+    std::size_t groups() const { return shellSizes ? 2 : 1; }
+    /// The distribution of group 1, the shell, or 0, all others. @param sizes  of group 0.
+    const SizeDistribution& sizesOf(std::size_t group, const SizeDistribution& sizes) const {
+        return group == 1 ? *shellSizes : sizes;
+    }
+};
+
+/// What is requested at a point.
+struct LocalSize {
+    double factor = 1;
+    std::uint32_t group = 0;  ///< 1: the sizes of the shell
+};
+
+/// Queries local sizes from one thread.
+template <int Dim>
+class LocalSizeSampler {
+public:
+    /// @param domain, sizes  must outlive this; the shell is that of the domain.
+    LocalSizeSampler(const Domain<Dim>& domain, const LocalSizes& sizes);
+
+    LocalSize at(const Vec<Dim>& x);
+
+    /// Bounds of what is requested in a part of space.
+    struct Range {
+        double least = 1, most = 1;  ///< factors
+        bool inner = true;           ///< whether group 0 may be there
+        bool shell = false;          ///< whether group 1 may be there
+    };
+    Range within(const Box<Dim>& box);
+    Range around(const Vec<Dim>& x, double distance);
+
+private:
+    void addGroups(const Vec<Dim>& x, double distance, Range& range);
+
+    const LocalSizes& sizes_;
+    PeriodicCell<Dim> cell_;
+    std::optional<ShellTest<Dim>> shell_;
+};
+
+/// Spheres that would fill a domain alike if each had this volume (2D: area) on average: the
+/// harmonic mean over the domain of the mean sphere's volume.
+template <int Dim>
+class LocalBalls {
+public:
+    /// Samples the domain; for uniform sizes there is nothing to sample.
+    LocalBalls(const Domain<Dim>& domain, const SizeDistribution& sizes, const LocalSizes& local);
+
+    /// With radii times `scale`, and a layer of `layer` mm around each sphere, mm^Dim.
+    double mean(double scale = 1, double layer = 0) const;
+    /// Spheres of a group in a volume (2D: area) of the domain that spheres filled wholly, per
+    /// mm^Dim.
+    double groupShare(std::uint32_t group) const;
+
+private:
+    struct Share {
+        SizeDistribution sizes;
+        double factor, weight;
+        std::uint32_t group = 0;
+    };
+    std::vector<Share> shares_;
+};
+
+/// The local factor and group of each sphere's center, in parallel.
+template <int Dim>
+std::vector<LocalSize> localSizesOf(const std::vector<Sphere<Dim>>& spheres,
+                                    const Domain<Dim>& domain, const LocalSizes& sizes);
+
+/// Mean volume (2D: area) of spheres with radii times `scale` and a layer around each, mm^Dim.
+template <int Dim>
+double ballWithShell(const SizeDistribution& sizes, double scale, double shell);
+
+}  // namespace vdbpack

@@ -1,0 +1,184 @@
+// --size-field and --shell-radius: from files and options to the report.
+#include "cli/recipes.h"
+#include "support/grids.h"
+#include "support/image_file.h"
+#include "support/message_of.h"
+#include "support/temporary_folder.h"
+#include "support/text_file.h"
+#include "support/tool.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/run.h"
+
+#include <catch2/catch.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <openvdb/io/File.h>
+
+#include <string>
+
+using namespace vdbpack;
+using namespace vdbpack::test;
+using Catch::Matchers::Contains;
+
+namespace {
+
+constexpr const char* kBox = "box:24,24,24";
+
+/// From `low` to `high` along x, on a lattice of points around the box.
+std::string rampTable(double low, double high, double side = 26) {
+    std::string text = "x,y,z,factor\n";
+    constexpr int kPoints = 9;
+    for (int i = 0; i < kPoints * kPoints * kPoints; ++i) {
+        const double x = (i % kPoints) / (kPoints - 1.0), y = (i / kPoints % kPoints) / 8.0,
+                     z = (i / kPoints / kPoints) / 8.0;
+        text += fmt::format("{},{},{},{}\n", (x - 0.5) * side, (y - 0.5) * side, (z - 0.5) * side,
+                            low + (high - low) * x);
+    }
+    return text;
+}
+
+/// 0.7 and 1.4 in halves of a .vdb.
+void writeTwoFactors(const std::string& file) {
+    auto grid = newGrid<openvdb::FloatGrid>(1.0f);
+    auto accessor = grid->getAccessor();
+    for (int k = -14; k <= 14; ++k)
+        for (int j = -14; j <= 14; ++j)
+            for (int i = -14; i <= 14; ++i) accessor.setValue({i, j, k}, i < 0 ? 0.7f : 1.4f);
+    openvdb::io::File(file).write({grid});
+}
+
+PackRecipe recipeWith(const std::string& field, const std::string& radius = "uniform:1,2") {
+    PackRecipe recipe = recipeFor(kBox, radius);
+    recipe.sizeField = field;
+    return recipe;
+}
+
+}  // namespace
+
+TEST_CASE("sizes follow a table or a grid, and the report says how well", "[cli]") {
+    const TemporaryFolder folder;
+    std::string file = folder.file("ramp.csv");
+    const bool grid = GENERATE(false, true);
+    CAPTURE(grid);
+    if (grid)
+        writeTwoFactors(file = folder.file("halves.vdb"));
+    else
+        putContent(file, rampTable(0.5, 1));
+    const RunResult run = runPack(recipeWith(file));
+    CHECK(run.passed);
+    REQUIRE(run.report.localSizes.size() == 1);
+    const auto& all = run.report.localSizes.front();
+    CHECK(all.requested == "uniform:1,2");
+    CHECK(all.count == run.report.count);
+    CHECK(all.factorLeast == Approx(grid ? 0.7 : 0.5).margin(0.05));
+    CHECK(all.factorMost == Approx(grid ? 1.4 : 1.0).margin(0.05));
+    CHECK(all.ks < 0.05);
+    CHECK(run.report.ks == all.ks);
+    CHECK_THAT(summary(run), Contains("by place"));
+    CHECK_THAT(toJson(run).dump(), Contains("\"local\""));
+}
+
+TEST_CASE("the shell and the inside have radii of their own, before and after densifying",
+          "[cli]") {
+    PackRecipe recipe = recipeFor("ball:14", "uniform:1,2");
+    recipe.shellRadius = "uniform:0.5,0.9";
+    recipe.voids.shell = 3;
+    const bool dense = GENERATE(false, true);
+    if (dense) recipe.densify = 0.62;
+    CAPTURE(dense);
+    const RunResult run = runPack(recipe);
+    CHECK(run.passed);
+    REQUIRE(run.report.localSizes.size() == 2);
+    const auto &shell = run.report.localSizes[0], &inside = run.report.localSizes[1];
+    CHECK(shell.name == "shell");
+    CHECK(shell.requested == "uniform:0.5,0.9");
+    CHECK(inside.requested == "uniform:1,2");
+    CHECK(shell.count + inside.count == run.report.count);
+    CHECK(shell.ks < 0.05);
+    CHECK(inside.ks < 0.1);
+    if (dense) CHECK(run.report.solidFractionTotal.value_or(0) >= 0.62 - 1e-9);
+}
+
+TEST_CASE("a field densifies with its local sizes", "[cli]") {
+    const TemporaryFolder folder;
+    putContent(folder.file("ramp.csv"), rampTable(0.5, 1.5));
+    PackRecipe recipe = recipeWith(folder.file("ramp.csv"));
+    const auto front = runPack(recipe).report;
+    recipe.densify = *front.solidFractionTotal + 0.02;
+    const auto dense = runPack(recipe).report;
+    REQUIRE(dense.densified);
+    CHECK(*dense.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(dense.overlap->max < 1e-6);
+    CHECK(dense.localSizes.front().ks < 0.05);
+    recipe.threads = 3;
+    CHECK(runPack(recipe).report.hash == dense.hash);
+}
+
+TEST_CASE("sizes by place refuse what they cannot use", "[cli]") {
+    const TemporaryFolder folder;
+    const auto withTable = [&](const std::string& table) {
+        putContent(folder.file("field.csv"), table);
+        return messageOf<InputError>([&] { runPack(recipeWith(folder.file("field.csv"))); });
+    };
+    SECTION("a field that does not cover the domain") {
+        CHECK_THAT(withTable(rampTable(1, 2, 10)), Contains("field.csv") && Contains("covers"));
+    }
+    SECTION("factors that are not positive, or not finite") {
+        CHECK_THAT(withTable(rampTable(0, 2)), Contains("factor 0") && Contains("line"));
+        CHECK_THAT(withTable(rampTable(-1, 2)), Contains("-1"));
+        CHECK_THAT(withTable("x,y,z,value\n0,0,0,nan\n"), Contains("field.csv"));
+    }
+    SECTION("a ratio above 20") {
+        CHECK_THAT(withTable(rampTable(1, 21)), Contains("21") && Contains("20"));
+    }
+    SECTION("radii of a shell without a shell") {
+        PackRecipe recipe = recipeFor(kBox, "uniform:1,2");
+        recipe.shellRadius = "uniform:0.5,1";
+        CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }),
+                   Contains("shellRadius") && Contains("shell"));
+        recipe.voids.shell = 2;
+        recipe.shellRadius = "uniform:0.5";
+        CHECK_THROWS_AS(runPack(recipe), ParameterError);
+        recipe.shellRadius = "constant:0.001";
+        CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("200"));
+    }
+    SECTION("holes among the spheres") {
+        PackRecipe recipe = recipeFor(kBox, "uniform:1,2");
+        recipe.voids.shell = 2;
+        recipe.shellRadius = "uniform:0.5,1";
+        recipe.voids.method = "mixed";
+        CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("mixed"));
+    }
+    SECTION("files that are no field, or not there") {
+        CHECK_THROWS_AS(runPack(recipeWith(folder.file("field.stl"))), ParameterError);
+        CHECK_THROWS_AS(runPack(recipeWith(folder.file("none.csv"))), IoError);
+    }
+}
+
+TEST_CASE("a recipe file repeats a pack of sizes by place", "[cli]") {
+    const TemporaryFolder folder;
+    putContent(folder.file("ramp.csv"), rampTable(0.7, 1.4));
+    const Output made = vdbPack(
+        "pack ball:11 --radius uniform:1,2 --size-field " + folder.file("ramp.csv") +
+        " --shell 3 --shell-radius uniform:0.6,1 --quiet --json -o " + folder.file("pack.csv"));
+    REQUIRE(made.code == 0);
+    const Output again =
+        vdbPack("pack --config " + folder.file("pack.recipe.toml") + " --quiet --json");
+    REQUIRE(again.code == 0);
+    const auto hashOf = [](const std::string& text) {
+        const auto at = text.find("\"hash\"");
+        return text.substr(at, text.find('\n', at) - at);
+    };
+    CHECK(hashOf(made.text) == hashOf(again.text));
+    CHECK_THAT(contentOf(folder.file("pack.recipe.toml")), Contains("ramp.csv"));
+}
+
+TEST_CASE("a dry run foresees the count of sizes by place", "[cli]") {
+    const TemporaryFolder folder;
+    putContent(folder.file("ramp.csv"), rampTable(0.3, 1.2));
+    PackRecipe recipe = recipeWith(folder.file("ramp.csv"), "uniform:0.5,1");
+    const auto count = static_cast<double>(runPack(recipe).report.count);
+    CHECK(dryRunPack(recipe).count == Approx(count).epsilon(0.15));
+}
