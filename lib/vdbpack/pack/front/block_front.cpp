@@ -19,10 +19,10 @@ constexpr std::size_t kAttempts = 3;
 /// Most sites to pass after one of the largest spheres found no room.
 constexpr int kLongestPause = 256;
 
-/// Height over a wall, in largest common radii, below which another wall makes a thin part. Slabs
-/// of 8 and 9 mm, radii 1 to 2: solid fraction 0.573 and 0.590 at 2.5; 0.573 and 0.581 at 2; 0.566
-/// and 0.581 at 1.5. Slabs of 12 mm: 0.600, and 0.598 without this case.
-constexpr double kBroad = 2.5;
+/// Height over a wall, in largest common radii, below which another wall makes a thin part. Radii 1
+/// to 2, solid fractions of slabs of 9 and 12 mm and of tubes of radius 6 mm: 0.581, 0.600 and 0.547
+/// at 2; 0.590, 0.600 and 0.547 at 2.5; 0.591, 0.600 and 0.556 at 3; 0.591, 0.599 and 0.561 at 3.5.
+constexpr double kBroad = 3;
 
 /// Mean radius that spheres on broad walls are to have, in mean radii: small ones of the second
 /// layer lie at the wall as well, and densifying pulls large ones off it.
