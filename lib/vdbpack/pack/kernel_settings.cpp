@@ -128,7 +128,7 @@ FrontLengths lengthsFor(const SizeDistribution& sizes, const PackOptions& option
     s.reach = std::max(2.001 * s.probe, (fast ? kFastReach : kReach) * s.commonRadius);
     s.least = fast ? sizes.quantile(kFastShare<Dim>) + shell : 0;
     s.lead = fast || options.order == Order::fifo ? 0 : kLead * s.commonRadius;
-    if (options.order == Order::sweep) {
+    if (options.order == Order::sweep && options.evenSizes) {
         s.wallLead = kWallLead * s.commonRadius;
         s.seamLead = kSeamLead * s.commonRadius;
     }
@@ -163,6 +163,7 @@ FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& o
         s.maxRadius = largestRadius(options) + shell;
     }
     s.order = options.order;
+    s.evenSizes = options.evenSizes;
     s.sweep = Box<Dim>::filled(1 / std::sqrt(static_cast<double>(Dim)));
     if (options.order == Order::center || options.order == Order::fifo)
         s.middle = largestBall(domain).center;

@@ -43,6 +43,10 @@ struct PackOptions {
     Effort effort = Effort::normal;
     /// Order in which sites are taken. All but `sweep` run as one block on one thread.
     Order order = Order::sweep;
+    /// Whether sizes next to walls, and where the pack begins, are those requested. Otherwise they
+    /// are larger where the front starts and smaller where it ends, and the front takes 5 % less
+    /// time.
+    bool evenSizes = true;
     /// Least distance between spheres, and between spheres and the wall, mm.
     double gap = 0;
     /// Keep the first spheres of the pack up to this number; 0: all. The domain is filled all the

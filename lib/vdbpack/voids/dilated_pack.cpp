@@ -89,6 +89,8 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
             "the periodic cell is shorter than {:g} of the largest voids of the foam before their "
             "dilation. Give a longer cell or smaller voids",
             kCellDiameters));
+    // Layers along walls lie outside, so that their sizes do not matter.
+    front.evenSizes = cell.any();
     const auto room = cell.any() ? periodicDomain(cell) : boxDomain(box);
     Callbacks quiet;
     quiet.cancelled = callbacks.cancelled;

@@ -20,8 +20,9 @@ constexpr std::size_t kAttempts = 3;
 constexpr int kLongestPause = 256;
 
 /// Height over a wall, in largest common radii, below which another wall makes a thin part. Radii 1
-/// to 2, solid fractions of slabs of 9 and 12 mm and of tubes of radius 6 mm: 0.581, 0.600 and 0.547
-/// at 2; 0.590, 0.600 and 0.547 at 2.5; 0.591, 0.600 and 0.556 at 3; 0.591, 0.599 and 0.561 at 3.5.
+/// to 2, solid fractions of slabs of 9 and 12 mm and of tubes of radius 6 mm: 0.581, 0.600 and
+/// 0.547 at 2; 0.590, 0.600 and 0.547 at 2.5; 0.591, 0.600 and 0.556 at 3; 0.591, 0.599 and 0.561
+/// at 3.5.
 constexpr double kBroad = 3;
 
 /// Mean radius that spheres on broad walls are to have, in mean radii: small ones of the second
@@ -242,8 +243,9 @@ bool BlockFront<Dim>::Work::growAs(std::uint32_t site, const LocalSize& size) {
     RadiusPool& pool = (*pools_)[size.group];
     const FrontLengths lengths = block.lengthsOf(size);
     const double common = lengths.commonRadius;
-    const bool onWall = isOnBroadWall(site, common);
-    if ((onWall || pool.hasGivenLarge()) && front_.sites.isOpen(site) &&
+    const bool even = block.settings.evenSizes;
+    const bool onWall = even && isOnBroadWall(site, common);
+    if (even && (onWall || pool.hasGivenLarge()) && front_.sites.isOpen(site) &&
         placeDrawn(site, size, lengths, onWall))
         return true;
     const float limit = front_.sites.limit(site);

@@ -60,6 +60,7 @@ struct FrontLengths {
 template <int Dim>
 struct FrontSettings : FrontLengths {
     Order order = Order::sweep;
+    bool evenSizes = true;  ///< PackOptions::evenSizes
     /// Unit direction in which the front sweeps: low values are filled first.
     Vec<Dim> sweep;
     Vec<Dim> middle;  ///< of the domain, where Order::center and fifo begin, mm
