@@ -208,7 +208,7 @@ void benchDensify(int threads, bool quick, std::vector<std::string> words) {
         words = {"box:60,60,60=0.645", "box:100,100,6=0.57", "rect:200,200=0.835"};
     if (words.empty())
         words = {"box:120,120,120=0.645", "box:120,120,120=0.66", "box:120,120,120=max",
-                 "box:373,373,373=0.645", "box:400,400,6=0.57",   "box:300,300,10=0.6",
+                 "box:373,373,373=0.645", "box:400,400,6=0.59",   "box:300,300,10=0.6",
                  "box:200,200,20=0.63",   "struts:6=0.6",         "box:60,60,60=0.62=constant:1",
                  "rect:600,600=0.835"};
     fmt::print(
