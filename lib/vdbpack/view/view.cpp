@@ -2,13 +2,11 @@
 
 #include "vdbpack/report/markup.h"
 #include "vdbpack/view/view_data.h"
+#include "vdbpack/view/view_texts.h"
 
 #include <fmt/format.h>
 
 namespace vdbpack {
-
-extern const char* const kViewStyle;
-extern const char* const kViewScript;
 
 namespace {
 
@@ -71,7 +69,7 @@ ViewMarkup viewOf(const ViewScene<Dim>& scene, const ViewOptions& options) {
     view.body += "<script type='application/json' class='view-facts'>" + plainJson(data.facts) +
                  "</script>\n<script type='text/plain' class='view-bytes'>" + base64(data.bytes) +
                  "</script>\n<script>\n//<![CDATA[\n";
-    view.body += kViewScript;
+    for (const char* const part : kViewScripts) view.body += part;
     view.body += "//]]>\n</script>\n";
     return view;
 }
