@@ -22,6 +22,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -34,17 +35,22 @@ namespace {
 /// Way that circles of nearly equal size are moved at random first, in radii along each axis.
 constexpr double kStir = 0.8;
 constexpr std::uint64_t kStirring = 0x7374697272696e67ull;
+constexpr std::uint64_t kMixing = 0x6d6978696e67ull;
 /// Ratio of the factors up to which a sphere may lie where another one is requested.
 constexpr double kNearFactor = 1.2;
 /// A fraction is reached but for this.
 constexpr double kRounding = 1e-9;
 /// Increments of the solid fraction on the way to the densest pack; the last one ends it.
 constexpr std::array<double, 3> kStages{0.02, 0.01, 0.005};
-/// Increments in one stage from a front without walls, in the order in which they are tried: radii
-/// 1 to 2 reach one of the first in cells of 10,000 spheres, one of the last in those of 1,000,000.
+/// The way to the densest pack of a periodic cell: in one stage from the front, by as much as can
+/// be of the first; then in stages. Each of these is tried twice, with further spheres of its own:
+/// which of them jams is chance.
 constexpr std::array<double, 4> kGainsAtOnce{0.049, 0.047, 0.045, 0.0425};
-/// The same of equal spheres, with or without walls: in several stages they are agitated for longer
-/// and crystallize.
+constexpr std::array<double, 2> kStagesOfCell{0.005, 0.0025};
+constexpr int kTries = 2;
+constexpr RelaxationPace kPaceOfCell{0.997, 0.25, 3};
+/// Of equal spheres, with or without walls: in several stages they are agitated for longer and
+/// crystallize.
 constexpr std::array<double, 8> kGainsOfEqual{0.041, 0.038, 0.035, 0.032,
                                               0.029, 0.025, 0.018, 0.01};
 /// Fractions above this are no packs of spheres: only a single crystal comes close.
@@ -130,7 +136,7 @@ public:
 private:
     /// Adds no sphere. Every pace is tried: any of them may succeed here.
     void removeOverlaps() {
-        if (!result_.apart) attempt(result_.before, 0);
+        if (!result_.apart) attempt(result_.before, paces_.all());
     }
 
     /// Tries the fraction at once, or else goes towards it as towards the densest pack: what is out
@@ -141,30 +147,35 @@ private:
         climb(wanted);
     }
 
-    /// Goes to the densest pack; in a periodic cell of space from as near as can be at once, since
-    /// stages end up to 0.007 below that. Equal spheres go to the densest random one.
+    /// Goes to the densest pack; of equal spheres to the densest random one.
     void reachMost() {
-        if (paces_.randomCount() < paces_.size()) {
+        if (paces_.areEqualSpheres())
             reachMostAtRandom();
-            return;
+        else if (Dim == 3 && domain_->cell().any())
+            reachMostOfCell();
+        else
+            climb(std::numeric_limits<double>::infinity());
+    }
+
+    void reachMostOfCell() {
+        for (const double gain : kGainsAtOnce) {
+            if (attempt(result_.before + gain, {kPaceOfCell}) || result_.interrupted) break;
+            stage_ = 0;
         }
-        if (Dim == 3 && domain_->cell().any())
-            for (const double gain : kGainsAtOnce) {
-                if (attemptGain(result_.before + gain) || result_.interrupted) break;
-                stage_ = 0;
-            }
-        climb(std::numeric_limits<double>::infinity());
+        for (const double stage : kStagesOfCell)
+            for (int failed = 0; failed < kTries && !result_.interrupted;)
+                failed += !attempt(reachedFraction() + stage, {kPaceOfCell});
     }
 
     /// As dense as paces allow that leave equal spheres at random.
     void reachMostAtRandom() {
-        mostPaces_ = paces_.randomCount();
         for (bool loose = true; loose && !result_.interrupted;) {
             const double from = reachedFraction();
             loose = false;
             for (const double gain : kGainsOfEqual) {
                 const std::uint64_t stage = stage_;
-                if (attemptGain(from + gain)) {
+                const double next = from + gain;
+                if (attempt(next, paces_.randomForGain(next - result_.before))) {
                     loose = gain == kGainsOfEqual.front();
                     break;
                 }
@@ -199,6 +210,27 @@ private:
         return isAccepted(withShell(result_.spheres), options_.fixed, *domain_);
     }
 
+    /// Exchanges the spheres of each region at random, since a front leaves large ones where it
+    /// begins and small ones where it ends: at the faces of a cell. Those that densify themselves
+    /// have no such order.
+    void mixSizes(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions) {
+        std::map<std::int32_t, std::vector<std::uint32_t>> all;
+        for (std::size_t i = options_.fixed; i < places_.size(); ++i)
+            all[regions.empty() ? 0 : regions[i]].push_back(static_cast<std::uint32_t>(i));
+        const std::vector<Sphere<Dim>> before = spheres;
+        const std::vector<std::uint32_t> places = places_;
+        RandomStream random(options_.seed ^ kMixing, stage_);
+        for (const auto& [region, to] : all) {
+            std::vector<std::uint32_t> from = to;
+            for (std::size_t k = from.size(); k > 1; --k)
+                std::swap(from[k - 1], from[random.bits() % k]);
+            for (std::size_t k = 0; k < to.size(); ++k) {
+                spheres[to[k]].center = before[from[k]].center;
+                places_[to[k]] = places[from[k]];
+            }
+        }
+    }
+
     /// Moves circles at random within the domain: a front leaves equal ones in rows along the wall.
     /// @param labels  over ranks: of the spheres.
     void stir(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels) const {
@@ -218,30 +250,33 @@ private:
     }
 
     bool attemptGain(double fraction) {
-        return attempt(fraction, paces_.firstFor(fraction - result_.before));
+        return attempt(fraction, paces_.forGain(fraction - result_.before));
     }
 
-    /// Adds spheres up to `fraction` and relaxes, from pace `first` on. A pack without overlaps is
-    /// kept. @return whether there is one.
-    bool attempt(double fraction, std::size_t first) {
-        if (local_) return attemptLocally(fraction, first);
+    /// Adds spheres up to `fraction` and relaxes, at one pace after the other until a pack has no
+    /// overlaps; that is kept. @return whether there is one.
+    bool attempt(double fraction, const std::vector<RelaxationPace>& paces) {
+        if (local_) return attemptLocally(fraction, paces);
         std::vector<Sphere<Dim>> spheres = result_.spheres;
         std::vector<std::int32_t> regions = result_.regions;
         std::vector<std::uint32_t> labels = result_.labels;
         std::optional<LabelHomes> homes = homes_;
+        const std::vector<std::uint32_t> places = places_;
+        if (!moved_ && domain_->cell().any() && fraction > result_.before)
+            mixSizes(spheres, regions);
         if (ranks_)
             insertOverRanks(fraction, spheres, labels, *homes);
         else
             insert(fraction, spheres, regions);
         ++result_.stages;
         ++stage_;
-        for (std::size_t k = first; k < std::min(paces_.size(), mostPaces_); ++k) {
+        for (const RelaxationPace& pace : paces) {
             // From the same start each time: what has jammed stays jammed.
             const bool apart =
                 relax(spheres, regions, labels, homes, [&](Relaxation<Dim>& relaxation) {
-                    return isRelaxed(relaxation, paces_[k], fraction, spheres.size());
+                    return isRelaxed(relaxation, pace, fraction, spheres.size());
                 });
-            if (result_.interrupted) return false;
+            if (result_.interrupted) break;
             if (!apart) continue;
             result_.labels = std::move(labels);
             homes_ = std::move(homes);
@@ -249,6 +284,7 @@ private:
             result_.regions = std::move(regions);
             return moved_ = result_.apart = true;
         }
+        places_ = places;
         return false;
     }
 
@@ -275,13 +311,13 @@ private:
     };
 
     /// As `attempt`, where sizes differ by place.
-    bool attemptLocally(double fraction, std::size_t first) {
+    bool attemptLocally(double fraction, const std::vector<RelaxationPace>& paces) {
         ++result_.stages;
         ++stage_;
         const std::vector<std::uint32_t> places = places_;
-        for (std::size_t k = first; k < paces_.size(); ++k) {
+        for (const RelaxationPace& pace : paces) {
             LocalPack pack{result_.spheres, result_.regions, relative_};
-            if (reachLocally(fraction, paces_[k], pack)) {
+            if (reachLocally(fraction, pace, pack)) {
                 result_.spheres = std::move(pack.spheres);
                 result_.regions = std::move(pack.classes);
                 relative_ = std::move(pack.relative);
@@ -547,8 +583,7 @@ private:
     std::uint64_t moving_;             ///< spheres that move, of all ranks
     std::optional<LabelHomes> homes_;  ///< over ranks: of the spheres of the result
     bool moved_ = false;               ///< whether the result is no longer the input pack
-    std::size_t mostPaces_ = std::numeric_limits<std::size_t>::max();  ///< of them are tried
-    std::uint64_t stage_ = 0;  ///< insertions on the way to the result; part of the seed
+    std::uint64_t stage_ = 0;          ///< insertions on the way to the result; part of the seed
     DensifyResult<Dim> result_;
     std::vector<std::uint32_t> places_;  ///< numbers of the spheres that were there at first
 };

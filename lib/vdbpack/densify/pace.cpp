@@ -50,6 +50,12 @@ std::size_t Paces::firstFor(double gain) const {
     return k;
 }
 
+std::vector<RelaxationPace> Paces::from(std::size_t first, std::size_t last) const {
+    std::vector<RelaxationPace> paces;
+    for (std::size_t k = first; k < last; ++k) paces.push_back((*steps_)[k].pace);
+    return paces;
+}
+
 int mostSteps(const RelaxationPace& pace) {
     return static_cast<int>(kMemories / (1 - pace.inertia));
 }

@@ -17,14 +17,19 @@ public:
     /// @param ranks  of whose spheres these are a share; null: they are all.
     Paces(int dim, const std::vector<double>& radii, Ranks* ranks = nullptr);
 
-    /// The quickest pace worth a try for a gain in solid fraction over the front's; one of the
-    /// first `randomCount()`.
-    std::size_t firstFor(double gain) const;
-    std::size_t size() const { return steps_->size(); }
-    const RelaxationPace& operator[](std::size_t k) const { return (*steps_)[k].pace; }
-    /// How many of them, from the first on, leave the pack at random: nearly equal spheres
-    /// crystallize where they are agitated for long.
-    std::size_t randomCount() const { return steps_ == &kEqual ? size() - 1 : size(); }
+    /// All of them.
+    std::vector<RelaxationPace> all() const { return from(0, steps_->size()); }
+    /// Those worth a try for a gain in solid fraction over the front's.
+    std::vector<RelaxationPace> forGain(double gain) const {
+        return from(firstFor(gain), steps_->size());
+    }
+    /// The same, but only those that leave the pack at random: nearly equal spheres crystallize
+    /// where they are agitated for long.
+    std::vector<RelaxationPace> randomForGain(double gain) const {
+        return from(firstFor(gain), randomCount());
+    }
+    /// Whether nearly equal spheres are packed.
+    bool areEqualSpheres() const { return steps_ == &kEqual; }
     /// Whether circles of nearly equal size are packed.
     bool areEqualCircles() const { return steps_ == &kCircles; }
 
@@ -35,6 +40,10 @@ private:
     };
     using Steps = std::array<Step, 4>;
     static const Steps kWide, kEqual, kCircles;
+
+    std::size_t randomCount() const { return steps_->size() - areEqualSpheres(); }
+    std::size_t firstFor(double gain) const;
+    std::vector<RelaxationPace> from(std::size_t first, std::size_t last) const;
 
     const Steps* steps_;
 };
