@@ -150,6 +150,7 @@ void run(const Job& job, const DomainSource& source, const Domain<Dim>& domain,
     DensifyOptions options;
     options.fraction = job.fraction;
     options.sizes = sizes;
+    options.mixSizes = true;
     const double start = now();
     auto result = densify(domain, spheres, options);
     const double seconds = now() - start;

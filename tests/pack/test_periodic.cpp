@@ -261,6 +261,7 @@ TEST_CASE("a densified periodic pack is at its faces as elsewhere", "[densify][p
         options.fraction = 0.65;
         options.sizes = SizeDistribution::uniform(1, 2);
         options.seed = static_cast<std::uint64_t>(seed);
+        options.mixSizes = true;
         const auto result =
             densify<3>(*domain, packIn<3>(cell, options.seed).pack.spheres, options);
         REQUIRE(result.reached);
@@ -295,6 +296,7 @@ TEST_CASE("a periodic pack stays as it was where a fraction cannot be reached",
     const auto front = packIn<3>(cell).pack.spheres;
     DensifyOptions options;
     options.fraction = 0.94;
+    options.mixSizes = true;
     int calls = 0;
     Callbacks callbacks;
     const bool interrupted = GENERATE(false, true);

@@ -210,9 +210,7 @@ private:
         return isAccepted(withShell(result_.spheres), options_.fixed, *domain_);
     }
 
-    /// Exchanges the spheres of each region at random, since a front leaves large ones where it
-    /// begins and small ones where it ends: at the faces of a cell. Those that densify themselves
-    /// have no such order.
+    /// As in the options.
     void mixSizes(std::vector<Sphere<Dim>>& spheres, const std::vector<std::int32_t>& regions) {
         std::map<std::int32_t, std::vector<std::uint32_t>> all;
         for (std::size_t i = options_.fixed; i < places_.size(); ++i)
@@ -262,7 +260,7 @@ private:
         std::vector<std::uint32_t> labels = result_.labels;
         std::optional<LabelHomes> homes = homes_;
         const std::vector<std::uint32_t> places = places_;
-        if (!moved_ && domain_->cell().any() && fraction > result_.before)
+        if (options_.mixSizes && !moved_ && domain_->cell().any() && fraction > result_.before)
             mixSizes(spheres, regions);
         if (ranks_)
             insertOverRanks(fraction, spheres, labels, *homes);

@@ -33,6 +33,11 @@ struct DensifyOptions {
     /// with those of nearly the same request; `regions` and `ranks` are not used then.
     const LocalSizes* local = nullptr;
 
+    /// Whether the spheres of a region first exchange their radii at random in a periodic cell: for
+    /// those of a front, which leaves large ones where it begins and small ones where it ends, at
+    /// the faces of the cell. Not where `local` is given.
+    bool mixSizes = false;
+
     /// Whether near spheres are drawn together until they touch, where spheres have moved.
     bool contacts = true;
 

@@ -66,6 +66,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     if (setting.sizes) options.sizes = *setting.sizes;
     options.gap = setting.gap;
     options.seed = setting.seed;
+    options.mixSizes = setting.mixSizes;
     options.fixed = setting.fixed;
     if (ranks) {
         options.ranks = ranks;

@@ -20,6 +20,7 @@ struct DensifySetting {
     const SizeDistribution* sizes = nullptr;  ///< of what is added; null: those of the pack
     double gap = 0;                           ///< mm
     std::uint64_t seed = 1;
+    bool mixSizes = false;   ///< as in DensifyOptions
     std::size_t fixed = 0;   ///< the first spheres, which stay where they are
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     std::vector<std::int64_t>* pieces =

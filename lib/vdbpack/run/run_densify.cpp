@@ -33,7 +33,7 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     domainStage(run, extent, detail, reach);
     run.pack.sliceHeight = run.built.sliceHeight;
     run.keepsPack = true;
-    densifyStage(run, recipe.fraction, recipe.gap);
+    densifyStage(run, recipe.fraction, recipe.gap, false);
     measureStage(run);
     return reported(finishStage(run), recipe);
 }

@@ -241,7 +241,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
         }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
-    if (recipe.densify > 0) densifyStage(*run, recipe.densify, recipe.gap);
+    if (recipe.densify > 0) densifyStage(*run, recipe.densify, recipe.gap, true);
     cutStage(*run, voidsMade);
     return run;
 }

@@ -165,11 +165,11 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 }
 
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap) {
+void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront) {
     if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
     densifyPack(run.filled(),
-                {fraction, run.sizes, gap, run.settings.seed, run.fixed, run.ranks(), &run.pieces,
-                 run.local},
+                {fraction, run.sizes, gap, run.settings.seed, ofFront, run.fixed, run.ranks(),
+                 &run.pieces, run.local},
                 run.pack, run.report, run.callbacks);
     run.report.seconds.densify += run.clock.lap();
 }
@@ -451,7 +451,7 @@ RunResult finishStage(Run<Dim>& run) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                                 \
     template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
-    template void densifyStage(Run<Dim>&, double, double);                       \
+    template void densifyStage(Run<Dim>&, double, double, bool);                 \
     template void cutStage(Run<Dim>&, bool);                                     \
     template void measureStage(Run<Dim>&);                                       \
     template RunResult finishStage(Run<Dim>&);

@@ -175,8 +175,9 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
                  double voxelSize = 0);
 
 /// @param fraction  to reach, as that of DensifyOptions. @param gap  mm
+/// @param ofFront  whether a front has placed the spheres in this run.
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap);
+void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront);
 
 /// Makes the voids before there are spheres, and what they leave the domain of the spheres.
 /// @param detail, reach  radii that its field is made for, mm.
