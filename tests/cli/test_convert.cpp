@@ -5,10 +5,12 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/run/outputs.h"
+#include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/verify/verify.h"
 
@@ -153,4 +155,25 @@ TEST_CASE("the level set of a long and thin shape resolves its thickness", "[con
     recipe.domain.source = "box:2,2,1500";
     runConvert(recipe);
     CHECK(checkMesh(readMesh(scratch.file("p.stl"))).enclosedVolume == Approx(6000).epsilon(0.01));
+}
+
+TEST_CASE("spheres do not replace the level sets of a .vdb", "[convert]") {
+    const TemporaryFolder scratch;
+    PackRecipe recipe;
+    recipe.domain.source = "ball:5";
+    recipe.radius = "uniform:0.5,1";
+    recipe.outputs = {scratch.file("whole.vdb"), scratch.file("points.csv")};
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = "constant:1.5";
+    recipe.voids.targetBvtv = 0.7;
+    runPack(recipe);
+    REQUIRE(holdsLevelSet(scratch.file("whole.vdb")));
+    CHECK_THROWS_AS(runConvert(recipeFor(scratch.file("points.csv"), {scratch.file("whole.vdb")})),
+                    ParameterError);
+    CHECK(holdsLevelSet(scratch.file("whole.vdb")));
+    const auto told = runConvert(recipeFor(scratch.file("whole.vdb"), {scratch.file("again.vdb")}));
+    REQUIRE(told.warnings.size() == 1);
+    CHECK_THAT(told.warnings[0], Contains("level sets"));
+    CHECK(runConvert(recipeFor(scratch.file("points.csv"), {scratch.file("again.vdb")}))
+              .warnings.empty());
 }

@@ -229,3 +229,34 @@ TEST_CASE("densities that make no sense are refused", "[cli][densify]") {
         "would move the holes");
     refused("densify " + folder.file("p.csv"), "--domain");
 }
+
+TEST_CASE("densify tells what it does not keep", "[cli][densify]") {
+    const TemporaryFolder folder;
+    auto recipe = recipeFor("periodic:16,16,16", "uniform:1,1.5");
+    recipe.outputs = {folder.file("cell.vtp")};
+    runPack(recipe);
+    DensifyRecipe again;
+    again.pack = folder.file("cell.vtp");
+    again.fraction = 0.61;
+    CHECK(runDensify(again).report.warnings.empty());
+    for (const std::string other : {"box:16,16,16", "periodic:17,16,16"}) {
+        again.domain.source = other;
+        const auto warnings = runDensify(again).report.warnings;
+        CAPTURE(other);
+        REQUIRE_FALSE(warnings.empty());
+        CHECK_THAT(warnings.front(), Contains("periodic cell"));
+    }
+    // A pack with holes.
+    auto sparse = recipeFor("box:20,20,20", "uniform:1,1.5");
+    sparse.gap = 1;
+    sparse.outputs = {folder.file("sparse.csv")};
+    runPack(sparse);
+    again = {};
+    again.pack = folder.file("sparse.csv");
+    again.domain.source = "box:20,20,20";
+    CHECK(runDensify(again).report.warnings.empty());
+    again.fraction = 0.4;
+    const auto warnings = runDensify(again).report.warnings;
+    REQUIRE_FALSE(warnings.empty());
+    CHECK_THAT(warnings.front(), Contains("voids"));
+}

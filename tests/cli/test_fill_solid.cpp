@@ -8,6 +8,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/report/report.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
@@ -16,6 +17,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -257,4 +260,20 @@ TEST_CASE("existing spheres that reach into voids are kept where the solid is fi
 TEST_CASE("a pack whose radii hardly fit is warned of", "[cli]") {
     CHECK(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,20")), "hardly fit"));
     CHECK_FALSE(mentions(warningsOf(recipeFor("box:20,20,20", "uniform:1,2")), "hardly fit"));
+}
+
+TEST_CASE("the shell of a filled solid is that of the bone", "[voids][cli]") {
+    const TemporaryFolder folder;
+    PackRecipe recipe = porousBall("ball:8");
+    recipe.voids.fill = Fill::solid;
+    recipe.reportFile = folder.file("page.html");
+    const auto run = runPack(recipe);
+    REQUIRE(run.report.voids);
+    const std::uint64_t cortical = run.report.voids->cortical;
+    REQUIRE(cortical > 100);
+    REQUIRE(run.report.count > cortical + 100);
+    std::ifstream in(recipe.reportFile);
+    const std::string page((std::istreambuf_iterator<char>(in)), {});
+    for (const std::uint64_t n : {cortical, run.report.count - cortical})
+        CHECK(page.find("<td>" + grouped(n) + "</td>") != std::string::npos);
 }

@@ -206,4 +206,9 @@ TEST_CASE("bad values of typed distributions are refused", "[pack][sizes]") {
     CHECK_THROWS_AS(SizeDistribution::sieve({1}, {100}), ParameterError);
     CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {50, 20}), ParameterError);
     CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {50, nan}), ParameterError);
+    // A part of the mass of which no size is known.
+    CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {5, 100}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {0, 90}), ParameterError);
+    CHECK_THROWS_AS(SizeDistribution::sieve({1, 2}, {0, 1}), ParameterError);
+    CHECK_NOTHROW(SizeDistribution::sieve({1, 2}, {0.1, 99.9}));
 }

@@ -260,3 +260,17 @@ TEST_CASE("view writes a page of a pack of any dimension", "[view][run]") {
     recipe.reportFile = folder.file("page.html");
     CHECK_THROWS(runView(recipe));
 }
+
+TEST_CASE("a view tells of a domain that cannot be the pack's", "[view]") {
+    const TemporaryFolder folder;
+    ViewRecipe recipe;
+    recipe.pack = folder.file("pack.csv");
+    recipe.reportFile = folder.file("view.html");
+    writePack(randomPack<3>(20), recipe.pack, {});
+    recipe.domain.gridName = "solid";
+    CHECK_THROWS_AS(runView(recipe), ParameterError);
+    recipe.domain.gridName.clear();
+    CHECK(runView(recipe).warnings.empty());
+    recipe.domain.source = "box:0,0,0,10,10,10";
+    CHECK_FALSE(runView(recipe).warnings.empty());
+}

@@ -423,7 +423,8 @@ void addCutAndColor(CLI::App& command, PreviewRecipe& preview) {
     command
         .add_option_function<std::string>(
             "--preview-cut", [&](const std::string& text) { preview.cut = parsePreviewCut(text); },
-            "cut picture and view open at a plane, mm; lower x, lower z or higher y remains")
+            "cut picture and view open at a plane, mm; what lies farther from the camera remains: "
+            "lower x, lower z, higher y")
         ->option_text("x=V|y=V|z=V")
         ->group("Run");
     command

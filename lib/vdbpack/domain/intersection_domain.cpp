@@ -69,6 +69,12 @@ protected:
     std::shared_ptr<const Domain<Dim>> inner_, outer_;
 };
 
+class PartDomain : public IntersectionDomain<3> {
+public:
+    using IntersectionDomain<3>::IntersectionDomain;
+    const Domain<3>& envelope() const override { return outer_->envelope(); }
+};
+
 class CutDomain : public IntersectionDomain<3> {
 public:
     CutDomain(std::shared_ptr<const Domain<3>> base, std::shared_ptr<const Domain<3>> outside,
@@ -106,6 +112,11 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
                                                       std::shared_ptr<const Domain<Dim>> outer) {
     return std::make_shared<IntersectionDomain<Dim>>(std::move(inner), std::move(outer));
+}
+
+std::shared_ptr<const Domain<3>> partDomain(std::shared_ptr<const Domain<3>> inner,
+                                            std::shared_ptr<const Domain<3>> outer) {
+    return std::make_shared<PartDomain>(std::move(inner), std::move(outer));
 }
 
 std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,

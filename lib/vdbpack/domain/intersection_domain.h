@@ -16,6 +16,10 @@ template <int Dim>
 std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
                                                       std::shared_ptr<const Domain<Dim>> outer);
 
+/// As `intersectionDomain`, with the envelope of `outer`: what voids have left of it.
+std::shared_ptr<const Domain<3>> partDomain(std::shared_ptr<const Domain<3>> inner,
+                                            std::shared_ptr<const Domain<3>> outer);
+
 /// What `outside` leaves of `base`: the points inside both, neither of which lies within the other.
 /// Volumes are sums over samples (`volumeBySamples`); facts are those of `base`.
 /// @param fromBase  whether its envelope is that of `base`.

@@ -13,14 +13,15 @@ namespace vdbpack {
 
 using openvdb::FloatGrid;
 
-TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
+TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name, double adaptivity) {
     const FloatGrid::Ptr grid = given.grid->copy();
     const openvdb::math::Transform transform = grid->transform();
     // Contoured in voxels and moved in double: a translation far from zero would cost digits.
     grid->setTransform(openvdb::math::Transform::createLinearTransform(1.0));
     std::vector<openvdb::Vec3s> points;
+    std::vector<openvdb::Vec3I> triangles;
     std::vector<openvdb::Vec4I> quads;
-    openvdb::tools::volumeToMesh(*grid, points, quads);
+    openvdb::tools::volumeToMesh(*grid, points, triangles, quads, 0, adaptivity);
 
     TriangleMesh mesh;
     mesh.vertices.reserve(points.size());
@@ -42,7 +43,8 @@ TriangleMesh levelSetMesh(const VdbGrid& given, const std::string& name) {
         else
             mesh.triangles.push_back({a, c, b});
     };
-    mesh.triangles.reserve(2 * quads.size());
+    mesh.triangles.reserve(triangles.size() + 2 * quads.size());
+    for (const openvdb::Vec3I& t : triangles) add(t[0], t[1], t[2]);
     for (const openvdb::Vec4I& q : quads) {
         add(q[0], q[1], q[2]);
         add(q[0], q[2], q[3]);

@@ -47,8 +47,9 @@ bool holdsLevelSet(const std::string& path);
 
 /// The zero contour of a level set, outward triangles, mm.
 /// @param name  of the level set in messages.
+/// @param adaptivity  0 to 1: how much triangles may join where the surface is nearly flat.
 /// @throws InputError if there is no contour, or one that is not finite.
-TriangleMesh levelSetMesh(const VdbGrid& grid, const std::string& name);
+TriangleMesh levelSetMesh(const VdbGrid& grid, const std::string& name, double adaptivity = 0);
 
 /// The same of a level set in a file. @throws as `levelSetGrid` besides.
 TriangleMesh levelSetMesh(const std::string& path, const std::string& gridName, double scale);

@@ -240,6 +240,10 @@ private:
         }
         sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
                           identifierOf(options_.surfaceName), extentText(local(box))));
+        // Coordinates of 5 to 6 digits: a surface is looked at.
+        const Vec<3> size = box.size();
+        const double extent = *std::max_element(size.c.begin(), size.c.end());
+        const double step = extent > 0 ? std::pow(10, std::floor(std::log10(extent)) - 5) : 1;
         const std::size_t n = mesh.triangles.size();
         array("int[] faceVertexCounts", n, [](std::string& text, std::size_t) { text += '3'; });
         array("int[] faceVertexIndices", n, [&mesh](std::string& text, std::size_t i) {
@@ -251,7 +255,7 @@ private:
             text += '(';
             for (std::size_t d = 0; d < 3; ++d) {
                 if (d > 0) text += ", ";
-                appendShortest(text, static_cast<float>(p[d]));
+                appendShortest(text, static_cast<float>(std::nearbyint(p[d] / step) * step));
             }
             text += ')';
         });

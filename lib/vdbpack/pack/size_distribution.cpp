@@ -112,6 +112,7 @@ SizeShape sieveShape(std::vector<std::pair<double, double>> rows, int dim, const
     SizeShape shape;
     shape.kind = SizeShape::Kind::massLinear;
     shape.dim = dim;
+    constexpr double kMissing = 0.5;  // of the mass, that curves are off by where they are read off
     const double range = rows.back().second - rows.front().second;
     double number = 0;
     for (std::size_t k = 0; k < rows.size(); ++k) {
@@ -131,6 +132,16 @@ SizeShape sieveShape(std::vector<std::pair<double, double>> rows, int dim, const
     }
     if (!(range > 0) || !(number > 0) || !std::isfinite(number))
         fail("percent finer does not rise; nothing can be drawn from it");
+    if (rows.front().second > kMissing)
+        fail(
+            fmt::format("{} % are finer than the smallest diameter, {}; begin with a row of 0 "
+                        "percent finer at the smallest diameter to be packed",
+                        rows.front().second, rows.front().first));
+    if (rows.back().second < 100 - kMissing)
+        fail(
+            fmt::format("only {} % are finer than the largest diameter, {}; end with a row of 100 "
+                        "percent finer (percent, no share of 1)",
+                        rows.back().second, rows.back().first));
     shape.massTotal = number;
     for (double& c : shape.cumulative) c /= number;
     shape.lo = shape.radius.front();

@@ -1,3 +1,4 @@
+#include "vdbpack/core/symmetric.h"
 #include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
@@ -102,6 +103,23 @@ void addSpheres(Summary& out, const Report& r, const Words& words) {
     out.line("solid", solid);
 }
 
+/// The direction along which more contacts point than elsewhere, if any.
+template <int Dim>
+void addFabric(Summary& out, const ContactNetwork& c) {
+    constexpr double kDirected = 0.03;
+    Matrix<Dim> fabric;
+    for (std::size_t i = 0; i < Dim; ++i)
+        for (std::size_t j = 0; j < Dim; ++j) fabric[i].c[j] = c.fabric[i].c[j];
+    const auto eigen = eigenSystem<Dim>(fabric);
+    if (!(eigen.values[0] > 1.0 / Dim + kDirected)) return;
+    std::string axis;
+    for (const double x : eigen.vectors[0].c)
+        axis += fmt::format("{}{:.2g}", axis.empty() ? "" : ", ", x);
+    out.line("", fmt::format("more of them along ({}): {:.3f} of the fabric tensor, of {:.3f} if "
+                             "isotropic",
+                             axis, eigen.values[0], 1.0 / Dim));
+}
+
 void addContacts(Summary& out, const Report& r, const Words& words) {
     const ContactNetwork& c = *r.contacts;
     out.line(
@@ -116,6 +134,10 @@ void addContacts(Summary& out, const Report& r, const Words& words) {
                     100 * c.largestComponent,
                     c.components > 1 ? fmt::format(" of {} components", grouped(c.components))
                                      : std::string()));
+    if (r.dim == 2)
+        addFabric<2>(out, c);
+    else
+        addFabric<3>(out, c);
 }
 
 void addParts(Summary& out, const Report& r) {

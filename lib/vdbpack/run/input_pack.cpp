@@ -119,7 +119,14 @@ void warnOfOtherCell(const InputPack& recipe, const PeriodicCell<Dim>& stated,
                      const Domain<Dim>& domain, const Callbacks& callbacks) {
     constexpr double kSame = 1e-6;  // of its length: files round
     const PeriodicCell<Dim> cell = domain.cell();
-    if (!stated.any() || !cell.any()) return;
+    if (!stated.any()) return;
+    if (!cell.any()) {
+        callbacks.warn(fmt::format(
+            "{}: states a periodic cell, but `domain` {} has walls, which count; leave `domain` "
+            "out for the cell of the file",
+            recipe.pack, recipe.domain.source));
+        return;
+    }
     bool same = true;
     for (int d = 0; d < Dim; ++d)
         same = same && stated.isAlong(d) == cell.isAlong(d) &&

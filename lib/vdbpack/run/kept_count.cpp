@@ -45,25 +45,29 @@ double KeptCount<Dim>::operator()(const std::vector<Sphere<Dim>>& trial, double 
     if (!run_.ranks()) quiet.cancelled = run_.callbacks.cancelled;
     // These voids will be those of the run, which makes no others.
     if (!run_.solid && serveAll(recipe)) quiet.warning = run_.callbacks.warning;
-    const VoidSetting<Dim> setting{recipe,
-                                   run_.domain(),
-                                   run_.built.sliceHeight,
-                                   run_.settings.seed,
-                                   largest,
-                                   quiet,
-                                   nullptr,
-                                   run_.bvtv,
-                                   run_.shell};
+    const auto settingWith = [&](const Callbacks& callbacks) {
+        return VoidSetting<Dim>{recipe,
+                                run_.domain(),
+                                run_.built.sliceHeight,
+                                run_.settings.seed,
+                                largest,
+                                callbacks,
+                                nullptr,
+                                run_.bvtv,
+                                run_.shell};
+    };
     MadeVoids<Dim> made;
     if (voids_)
         made = std::move(*voids_);
     else if (!run_.solid)
-        made = makeVoids(setting);
+        made = makeVoids(settingWith(quiet));
     Pack<Dim> pack;
     pack.spheres = existing_;
     pack.spheres.insert(pack.spheres.end(), trial.begin(), trial.end());
     const VoidReport report = made.report;
-    cullPack(setting, run_.settings.contactTolerance, existing_.size(), made, pack);
+    Callbacks silent;  // the spheres of the run are not these
+    silent.cancelled = quiet.cancelled;
+    cullPack(settingWith(silent), run_.settings.contactTolerance, existing_.size(), made, pack);
     made.report = report;
     if (!run_.solid && serveAll(recipe)) voids_ = std::move(made);
     return static_cast<double>(

@@ -36,13 +36,15 @@ constexpr double kSphere = 135, kMoved = 460, kBesideMesh = 75, kSecondPack = 10
 // triangle; for each voxel's face of the walls of voids, a contour and level sets; a voxel of a
 // field.
 constexpr double kText = 125, kBinary = 60, kPairsText = 250, kStlTriangle = 50;
-constexpr double kUsdTriangle = 45;
+constexpr double kUsdTriangle = 38;
 constexpr double kFace = 125, kCutFace = 40, kVoxel = 1.5;
 /// For each voxel along the wall of a shape: memory of its contour, and of its level set or fog
 /// volume; and bytes in a file of those.
 constexpr double kShapeContour = 330, kShapeGrid = 150, kShapeFile = 18;
 /// Triangles of a contour for each voxel's face; bytes of its picture.
 constexpr double kContourTriangles = 3.1, kDrawnFace = 500;
+/// Share of them that is left where they are joined.
+constexpr double kJoined = 0.37;
 
 /// Bytes of a voxel of a label map: in memory, as a number of a .nii, and compressed, measured.
 constexpr double kLabelVoxel = 4.2, kLabelNumber = 2, kPackedLabel = 0.06;
@@ -88,7 +90,7 @@ double fileBytes(const std::string& output, const Extent& e) {
         return faces > 0 ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
     if (faces > 0 && !cut && isShapeLevelSet(output)) return kShapeFile * faces;
     const double surface = holdsSurface(output)
-                               ? kUsdTriangle * (cut ? kContourTriangles * faces
+                               ? kUsdTriangle * (cut ? kJoined * kContourTriangles * faces
                                                      : static_cast<double>(e.field.triangles))
                                : 0;
     const bool text = format != ".vdb" && format != ".vtp" && format != ".pvtp" &&

@@ -260,7 +260,8 @@ void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have)
         options.surfaceName = kSurface;
         for (const auto& set : options.levelSets) {
             if (!set || levelSetName(*set) != kSolid) continue;
-            contour = levelSetMesh(*set, output);
+            constexpr double kAdaptivity = 0.05;  // a third of the triangles, which look the same
+            contour = levelSetMesh(*set, output, kAdaptivity);
             options.surface = &contour;
             options.surfaceName = kSolid;
         }

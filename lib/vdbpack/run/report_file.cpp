@@ -1,5 +1,6 @@
 #include "vdbpack/run/report_file.h"
 
+#include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/report/report_page.h"
@@ -218,8 +219,9 @@ bool isPage(const std::string& reportFile) {
 
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSource& source,
-                        const Domain<Dim>& domain, const SizeDistribution& sizes,
-                        const Report& report, const Callbacks& callbacks, const SphereRows& rows) {
+                        const DomainSource* around, const Domain<Dim>& domain,
+                        const SizeDistribution& sizes, const Report& report,
+                        const Callbacks& callbacks, const SphereRows& rows) {
     PageDetails details;
     // Radii by place have no distribution of their own.
     details.radii =
@@ -231,10 +233,11 @@ PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSo
         details.structure = measureStructure(pack, &domain, report, shell, callbacks, rows);
         return details;
     }
-    const auto built =
-        source.build(fieldDetail(report.radius.min, report.radius.mean), depth / 3, callbacks);
-    details.structure =
-        measureStructure(pack, ofDim<Dim>(built).get(), report, shell, callbacks, rows);
+    const double detail = fieldDetail(report.radius.min, report.radius.mean);
+    auto space = ofDim<Dim>(source.build(detail, depth / 3, callbacks));
+    if constexpr (Dim == 3)
+        if (around) space = partDomain(space, around->build(detail, depth / 3, callbacks).space);
+    details.structure = measureStructure(pack, space.get(), report, shell, callbacks, rows);
     return details;
 }
 
@@ -307,10 +310,10 @@ void writeReport(const MeasureResult& result, const MeasureRecipe& recipe) {
 }
 
 template PageDetails pageDetails<2>(const Pack<2>&, std::size_t, const DomainSource&,
-                                    const Domain<2>&, const SizeDistribution&, const Report&,
-                                    const Callbacks&, const SphereRows&);
+                                    const DomainSource*, const Domain<2>&, const SizeDistribution&,
+                                    const Report&, const Callbacks&, const SphereRows&);
 template PageDetails pageDetails<3>(const Pack<3>&, std::size_t, const DomainSource&,
-                                    const Domain<3>&, const SizeDistribution&, const Report&,
-                                    const Callbacks&, const SphereRows&);
+                                    const DomainSource*, const Domain<3>&, const SizeDistribution&,
+                                    const Report&, const Callbacks&, const SphereRows&);
 
 }  // namespace vdbpack

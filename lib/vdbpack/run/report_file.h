@@ -21,13 +21,15 @@ struct PageDetails {
 /// made, so that the pack does not depend on how it is reported.
 /// @param fixed  the first spheres of `pack` are those of an input pack.
 /// @param sizes  the requested ones; `pack` and `report` were set by `measurePack`.
+/// @param around  whose envelope the shell follows, where `source` is what voids have left of it;
+///                null: that of `source`.
 /// @param rows   where ranks share the pack: called by all of them.
 /// @throws Interrupted
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSource& source,
-                        const Domain<Dim>& domain, const SizeDistribution& sizes,
-                        const Report& report, const Callbacks& callbacks,
-                        const SphereRows& rows = {});
+                        const DomainSource* around, const Domain<Dim>& domain,
+                        const SizeDistribution& sizes, const Report& report,
+                        const Callbacks& callbacks, const SphereRows& rows = {});
 
 /// Where the report of a run is written: `settings.reportFile`, or its `interruptedName`; empty if
 /// it is.

@@ -1,6 +1,7 @@
 #include "vdbpack/run/run_convert.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/level_set.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
@@ -33,6 +34,17 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
             throw ParameterError(output +
                                  ": spheres alone have no surface; set their `domain`, or name "
                                  "a level set of a .vdb with `packGrid`");
+    if (recipe.domain.source.empty())
+        for (const std::string& output : recipe.outputs) {
+            if (extensionOf(output) != ".vdb" || filePart(output) != output) continue;
+            if (holdsLevelSet(output))
+                throw ParameterError(output +
+                                     ": holds level sets, which the spheres alone would replace; "
+                                     "write to another file, or set `domain`");
+            if (extensionOf(recipe.pack) == ".vdb" && holdsLevelSet(recipe.pack))
+                callbacks.warn(output + ": gets the spheres of " + recipe.pack +
+                               ", not its level sets; set `domain` for that of the domain");
+        }
     RunOutputs<Dim> have;
     have.pack = &pack;
     PackWriteOptions& write = have.options;

@@ -1,7 +1,10 @@
 // The run that makes any pack denser: `vdb_pack densify`.
 #include "vdbpack/core/error.h"
+#include "vdbpack/measure/density.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +13,10 @@
 namespace vdbpack {
 
 namespace {
+
+/// Below this solid fraction, packs have voids.
+template <int Dim>
+constexpr double kOfVoids = Dim == 3 ? 0.45 : 0.65;
 
 template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
@@ -30,7 +37,15 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     Extent extent = extentOf(run.source, detail, reach);
     extent.count = static_cast<double>(run.pack.spheres.size());
     extent.densifying = true;
+    const PeriodicCell<Dim> stated = run.pack.cell;
     domainStage(run, extent, detail, reach);
+    warnOfOtherCell(recipe, stated, run.domain(), run.callbacks);
+    const double fraction = solidFraction(run.pack.spheres, run.domain());
+    if (fraction < kOfVoids<Dim> && recipe.fraction > fraction)
+        run.callbacks.warn(fmt::format(
+            "densify: the {} fill {:.2g} of the domain. Spheres are added in its voids as well; to "
+            "keep voids, densify first and cut them with carve",
+            Measure<Dim>::kSpheres, fraction));
     run.pack.sliceHeight = run.built.sliceHeight;
     run.keepsPack = true;
     densifyStage(run, recipe.fraction, recipe.gap, false);

@@ -333,7 +333,8 @@ RunResult packPrepared(const PackRecipe& recipe, const DomainSource& source,
     if (isPage(recipe.reportFile))
         run.unlessInterrupted([&] {
             details =
-                pageDetails(run.pack, run.fixed, run.filledSource(), run.filled(), options.sizes,
+                pageDetails(run.pack, run.fixed, run.filledSource(),
+                            run.solid ? &run.source : nullptr, run.filled(), options.sizes,
                             run.report, run.ranks() ? run.uncancelled : callbacks, rowsOf(run));
         });
     RunResult result = finishStage(run);

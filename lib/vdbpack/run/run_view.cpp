@@ -20,19 +20,24 @@ namespace vdbpack {
 
 namespace {
 
+/// Pages are passed on: they do not name folders.
+std::string fileNameOf(const std::string& path) {
+    return std::filesystem::path(filePart(path)).filename().string();
+}
+
 /// The file's name without folder and extensions.
 std::string stemOf(const std::string& pack) {
-    std::string name = std::filesystem::path(filePart(pack)).filename().string();
+    std::string name = fileNameOf(pack);
     const auto end = name.find('.', 1);
     return end == std::string::npos ? name : name.substr(0, end);
 }
 
 std::string pageOf(const ViewRecipe& recipe, const std::string& things, std::size_t count,
                    const RadiusStatistics& radius, const PagePicture& picture) {
-    const std::string name = std::filesystem::path(filePart(recipe.pack)).filename().string();
-    const std::string title = fmt::format("{}: {} {}", name, grouped(count), things);
+    const std::string title =
+        fmt::format("{}: {} {}", fileNameOf(recipe.pack), grouped(count), things);
     const std::string wall =
-        recipe.domain.source.empty() ? "" : ", wall of " + recipe.domain.source;
+        recipe.domain.source.empty() ? "" : ", wall of " + fileNameOf(recipe.domain.source);
     std::string main = "<h1>" + escaped(title) + "</h1>\n<p class='under'>" +
                        escaped(fmt::format("vdb_pack {}; radius {:.4g} to {:.4g} mm{}; lengths in "
                                            "mm",
@@ -64,6 +69,13 @@ void view(const ViewRecipe& recipe, const DomainRecipe& domain, const Pack<Dim>&
         extent.count = static_cast<double>(pack.spheres.size());
         requireResources(extent, recipe);
         built = source->build(detail, radius.max, callbacks);
+        Box<Dim> spheres;
+        for (const auto& s : pack.spheres) spheres.add(s.center);
+        if (intersection(spheres, ofDim<Dim>(built)->bounds()).empty())
+            callbacks.warn(fmt::format(
+                "{}: all {} lie outside of `domain` {}; check that the pack belongs to it, and "
+                "that `unit` and `packUnit` are right",
+                recipe.pack, Measure<Dim>::kSpheres, domain.source));
     } else {
         extent.count = static_cast<double>(pack.spheres.size());
         requireResources(extent, recipe);
@@ -92,6 +104,9 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
         throw ParameterError(recipe.reportFile +
                              ": a view is a page for the browser; name it .html");
     requireDomain(recipe);
+    if (recipe.domain.source.empty() && !recipe.domain.gridName.empty())
+        throw ParameterError("`gridName` " + recipe.domain.gridName +
+                             ": names a level set of the `domain`, and there is none; set it");
     recipe.preview.file.clear();
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ViewResult result;

@@ -184,7 +184,7 @@ void solidStage(Run<3>& run, double detail, double reach) {
     DomainSource source(levelSetMesh(solid, "solid"), "solid", voxelSizeOf(solid));
     run.callbacks.stopIfCancelled();
     const auto built = source.build(detail, reach, run.callbacks);
-    auto space = intersectionDomain<3>(built.space, run.built.space);
+    auto space = partDomain(built.space, run.built.space);
     run.solid.emplace(SolidFill<3>{std::move(source), std::move(space)});
     run.report.seconds.domain += run.clock.lap();
     run.callbacks.stopIfCancelled();

@@ -86,9 +86,10 @@ FoamPack<Dim> foamPack(const SizeDistribution& sizes, const Vec<Dim>& half, std:
     const PeriodicCell<Dim> cell{box, wraps};
     if (cell.shortest() < 2 * kCellDiameters * front.sizes.max())
         throw InputError(fmt::format(
-            "the periodic cell is shorter than {:g} of the largest voids of the foam before their "
-            "dilation. Give a longer cell or smaller voids",
-            kCellDiameters));
+            "the periodic cell, compressed along the axis of the foam, is {:.4g} mm long, shorter "
+            "than {:g} diameters of {:.4g} mm of the largest voids before their dilation. Give a "
+            "longer cell or smaller voids",
+            cell.shortest(), kCellDiameters, 2 * front.sizes.max()));
     // Layers along walls lie outside, so that their sizes do not matter.
     front.evenSizes = cell.any();
     const auto room = cell.any() ? periodicDomain(cell) : boxDomain(box);
