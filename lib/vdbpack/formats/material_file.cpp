@@ -4,6 +4,8 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/output_file.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -49,9 +51,10 @@ void writeMaterials(const Pack<Dim>& pack, const std::string& file,
         appendNumber(text += ',', sums.spheres);
         text += ',';
         const bool any = sums.spheres > 0;
+        // Means, without what sums are rounded by.
         if (!densities.unconverted())
-            appendNumber(text, any ? sums.density / sums.volume : densities.of(kind));
-        if (modulus) appendNumber(text += ',', any ? sums.modulus / sums.volume : 0.0);
+            text += fmt::format("{:.9g}", any ? sums.density / sums.volume : densities.of(kind));
+        if (modulus) text += fmt::format(",{:.9g}", any ? sums.modulus / sums.volume : 0.0);
         text += '\n';
     }
     OutputFile out(file);

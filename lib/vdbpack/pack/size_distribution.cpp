@@ -284,10 +284,16 @@ SizeDistribution SizeDistribution::parse(const std::string& spec, int dim, Weigh
         requireRange(spec, rows);
         return {sieveShape(std::move(rows), dim, fail), spec};
     }
+    const bool plain =
+        !spec.empty() && spec.find_first_not_of("0123456789.,eE+-") == std::string::npos;
+    const std::string meant = !plain ? ""
+                              : spec.find(',') == std::string::npos
+                                  ? "did you mean constant:" + spec + "? "
+                                  : "did you mean uniform:" + spec + "? ";
     throw ParameterError(
-        fmt::format("radius distribution '{}' is not known; use constant:R, uniform:A,B, "
+        fmt::format("radius distribution '{}' is not known; {}use constant:R, uniform:A,B, "
                     "normal:MEAN,SD,A,B, lognormal:MEDIAN,SIGMA,A,B, table:FILE or psd:FILE",
-                    spec));
+                    spec, meant));
 }
 
 double SizeDistribution::quantile(double u) const {

@@ -97,7 +97,9 @@ void addSpheres(Summary& out, const Report& r, const Words& words) {
                              group.ksByVolume));
     }
     if (!r.solidFractionTotal) return;
-    std::string solid = fmt::format("{:.4f} of the domain", *r.solidFractionTotal);
+    std::string solid =
+        fmt::format("{:.4f} of the {}", *r.solidFractionTotal,
+                    r.domain.kind == "solid" ? "solid that the voids leave" : "domain");
     if (r.solidFractionInterior)
         solid += fmt::format(", {:.4f} deeper than three largest radii", *r.solidFractionInterior);
     out.line("solid", solid);
@@ -115,8 +117,8 @@ void addFabric(Summary& out, const ContactNetwork& c) {
     std::string axis;
     for (const double x : eigen.vectors[0].c)
         axis += fmt::format("{}{:.2g}", axis.empty() ? "" : ", ", x);
-    out.line("", fmt::format("more of them along ({}): {:.3f} of the fabric tensor, of {:.3f} if "
-                             "isotropic",
+    out.line("", fmt::format("more contacts along ({}): {:.3f} of the fabric tensor (isotropic: "
+                             "{:.3f})",
                              axis, eigen.values[0], 1.0 / Dim));
 }
 
