@@ -41,7 +41,7 @@ TEST_CASE("the struts of a foam are connected", "[run][voids]") {
         CHECK(*runVoids(recipe).report.voids->solidAttached < *made.report.voids->solidAttached);
 }
 
-TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][voids]") {
+TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][voids][long]") {
     const TemporaryFolder folder;
     const double aspect = GENERATE(1.0, 1.4, 2.0);
     auto recipe = foam("box:4,4,4", 0.2, folder.file("v.vdb"));

@@ -103,7 +103,7 @@ double solidShare(const VdbGrid& solid, const Box<3>& box) {
 
 }  // namespace
 
-TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[run][voids]") {
+TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[run][voids][long]") {
     LocalFoam foam(fmt::format("box:{},{},{}", kLength, kWidth, kWidth));
     foam.recipe.voids.voxelSize = 0.05;
     const bool directed = GENERATE(false, true);
@@ -181,7 +181,7 @@ TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids]") 
     }
 }
 
-TEST_CASE("a local foam is the solid that spheres fill", "[run][voids]") {
+TEST_CASE("a local foam is the solid that spheres fill", "[run][voids][long]") {
     LocalFoam foam("box:6,5,5");
     PackRecipe pack;
     pack.domain = foam.recipe.domain;

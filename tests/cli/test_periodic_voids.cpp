@@ -92,7 +92,7 @@ const std::vector<Ellipsoid<Dim>>& voidsOf(const RunResult& run) {
 }  // namespace
 
 TEMPLATE_TEST_CASE_SIG("voids of a periodic cell remove spheres by all of their images",
-                       "[cli][periodic][voids]", ((int Dim), Dim), 2, 3) {
+                       "[cli][periodic][voids][long]", ((int Dim), Dim), 2, 3) {
     const std::string method = GENERATE("boolean", "overlay", "grid", "foam");
     CAPTURE(Dim, method);
     const auto run = runPack(cellRecipe<Dim>(method));

@@ -119,7 +119,8 @@ TEMPLATE_TEST_CASE_SIG("the part deeper than a shell that varies", "[voids]", ((
     CHECK(coreVolume(*domain, uniform) == Approx(coreVolume(*domain, 0.7)).epsilon(0.001));
 }
 
-TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness", "[run][voids]") {
+TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness",
+          "[run][voids][long]") {
     const ShellFile file;
     const bool mesh = GENERATE(false, true);
     PackRecipe recipe = recipeFor("ball:5", "uniform:0.15,0.3");

@@ -65,7 +65,7 @@ TEST_CASE("a foam has the thickness, spacing and anisotropy asked for", "[run][v
 }
 
 TEST_CASE("a foam has the spacing asked for, and the report says how it was found",
-          "[run][voids]") {
+          "[run][voids][long]") {
     const TemporaryFolder folder;
     auto recipe = structure("box:3.6,3.6,3.6", folder.file("v.vdb"));
     recipe.voids.targetBvtv = 0.25;

@@ -217,8 +217,8 @@ TEMPLATE_TEST_CASE_SIG("the shell of a pack with voids stays whole", "[run][void
     CHECK(compact(kept) == before);
 }
 
-TEMPLATE_TEST_CASE_SIG("voids of a run are the same for any number of threads", "[run][voids]",
-                       ((int Dim), Dim), 2, 3) {
+TEMPLATE_TEST_CASE_SIG("voids of a run are the same for any number of threads",
+                       "[run][voids][long]", ((int Dim), Dim), 2, 3) {
     const TemporaryFolder folder;
     for (const std::string method : kMethods) {
         CAPTURE(Dim, method);
@@ -250,7 +250,7 @@ TEMPLATE_TEST_CASE_SIG("voids of a run are the same for any number of threads", 
     }
 }
 
-TEST_CASE("a target is met, or it is said what can be", "[run][voids]") {
+TEST_CASE("a target is met, or it is said what can be", "[run][voids][long]") {
     struct Case {
         std::string method;
         std::vector<double> met;

@@ -11,7 +11,7 @@
 using namespace vdbpack;
 using namespace vdbpack::test;
 
-TEST_CASE("grey values of spheres are the means over their voxels", "[image]") {
+TEST_CASE("grey values of spheres are the means over their voxels", "[image][long]") {
     ImageGrid grid = turned(gridAround(20, {{0.6, 0.8, 1.2}}), 0.3, 0.7);
     if (GENERATE(false, true)) grid.step[1] = -grid.step[1];
     const auto valueAt = [](const Vec<3>& p) {

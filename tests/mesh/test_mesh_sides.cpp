@@ -68,7 +68,7 @@ TEST_CASE("a hole does not flip the vote", "[mesh][sides]") {
 }
 
 TEST_CASE("two fans of 100,000 long triangles are within the limits of memory and exact",
-          "[mesh][sides]") {
+          "[mesh][sides][long]") {
     const bool clean = GENERATE(true, false);
     const double angle = GENERATE(0.0, 0.7);
     const Vec<3> axis{{1, 2, 3}};
