@@ -9,6 +9,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
@@ -265,6 +266,27 @@ void writeFile(const Shared& data, const std::string& file, const std::string& u
     std::visit([&](const auto& pack) { writePack(pack, file, options); }, data->pack);
 }
 
+/// Pairs in contact: their indices, (M, 2), and their gaps, mm.
+py::tuple pairs(const Shared& data, double tolerance) {
+    std::vector<Contact> found;
+    {
+        const py::gil_scoped_release released;
+        found = std::visit(
+            [&](const auto& pack) { return listContacts(pack.spheres, tolerance, pack.cell); },
+            data->pack);
+    }
+    const auto n = static_cast<py::ssize_t>(found.size());
+    py::array_t<std::int64_t> indices({n, py::ssize_t{2}});
+    py::array_t<double> gaps(n);
+    for (py::ssize_t k = 0; k < n; ++k) {
+        const Contact& c = found[static_cast<std::size_t>(k)];
+        indices.mutable_at(k, 0) = c.i;
+        indices.mutable_at(k, 1) = c.j;
+        gaps.mutable_at(k) = c.gap;
+    }
+    return py::make_tuple(indices, gaps);
+}
+
 /// Errors of the library as those of the package.
 void translate(std::exception_ptr failure) {
     const auto raise = [](const char* name, const std::string& text) {
@@ -303,6 +325,7 @@ PYBIND11_MODULE(_core, m) {
         .def_property_readonly("positions", &positions)
         .def_property_readonly("radii", &radii)
         .def_property_readonly("columns", &columns)
+        .def("pairs", &pairs, py::arg("tolerance"))
         .def_property_readonly(
             "hash",
             [](const Shared& data) {

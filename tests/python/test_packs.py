@@ -97,6 +97,20 @@ def test_views_share_memory_and_are_read_only():
         pack.radii[:] = 1
 
 
+def test_pairs_in_contact():
+    pack = vdbpack.pack(vdbpack.box(12, 12, 12), radius=vdbpack.uniform(0.8, 1.6))
+    indices, gaps = pack.pairs(0.05)
+    i, j = numpy.triu_indices(len(pack), 1)
+    apart = numpy.linalg.norm(pack.positions[i] - pack.positions[j], axis=1) - pack.radii[i] - pack.radii[j]
+    near = apart <= 0.05 * numpy.minimum(pack.radii[i], pack.radii[j])
+    assert near.sum() > len(pack)
+    assert (indices == numpy.column_stack([i, j])[near]).all()
+    assert numpy.allclose(gaps, apart[near], atol=1e-12)
+    assert 2 * len(pack.pairs()[0]) <= pack.contacts.sum()
+    with pytest.raises(vdbpack.ParameterError):
+        pack.pairs(-1)
+
+
 def test_views_outlive_the_pack():
     pack = vdbpack.pack(vdbpack.box(10, 10, 10), radius=0.8)
     positions, total = pack.positions, pack.positions.sum()

@@ -137,6 +137,19 @@ class Pack:
         """Spheres and walls in contact, int32 of shape (N,); None where it is unknown."""
         return self._columns.get("contacts")
 
+    def pairs(
+        self, tolerance: float = 1e-3
+    ) -> Tuple[numpy.typing.NDArray[numpy.int64], numpy.typing.NDArray[numpy.float64]]:
+        """Spheres in contact, across the faces of a periodic cell as well.
+
+        tolerance: largest gap, as a share of the smaller radius.
+
+        Returns the indices (i, j) of each pair, i < j, int64 of shape (M, 2) and sorted, and the gaps, float64
+        of shape (M,), mm; they are negative where spheres overlap. Raises ParameterError for a tolerance
+        below 0.
+        """
+        return self._data.pairs(tolerance)
+
     @property
     def columns(self) -> Mapping[str, Any]:
         """All further columns by name: float64 of shape (N,), or lists of N texts."""
