@@ -273,4 +273,9 @@ TEST_CASE("a view tells of a domain that cannot be the pack's", "[view]") {
     CHECK(runView(recipe).warnings.empty());
     recipe.domain.source = "box:0,0,0,10,10,10";
     CHECK_FALSE(runView(recipe).warnings.empty());
+    recipe.domain.source.clear();
+    for (const std::string& wrong : {folder.file("."), folder.file("mesh.stl")}) {
+        recipe.pack = wrong;
+        CHECK_THROWS_AS(runView(recipe), InputError);
+    }
 }

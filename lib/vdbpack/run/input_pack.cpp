@@ -11,7 +11,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <system_error>
 #include <vector>
 
 namespace vdbpack {
@@ -52,6 +54,9 @@ std::optional<Pack<3>> readInputPackUnlessSolid(const InputPack& recipe,
 
 Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
+    std::error_code none;
+    if (!recipe.given && std::filesystem::is_directory(filePart(recipe.pack), none))
+        throw InputError(recipe.pack + ": is a folder; name a pack in it");
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;

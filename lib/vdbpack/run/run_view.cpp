@@ -107,6 +107,11 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
     if (recipe.domain.source.empty() && !recipe.domain.gridName.empty())
         throw ParameterError("`gridName` " + recipe.domain.gridName +
                              ": names a level set of the `domain`, and there is none; set it");
+    const std::string extension = extensionOf(recipe.pack);
+    if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".vtk")
+        throw InputError(recipe.pack +
+                         ": is a mesh, and a view shows spheres. Fill it (vdb_pack pack), or show "
+                         "it around a pack with `domain`");
     recipe.preview.file.clear();
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ViewResult result;
