@@ -231,31 +231,43 @@ private:
             for (int d = 0; d < 3; ++d)
                 p[static_cast<std::size_t>(d)] =
                     fromMillimeters(mesh.vertices[i][d], options_.unit);
+            return local(p);
+        };
+        const std::size_t vertices = mesh.vertices.size();
+        Box<3> exact;
+        for (std::size_t i = 0; i < vertices; ++i) {
+            const auto p = vertex(i);
+            exact.add({{p[0], p[1], p[2]}});
+        }
+        // Coordinates of 6 to 7 digits.
+        const Vec<3> size = exact.size();
+        const double extent = *std::max_element(size.c.begin(), size.c.end());
+        const double step = extent > 0 ? std::pow(10, std::floor(std::log10(extent)) - 6) : 1;
+        const auto rounded = [&](std::size_t i) {
+            auto p = vertex(i);
+            for (double& x : p)
+                x = static_cast<double>(static_cast<float>(std::nearbyint(x / step) * step));
             return p;
         };
         Box<3> box;
-        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-            const auto p = vertex(i);
+        for (std::size_t i = 0; i < vertices; ++i) {
+            const auto p = rounded(i);
             box.add({{p[0], p[1], p[2]}});
         }
         sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
-                          identifierOf(options_.surfaceName), extentText(local(box))));
-        // Coordinates of 5 to 6 digits: a surface is looked at.
-        const Vec<3> size = box.size();
-        const double extent = *std::max_element(size.c.begin(), size.c.end());
-        const double step = extent > 0 ? std::pow(10, std::floor(std::log10(extent)) - 5) : 1;
+                          identifierOf(options_.surfaceName), extentText(box)));
         const std::size_t n = mesh.triangles.size();
         array("int[] faceVertexCounts", n, [](std::string& text, std::size_t) { text += '3'; });
         array("int[] faceVertexIndices", n, [&mesh](std::string& text, std::size_t i) {
             const auto& t = mesh.triangles[i];
             fmt::format_to(std::back_inserter(text), "{}, {}, {}", t[0], t[1], t[2]);
         });
-        array("point3f[] points", mesh.vertices.size(), [&](std::string& text, std::size_t i) {
-            const auto p = local(vertex(i));
+        array("point3f[] points", vertices, [&](std::string& text, std::size_t i) {
+            const auto p = rounded(i);
             text += '(';
             for (std::size_t d = 0; d < 3; ++d) {
                 if (d > 0) text += ", ";
-                appendShortest(text, static_cast<float>(std::nearbyint(p[d] / step) * step));
+                appendShortest(text, static_cast<float>(p[d]));
             }
             text += ')';
         });
