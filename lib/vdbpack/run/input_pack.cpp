@@ -56,7 +56,7 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     callbacks.stopIfCancelled();
     std::error_code none;
     if (!recipe.given && std::filesystem::is_directory(filePart(recipe.pack), none))
-        throw InputError(recipe.pack + ": is a folder; name a pack in it");
+        throw IoError(recipe.pack + ": is a folder; name a pack in it");
     PackReadOptions read;
     read.unit = recipe.packUnit;
     read.gridName = recipe.packGrid;
