@@ -243,16 +243,13 @@ private:
         const Vec<3> size = exact.size();
         const double extent = *std::max_element(size.c.begin(), size.c.end());
         const double step = extent > 0 ? std::pow(10, std::floor(std::log10(extent)) - 6) : 1;
-        const auto rounded = [&](std::size_t i) {
-            auto p = vertex(i);
-            for (double& x : p)
-                x = static_cast<double>(static_cast<float>(std::nearbyint(x / step) * step));
-            return p;
+        const auto rounded = [&](double x) {
+            return static_cast<float>(std::nearbyint(x / step) * step);
         };
-        Box<3> box;
-        for (std::size_t i = 0; i < vertices; ++i) {
-            const auto p = rounded(i);
-            box.add({{p[0], p[1], p[2]}});
+        Box<3> box = exact;
+        for (int d = 0; d < 3 && !box.empty(); ++d) {
+            box.lo[d] = static_cast<double>(rounded(exact.lo[d]));
+            box.hi[d] = static_cast<double>(rounded(exact.hi[d]));
         }
         sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
                           identifierOf(options_.surfaceName), extentText(box)));
@@ -263,11 +260,11 @@ private:
             fmt::format_to(std::back_inserter(text), "{}, {}, {}", t[0], t[1], t[2]);
         });
         array("point3f[] points", vertices, [&](std::string& text, std::size_t i) {
-            const auto p = rounded(i);
+            const auto p = vertex(i);
             text += '(';
             for (std::size_t d = 0; d < 3; ++d) {
                 if (d > 0) text += ", ";
-                appendShortest(text, static_cast<float>(p[d]));
+                appendShortest(text, rounded(p[d]));
             }
             text += ')';
         });

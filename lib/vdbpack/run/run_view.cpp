@@ -107,18 +107,18 @@ ViewResult runView(const ViewRecipe& asked, const Callbacks& callbacks) {
     if (recipe.domain.source.empty() && !recipe.domain.gridName.empty())
         throw ParameterError("`gridName` " + recipe.domain.gridName +
                              ": names a level set of the `domain`, and there is none; set it");
-    const std::string extension = extensionOf(recipe.pack);
-    if (extension == ".stl" || extension == ".obj" || extension == ".off" || extension == ".vtk")
-        throw InputError(recipe.pack +
-                         ": is a mesh, and a view shows spheres. Fill it (vdb_pack pack), or show "
-                         "it around a pack with `domain`");
     recipe.preview.file.clear();
     checkSettings(recipe, RunKind::convert, {}, inputFiles(recipe));
     ViewResult result;
     std::vector<std::string> warnings;
     const Callbacks heard = keepingWarnings(withinMemory(callbacks, recipe.memoryLimit), warnings);
     withThreads(recipe.threads, [&] {
-        const Pack<3> pack = readInputPack(recipe, heard);
+        const std::optional<Pack<3>> read = readInputPackUnlessSolid(recipe, heard);
+        if (!read)
+            throw InputError(recipe.pack +
+                             ": is a mesh or a level set, and a view shows spheres. Fill it "
+                             "(vdb_pack pack), or show it around a pack with `domain`");
+        const Pack<3>& pack = *read;
         const DomainRecipe domain = domainOf(recipe, pack);
         if (isPlane(pack))
             view(recipe, domain, asCircles(pack), result, heard);
