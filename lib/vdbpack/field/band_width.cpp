@@ -6,7 +6,9 @@
 #include <openvdb/tools/FastSweeping.h>
 #include <openvdb/tools/Prune.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace vdbpack {
 
@@ -22,13 +24,16 @@ FloatGrid::Ptr narrowed(const FloatGrid& levelSet, float width) {
     const FloatGrid::Ptr grid = levelSet.deepCopy();
     openvdb::tree::LeafManager<FloatGrid::TreeType> leafs(grid->tree());
     leafs.foreach ([&](Leaf& leaf, std::size_t) {
-        for (openvdb::Index i = 0; i < Leaf::SIZE; ++i) {
-            const float value = leaf.getValue(i);
-            if (std::abs(value) < width)
-                leaf.setValueOn(i, value);
-            else
-                leaf.setValueOff(i, std::copysign(width, value));
+        float* const values = leaf.buffer().data();
+        Leaf::NodeMaskType on;
+        for (openvdb::Index word = 0; word < Leaf::SIZE / 64; ++word) {
+            float* const v = values + 64 * word;
+            std::uint64_t bits = 0;
+            for (unsigned i = 0; i < 64; ++i) bits |= std::uint64_t{std::abs(v[i]) < width} << i;
+            on.getWord<std::uint64_t>(word) = bits;
+            for (unsigned i = 0; i < 64; ++i) v[i] = std::clamp(v[i], -width, width);
         }
+        leaf.setValueMask(on);
     });
     openvdb::tools::changeLevelSetBackground(grid->tree(), width);
     openvdb::tools::pruneLevelSet(grid->tree());

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace vdbpack {
 
@@ -79,10 +80,13 @@ std::vector<double> ballMeans(const Image& image, const std::vector<Sphere<3>>& 
     return means;
 }
 
-double valueAt(const Image& image, const Vec<3>& point) {
-    requireOneLayer(image);
-    return image.visit([&](const auto* numbers) {
-        return ImageValues(image, numbers).interpolated(image.grid.indexOf(point));
+ImageSampler::ImageSampler(Image image) : image_(std::move(image)), indexer_(image_.grid) {
+    requireOneLayer(image_);
+}
+
+double ImageSampler::at(const Vec<3>& point) const {
+    return image_.visit([&](const auto* numbers) {
+        return ImageValues(image_, numbers).interpolated(indexer_.indexOf(point));
     });
 }
 

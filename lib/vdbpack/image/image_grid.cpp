@@ -5,12 +5,14 @@
 namespace vdbpack {
 
 Vec<3> ImageGrid::indexOf(const Vec<3>& point) const {
-    const Vec<3> from = point - origin;
-    const double volume = signedVoxelVolume();
-    return {{dot(from, cross(step[1], step[2])) / volume,
-             dot(from, cross(step[2], step[0])) / volume,
-             dot(from, cross(step[0], step[1])) / volume}};
+    return ImageIndexer(*this).indexOf(point);
 }
+
+ImageIndexer::ImageIndexer(const ImageGrid& grid)
+    : origin_(grid.origin),
+      across_{cross(grid.step[1], grid.step[2]), cross(grid.step[2], grid.step[0]),
+              cross(grid.step[0], grid.step[1])},
+      volume_(grid.signedVoxelVolume()) {}
 
 Vec<3> ImageGrid::reach() const {
     // Lengths of the dual steps.

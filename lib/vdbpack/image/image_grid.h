@@ -41,4 +41,20 @@ struct ImageGrid {
     std::string orientation() const;
 };
 
+/// `ImageGrid::indexOf` of many points.
+class ImageIndexer {
+public:
+    explicit ImageIndexer(const ImageGrid& grid);
+    Vec<3> indexOf(const Vec<3>& point) const {
+        const Vec<3> from = point - origin_;
+        return {{dot(from, across_[0]) / volume_, dot(from, across_[1]) / volume_,
+                 dot(from, across_[2]) / volume_}};
+    }
+
+private:
+    Vec<3> origin_;
+    std::array<Vec<3>, 3> across_;  ///< perpendicular to the two other steps
+    double volume_;
+};
+
 }  // namespace vdbpack

@@ -27,20 +27,21 @@ public:
         for (std::size_t d = 0; d < 3; ++d) {
             const auto last = static_cast<double>(size[d] - 1);
             const double x = std::clamp(index.c[d], 0.0, last);
-            low[d] = static_cast<std::size_t>(std::min(std::floor(x), std::max(0.0, last - 1)));
+            low[d] = static_cast<std::size_t>(
+                static_cast<std::ptrdiff_t>(std::min(x, std::max(0.0, last - 1))));
             share[d] = x - static_cast<double>(low[d]);
         }
+        // Along an axis on which it lies at a voxel's center, that voxel alone counts.
         double sum = 0;
-        for (int corner = 0; corner < 8; ++corner) {
-            auto at = low;
-            double weight = 1;
-            for (std::size_t d = 0; d < 3; ++d) {
-                const bool up = corner >> d & 1;
-                weight *= up ? share[d] : 1 - share[d];
-                at[d] += up ? 1 : 0;
-            }
-            if (weight > 0) sum += weight * value((at[2] * size[1] + at[1]) * size[0] + at[0]);
-        }
+        const auto up = [&](std::size_t d) { return std::size_t{share[d] > 0}; };
+        const auto weight = [&](std::size_t d, std::size_t at) {
+            return at > 0 ? share[d] : 1 - share[d];
+        };
+        for (std::size_t k = 0; k <= up(2); ++k)
+            for (std::size_t j = 0; j <= up(1); ++j)
+                for (std::size_t i = 0; i <= up(0); ++i)
+                    sum += weight(0, i) * weight(1, j) * weight(2, k) *
+                           value(((low[2] + k) * size[1] + low[1] + j) * size[0] + low[0] + i);
         return sum;
     }
 

@@ -24,23 +24,14 @@ constexpr double kClasses = 16;
 
 template <int Dim>
 LocalSizeSampler<Dim>::LocalSizeSampler(const Domain<Dim>& domain, const LocalSizes& sizes)
-    : sizes_(sizes), cell_(domain.cell()) {
+    : sizes_(sizes), cell_(domain.cell()), wraps_(cell_.any()) {
     if (sizes.shellSizes) shell_.emplace(domain, sizes.shell);
-}
-
-template <int Dim>
-LocalSize LocalSizeSampler<Dim>::at(const Vec<Dim>& x) {
-    const Vec<Dim> here = cell_.wrapped(x);
-    LocalSize size;
-    if (sizes_.factor) size.factor = sizes_.factor->at(here);
-    if (shell_) size.group = shell_->isDeeper(here) ? 0 : 1;
-    return size;
 }
 
 template <int Dim>
 void LocalSizeSampler<Dim>::addGroups(const Vec<Dim>& x, double distance, Range& range) {
     if (!shell_) return;
-    const double depth = shell_->depth(cell_.wrapped(x)), off = distance + shell_->error();
+    const double depth = shell_->depth(inCell(x)), off = distance + shell_->error();
     range.inner = depth + off > sizes_.shell.least();
     range.shell = depth - off <= sizes_.shell.most();
 }
@@ -62,13 +53,25 @@ typename LocalSizeSampler<Dim>::Range LocalSizeSampler<Dim>::around(const Vec<Di
                                                                     double distance) {
     Range range;
     if (sizes_.factor) {
-        const Vec<Dim> here = cell_.wrapped(x);
+        const Vec<Dim> here = inCell(x);
         const auto [least, most] = sizes_.factor->within(Box<Dim>{here, here}.grown(distance));
         range.least = least;
         range.most = most;
     }
     addGroups(x, distance, range);
     return range;
+}
+
+template <int Dim>
+bool LocalSizeSampler<Dim>::isConstant(const Vec<Dim>& x, double distance) {
+    if (sizes_.factor) {
+        const Vec<Dim> here = inCell(x);
+        if (!sizes_.factor->isConstant(Box<Dim>{here, here}.grown(distance))) return false;
+    }
+    Range range;
+    range.shell = !range.inner;
+    addGroups(x, distance * std::sqrt(static_cast<double>(Dim)), range);
+    return range.inner != range.shell;
 }
 
 template <int Dim>

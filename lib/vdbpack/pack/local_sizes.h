@@ -60,14 +60,30 @@ public:
     };
     Range within(const Box<Dim>& box);
     Range around(const Vec<Dim>& x, double distance);
+    /// Whether the same is requested everywhere up to a distance along each axis. Quick, and not
+    /// true where it is uncertain.
+    bool isConstant(const Vec<Dim>& x, double distance);
 
 private:
     void addGroups(const Vec<Dim>& x, double distance, Range& range);
 
+    /// The image of a point in a periodic cell.
+    Vec<Dim> inCell(const Vec<Dim>& x) const { return wraps_ ? cell_.wrapped(x) : x; }
+
     const LocalSizes& sizes_;
     PeriodicCell<Dim> cell_;
+    bool wraps_;
     std::optional<ShellTest<Dim>> shell_;
 };
+
+template <int Dim>
+LocalSize LocalSizeSampler<Dim>::at(const Vec<Dim>& x) {
+    const Vec<Dim> here = inCell(x);
+    LocalSize size;
+    if (sizes_.factor) size.factor = sizes_.factor->at(here);
+    if (shell_) size.group = shell_->isDeeper(here) ? 0 : 1;
+    return size;
+}
 
 /// Spheres that would fill a domain alike if each had this volume (2D: area) on average: the
 /// harmonic mean over the domain of the mean sphere's volume.

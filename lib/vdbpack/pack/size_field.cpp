@@ -1,5 +1,7 @@
 #include "vdbpack/pack/size_field.h"
 
+#include "vdbpack/core/lanes.h"
+
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -34,14 +36,16 @@ SizeField::SizeField(const Box<3>& bounds, const Vec<3>& node, double step,
         if (nodes <= mostNodes) break;
     }
     inverse_ = 1 / step_;
-    values_.resize(static_cast<std::size_t>(nodes));
+    const auto all = static_cast<std::size_t>(nodes);
+    values_.resize(all + kLanes);  // whole eights may be read
     tbb::parallel_for(0, count_[1] * count_[2], [&](int row) {
         const int j = row % count_[1], k = row / count_[1];
         for (int i = 0; i < count_[0]; ++i)
             values_[indexOf(i, j, k)] =
                 static_cast<float>(value(origin_ + Vec<3>{{i * step_, j * step_, k * step_}}));
     });
-    const auto [least, most] = std::minmax_element(values_.begin(), values_.end());
+    const auto [least, most] =
+        std::minmax_element(values_.begin(), values_.begin() + static_cast<std::ptrdiff_t>(all));
     all_ = {static_cast<double>(*least), static_cast<double>(*most)};
     addLevels();
 }
@@ -100,30 +104,6 @@ SizeField::Level SizeField::coarser(const Level& fine) const {
     return level;
 }
 
-double SizeField::at(const Vec<3>& x) const {
-    std::array<std::size_t, 3> low{}, up{};
-    std::array<double, 3> share{};
-    for (std::size_t d = 0; d < 3; ++d) {
-        const double most = count_[d] - 1;
-        const double place = std::clamp((x.c[d] - origin_.c[d]) * inverse_, 0.0, most);
-        low[d] = static_cast<std::size_t>(place);
-        share[d] = place - static_cast<double>(low[d]);
-        up[d] = low[d] + (static_cast<double>(low[d]) < most ? 1 : 0);
-    }
-    const auto row = [&](std::size_t j, std::size_t k) {
-        const std::size_t at =
-            (k * static_cast<std::size_t>(count_[1]) + j) * static_cast<std::size_t>(count_[0]);
-        const auto a = static_cast<double>(values_[at + low[0]]);
-        return a + share[0] * (static_cast<double>(values_[at + up[0]]) - a);
-    };
-    const auto layer = [&](std::size_t k) {
-        const double a = row(low[1], k);
-        return a + share[1] * (row(up[1], k) - a);
-    };
-    const double a = layer(low[2]);
-    return count_[2] == 1 ? a : a + share[2] * (layer(up[2]) - a);
-}
-
 SizeField::Range SizeField::withinCells(const Level& level, const Index& from,
                                         const Index& to) const {
     Index first, last;
@@ -164,16 +144,35 @@ SizeField::Range SizeField::within(const Box<3>& box) const {
         while (l > 0 && levels_[l - 1].cell * kFewNodes > longest) --l;
         return withinCells(levels_[l], from, to);
     }
-    auto low = static_cast<float>(all_.most), high = static_cast<float>(all_.least);
+    static_assert(kFewNodes < static_cast<int>(kLanes));
+    Float8 low = everyLane(static_cast<float>(all_.most)),
+           high = everyLane(static_cast<float>(all_.least));
+    const Int8 used = Int8{0, 1, 2, 3, 4, 5, 6, 7} <= to[0] - from[0];
+    for (int k = from[2]; k <= to[2]; ++k)
+        for (int j = from[1]; j <= to[1]; ++j) {
+            const Float8 row = load(&values_[indexOf(from[0], j, k)]);
+            low = smaller(low, choose(used, row, low));
+            high = larger(high, choose(used, row, high));
+        }
+    return {static_cast<double>(smallest(low)), static_cast<double>(largest(high))};
+}
+
+bool SizeField::isConstant(const Box<3>& box) const {
+    Index from, to;
+    for (std::size_t d = 0; d < 3; ++d) {
+        const double most = count_[d] - 1;
+        from[d] = static_cast<int>(std::clamp((box.lo.c[d] - origin_.c[d]) * inverse_, 0.0, most));
+        to[d] =
+            static_cast<int>(std::clamp((box.hi.c[d] - origin_.c[d]) * inverse_ + 1, 0.0, most));
+    }
+    const float first = values_[indexOf(from[0], from[1], from[2])];
     for (int k = from[2]; k <= to[2]; ++k)
         for (int j = from[1]; j <= to[1]; ++j) {
             const float* const row = &values_[indexOf(0, j, k)];
-            for (int i = from[0]; i <= to[0]; ++i) {
-                low = std::min(low, row[i]);
-                high = std::max(high, row[i]);
-            }
+            for (int i = from[0]; i <= to[0]; ++i)
+                if (row[i] != first) return false;
         }
-    return {static_cast<double>(low), static_cast<double>(high)};
+    return true;
 }
 
 }  // namespace vdbpack

@@ -3,6 +3,7 @@
 
 #include "vdbpack/core/box.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <functional>
@@ -37,6 +38,13 @@ public:
         return within(
             Box<3>{{{box.lo[0], box.lo[1], origin_[2]}}, {{box.hi[0], box.hi[1], origin_[2]}}});
     }
+    /// Whether all values within a box are the same. Takes about as long as two lookups, where the
+    /// box is not larger than a few steps.
+    bool isConstant(const Box<3>& box) const;
+    bool isConstant(const Box<2>& box) const {
+        return isConstant(
+            Box<3>{{{box.lo[0], box.lo[1], origin_[2]}}, {{box.hi[0], box.hi[1], origin_[2]}}});
+    }
     Range all() const { return all_; }
     double step() const { return step_; }
 
@@ -67,5 +75,32 @@ private:
     std::vector<Level> levels_;
     Range all_{};
 };
+
+inline double SizeField::at(const Vec<3>& x) const {
+    std::array<std::size_t, 3> up{};
+    std::array<double, 3> share{};
+    const float* low = values_.data();
+    std::size_t stride = 1;
+    for (std::size_t d = 0; d < 3; ++d) {
+        const int last = count_[d] - 1;
+        const double place =
+            std::clamp((x.c[d] - origin_.c[d]) * inverse_, 0.0, static_cast<double>(last));
+        const int node = static_cast<int>(place);
+        share[d] = place - node;
+        up[d] = node < last ? stride : 0;
+        low += static_cast<std::size_t>(node) * stride;
+        stride *= static_cast<std::size_t>(count_[d]);
+    }
+    const auto row = [&](const float* from) {
+        const auto a = static_cast<double>(from[0]);
+        return a + share[0] * (static_cast<double>(from[up[0]]) - a);
+    };
+    const auto layer = [&](const float* from) {
+        const double a = row(from);
+        return a + share[1] * (row(from + up[1]) - a);
+    };
+    const double a = layer(low);
+    return a + share[2] * (layer(low + up[2]) - a);
+}
 
 }  // namespace vdbpack

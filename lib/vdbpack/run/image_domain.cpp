@@ -187,12 +187,12 @@ std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
     if (namesScalarField(voids.bvtvField)) return bvtvTable(voids, bounds, sliceHeight);
     const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
     const auto image =
-        std::make_shared<const Image>(readGreyImage(voids.bvtvField, domain, callbacks));
-    requireCovered(image->grid, bounds, sliceHeight, voids.bvtvField, callbacks);
+        std::make_shared<const ImageSampler>(readGreyImage(voids.bvtvField, domain, callbacks));
+    requireCovered(image->image().grid, bounds, sliceHeight, voids.bvtvField, callbacks);
     return [image, sliceHeight, low = marrow, range = bone - marrow](const Vec<Dim>& x) {
         Vec<3> at{{0, 0, sliceHeight}};
         for (int d = 0; d < Dim; ++d) at[d] = x[d];
-        return std::clamp((valueAt(*image, at) - low) / range, 0.0, 1.0);
+        return std::clamp((image->at(at) - low) / range, 0.0, 1.0);
     };
 }
 

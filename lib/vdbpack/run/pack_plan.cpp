@@ -33,7 +33,7 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
         radii.share = keptShare(recipe.voids, e);
         if (requested.targetCount > 0) radii.scale *= std::pow(radii.share, 1.0 / dim);
     }
-    radii.detail = fieldDetail(requested.least(), requested.finestMean()) * radii.scale;
+    radii.detail = requested.detail() * radii.scale;
     radii.reach = std::max(requested.largest() * radii.scale * 1.05 + recipe.gap,
                            depthForShell(recipe.voids, plannedVoxel(recipe.voids, dim)) / 3);
     return radii;

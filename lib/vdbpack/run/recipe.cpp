@@ -1,6 +1,7 @@
 #include "vdbpack/run/recipe.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/run/grey_stage.h"
@@ -220,9 +221,14 @@ double RequestedSizes::largest() const {
     return factor ? all * factor->most() : all;
 }
 
-double RequestedSizes::finestMean() const {
-    const double all = shellSizes ? std::min(sizes.mean(), shellSizes->mean()) : sizes.mean();
-    return factor ? all * factor->least() : all;
+double RequestedSizes::detail() const {
+    double smallest = sizes.min(), mean = sizes.mean();
+    if (shellSizes) {
+        smallest = std::min(smallest, shellSizes->min());
+        mean = std::min(mean, shellSizes->mean());
+    }
+    const double middle = factor ? std::sqrt(factor->least() * factor->most()) : 1;
+    return fieldDetail(smallest, mean) * middle;
 }
 
 double RequestedSizes::meanBall(int dim, double shell) const {

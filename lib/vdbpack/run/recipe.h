@@ -87,10 +87,13 @@ struct RequestedSizes {
     std::shared_ptr<const ScalarField> factor;   ///< on all radii by place; null: 1
 
     bool differByPlace() const { return factor || shellSizes; }
-    /// The smallest and the largest radius anywhere, and the mean of the finest sizes, mm.
+    /// The smallest and the largest radius anywhere, mm.
     double least() const;
     double largest() const;
-    double finestMean() const;
+    /// What the field of the domain is to resolve, mm (`FieldOptions::detail`): the finest sizes
+    /// where the factor is the middle one. For the smallest factor it would have most of its voxels
+    /// where none are needed, and spheres at walls are tested by the triangles anyway.
+    double detail() const;
     /// Mean volume (2D: area) of a sphere where `shell` of the domain is shell, about, mm^dim.
     double meanBall(int dim, double shell) const;
 };

@@ -32,13 +32,14 @@ ScalarMeaning meaningOf() {
 /// The values of a grey image as a field.
 class ImageNumbers : public ScalarField {
 public:
-    ImageNumbers(Image image, const std::string& file) : image_(std::move(image)) {
-        const std::size_t voxels = image_.grid.voxels();
+    ImageNumbers(Image grey, const std::string& file) : sampler_(std::move(grey)) {
+        const Image& image = sampler_.image();
+        const std::size_t voxels = image.grid.voxels();
         bool first = true;
-        image_.visit([&](const auto* numbers) {
+        image.visit([&](const auto* numbers) {
             for (std::size_t i = 0; i < voxels; ++i) {
                 const double value =
-                    image_.slope * static_cast<double>(numbers[i]) + image_.intercept;
+                    image.slope * static_cast<double>(numbers[i]) + image.intercept;
                 if (const std::string wrong = faultOf(value); !wrong.empty())
                     throw InputError(
                         fmt::format("{}: voxel {}: {}; write an image of factors, such as 0.5 to 2",
@@ -49,17 +50,16 @@ public:
             }
         });
     }
-    Box<3> bounds() const override { return image_.grid.bounds(); }
-    double at(const Vec<3>& x) const override {
-        return std::clamp(valueAt(image_, x), least_, most_);
-    }
+    Box<3> bounds() const override { return sampler_.image().grid.bounds(); }
+    double at(const Vec<3>& x) const override { return std::clamp(sampler_.at(x), least_, most_); }
     std::pair<Vec<3>, double> lattice() const override {
-        const Vec<3> spacing = image_.grid.spacing();
-        return {image_.grid.origin, *std::min_element(spacing.c.begin(), spacing.c.end())};
+        const ImageGrid& grid = sampler_.image().grid;
+        const Vec<3> spacing = grid.spacing();
+        return {grid.origin, *std::min_element(spacing.c.begin(), spacing.c.end())};
     }
 
 private:
-    Image image_;
+    ImageSampler sampler_;
 };
 
 }  // namespace

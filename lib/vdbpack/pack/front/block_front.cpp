@@ -65,7 +65,7 @@ private:
     void countOnWall(double drawn, const RadiusPool& pool) {
         wallBalance_ += drawn - kMeanOnWalls * pool.mean();
     }
-    bool placeWide(std::uint32_t site);
+    bool placeWide(std::uint32_t site, const LocalSize& size);
     bool placeFurther(std::uint32_t site);
     void countElement(const Vec<Dim>& center);
     bool placePending(const Vec<Dim>& center, const LocalSize& size, std::size_t k);
@@ -217,11 +217,11 @@ void BlockFront<Dim>::Work::runFront() {
 /// Places the largest pending radius that fits at a site, or gives the site up.
 template <int Dim>
 void BlockFront<Dim>::Work::grow(std::uint32_t site) {
-    if ((further_ && further_->isDue() && placeFurther(site)) || placeWide(site)) {
+    const LocalSize size = sizeAtSite(site);
+    if ((further_ && further_->isDue() && placeFurther(site)) || placeWide(site, size)) {
         if (!front_.sites.isRemoved(site)) front_.sites.enqueue(site);
         return;
     }
-    const LocalSize size = sizeAtSite(site);
     if (growAs(site, size)) return;
     // Smaller spheres there may lie where other sizes are requested.
     Vec<Dim> start;
@@ -359,8 +359,7 @@ bool BlockFront<Dim>::Work::placeDrawn(std::uint32_t site, const LocalSize& size
 /// Places the largest pending radius ahead of the front if it is one of the wide ones; after a
 /// failure, passes ever more sites before the next attempt.
 template <int Dim>
-bool BlockFront<Dim>::Work::placeWide(std::uint32_t site) {
-    const LocalSize size = sizeAtSite(site);
+bool BlockFront<Dim>::Work::placeWide(std::uint32_t site, const LocalSize& size) {
     RadiusPool& pool = (*pools_)[size.group];
     const std::size_t last = pool.size() - 1;
     if (!(pendingRadius(size, last) > front_.block.lengthsOf(size).wideRadius)) return false;

@@ -53,6 +53,10 @@ struct BlockState {
     double meanAt(const Vec<Dim>& x) const {
         return local ? local->mean(x + origin) : settings.meanRadius;
     }
+    /// Whether the same sizes are requested up to a distance from a point along each axis, mm.
+    bool hasOneSize(const Vec<Dim>& x, double distance) const {
+        return !local || local->isConstant(x + origin, distance);
+    }
 
     /// Whether a center belongs to the block.
     /// @param beyond  how far past its upper faces it may lie, mm.

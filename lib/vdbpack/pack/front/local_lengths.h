@@ -64,6 +64,8 @@ public:
         const LocalSize size = at(x);
         return (groups_[size.group].meanRadius - layer_) * size.factor + layer_;
     }
+    /// As in `LocalSizeSampler`.
+    bool isConstant(const Vec<Dim>& x, double distance) { return sampler_.isConstant(x, distance); }
     /// See `ofPivot`.
     static constexpr double kRoom = 1.02;
 

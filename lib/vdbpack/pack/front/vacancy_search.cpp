@@ -103,13 +103,12 @@ void VacancySearch<Dim>::stampSpheres() {
     }
 }
 
-/// Whether all points within `around` of `x` are certainly too near to the wall, or outside.
+/// Whether a point, of this depth by the field, certainly lies less deep than `least`.
 template <int Dim>
-bool VacancySearch<Dim>::isTooShallow(const Vec<Dim>& x, double around, double mostRoom) {
-    DomainSampler<Dim>& sampler = *state_->sampler;
-    const double depth = -sampler.signedDistance(x), error = state_->settings.fieldError;
-    const double least = mostRoom - around;
-    return depth < least - error || (depth < least + error && sampler.depthRange(x).most < least);
+bool VacancySearch<Dim>::isShallower(const Vec<Dim>& x, double depth, double least) {
+    const double error = state_->settings.fieldError;
+    return depth < least - error ||
+           (depth < least + error && state_->sampler->depthRange(x).most < least);
 }
 
 /// Marks what lies too far outside the domain, in bricks: one lookup decides most of them.
@@ -118,13 +117,14 @@ void VacancySearch<Dim>::stampOutside() {
     constexpr int kBrick = 8;
     for (int k = 0; k < steps_[2]; k += Dim == 3 ? kBrick : 1)
         for (int j = 0; j < steps_[1]; j += kBrick)
-            for (int i = 0; i < steps_[0]; i += kBrick) stampOutside({i, j, k}, kBrick);
+            for (int i = 0; i < steps_[0]; i += kBrick) stampOutside({i, j, k}, kBrick, 0);
 }
 
 /// Marks the cells of a brick that certainly lie too far outside; halves it where that is
 /// undecided.
+/// @param mostRoom  that a center in it may have, mm; 0: to be found.
 template <int Dim>
-void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
+void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge, double mostRoom) {
     int end[3];
     Vec<Dim> center = state_->search.lo + state_->origin;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -138,16 +138,26 @@ void VacancySearch<Dim>::stampOutside(const std::array<int, 3>& at, int edge) {
         for (int j = at[1]; j < end[1]; ++j) left |= ~row(j, k)[at[0] >> 6] & mask;
     if (left == 0) return;
     const double corner = 0.5 * edge * step_ * std::sqrt(static_cast<double>(Dim));
-    const double mostRoom = kMostRoom * state_->leastMean(center - state_->origin, corner);
-    if (isTooShallow(center, corner, mostRoom)) {
+    const double depth = -state_->sampler->signedDistance(center);
+    if (mostRoom == 0) {
+        // As deep as that, there is room enough for the largest everywhere in it.
+        if (depth - state_->settings.fieldError > kMostRoom * state_->settings.maxRadius + corner)
+            return;
+        // The field ends soon outside; without a wall in it, all of the brick is there.
+        if (depth < -state_->settings.fieldError && !state_->sampler->isWallCloser(center, corner))
+            mostRoom = std::numeric_limits<double>::infinity();
+        else
+            mostRoom = kMostRoom * state_->leastMean(center - state_->origin, corner);
+    }
+    if (isShallower(center, depth, mostRoom - corner)) {
         for (int k = at[2]; k < end[2]; ++k)
             for (int j = at[1]; j < end[1]; ++j) row(j, k)[at[0] >> 6] |= mask;
-    } else if (edge > 2 && isTooShallow(center, -corner, mostRoom)) {
+    } else if (edge > 2 && isShallower(center, depth, mostRoom + corner)) {
         const int half = edge / 2;
         for (int child = 0; child < (1 << Dim); ++child) {
             std::array<int, 3> sub = at;
             for (std::size_t d = 0; d < Dim; ++d) sub[d] += child >> d & 1 ? half : 0;
-            stampOutside(sub, half);
+            stampOutside(sub, half, mostRoom);
         }
     }
 }
@@ -179,25 +189,29 @@ bool VacancySearch<Dim>::next(Vec<Dim>& vacancy) {
             const int cell[3] = {at_[0] + __builtin_ctzll(left_), at_[1], at_[2]};
             Vec<Dim> c;
             for (int d = 0; d < Dim; ++d) c[d] = state_->search.lo[d] + (cell[d] + 0.5) * step_;
-            wanted_ = finestIn(c, step_);
-            straddles_ = state_->local && state_->meanAt(c) > kJump * wanted_;
+            const double own = state_->meanAt(c);
+            wanted_ = state_->hasOneSize(c, 0.5 * step_) ? own : finestIn(c, step_, own);
+            straddles_ = own > kJump * wanted_;
             const double mostRoom = kMostRoom * wanted_;
-            if (isTooShallow(c + state_->origin, corner, mostRoom)) continue;
+            const Vec<Dim> global = c + state_->origin;
+            if (isShallower(global, -state_->sampler->signedDistance(global), mostRoom - corner))
+                continue;
             nearby_.clear();
-            const double reach = straddles_ ? kMostRoom * state_->meanAt(c) : mostRoom;
-            state_->cells.near(c, reach, [&](std::uint32_t i) {
+            const double reach = straddles_ ? kMostRoom * own : mostRoom;
+            const double near = mostRoom - (centersOnly_ ? 0 : corner);
+            const bool open = state_->cells.near(c, reach, [&](std::uint32_t i) {
                 nearby_.push_back(i);
-                return true;
+                return !covers(i, c, near);
             });
-            if (findIn(c, centersOnly_ ? 0 : step_, vacancy)) return true;
+            if (open && findIn(c, centersOnly_ ? 0 : step_, vacancy)) return true;
         }
     } while (at_[2] < steps_[2] && nextWord());
     return false;
 }
 
 template <int Dim>
-double VacancySearch<Dim>::finestIn(const Vec<Dim>& center, double edge) const {
-    double least = state_->meanAt(center);
+double VacancySearch<Dim>::finestIn(const Vec<Dim>& center, double edge, double own) const {
+    double least = own;
     for (int d = 0; d < Dim && state_->local; ++d)
         for (const double side : {-0.5, 0.5}) {
             Vec<Dim> x = center;
@@ -213,15 +227,14 @@ bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& v
     const double corner = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
     const FrontSettings<Dim>& settings = state_->settings;
     DomainSampler<Dim>& sampler = *state_->sampler;
-    const double least = straddles_ ? finestIn(center, edge) : wanted_;
+    const double own = straddles_ ? state_->meanAt(center) : wanted_;
+    const double least = straddles_ ? finestIn(center, edge, own) : wanted_;
     const double mostRoom = kMostRoom * least;
     double room = std::numeric_limits<double>::infinity();
     for (const std::uint32_t i : nearby_) {
+        if (covers(i, center, mostRoom - corner)) return false;
         const Sphere<Dim>& s = state_->spheres[i];
-        const double reach = s.radius + mostRoom - corner;
-        const double square = squaredLength(s.center - center);
-        if (reach > 0 && square < reach * reach) return false;
-        room = std::min(room, std::sqrt(square) - s.radius);
+        room = std::min(room, length(s.center - center) - s.radius);
     }
     // The field alone would be too coarse: every cell along the wall would be halved to the end.
     const Vec<Dim> global = center + state_->origin;
@@ -233,7 +246,6 @@ bool VacancySearch<Dim>::findIn(const Vec<Dim>& center, double edge, Vec<Dim>& v
     if (outside > settings.fieldError ||
         (outside > 0 && (settings.fieldError == 0 || !sampler.contains(global))))
         return false;
-    const double own = straddles_ ? state_->meanAt(center) : least;
     if (room >= own && !sampler.isWallCloser(global, own)) {
         vacancy = center;
         // All of a ball that no wall crosses is on one side.

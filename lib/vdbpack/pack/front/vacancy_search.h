@@ -32,13 +32,19 @@ public:
 
 private:
     void stampSpheres();
-    bool isTooShallow(const Vec<Dim>& x, double around, double mostRoom);
+    bool isShallower(const Vec<Dim>& x, double depth, double least);
     void stampOutside();
-    void stampOutside(const std::array<int, 3>& at, int edge);
+    void stampOutside(const std::array<int, 3>& at, int edge, double mostRoom);
     std::uint64_t* row(int j, int k) {
         return &covered_[(static_cast<std::size_t>(k) * static_cast<std::size_t>(steps_[1]) +
                           static_cast<std::size_t>(j)) *
                          rowWords_];
+    }
+    /// Whether a sphere is closer to `x` than `gap`, mm.
+    bool covers(std::uint32_t i, const Vec<Dim>& x, double gap) const {
+        const Sphere<Dim>& s = state_->spheres[i];
+        const double reach = s.radius + gap;
+        return reach > 0 && squaredLength(s.center - x) < reach * reach;
     }
     void openWord();
     bool nextWord();
@@ -47,8 +53,8 @@ private:
     const BlockState<Dim>* state_ = nullptr;
     bool centersOnly_ = false;
     /// Room that a vacancy must have in a cell, mm: that of the finest sizes requested at its
-    /// center and beside it.
-    double finestIn(const Vec<Dim>& center, double edge) const;
+    /// center, which want `own`, and beside it.
+    double finestIn(const Vec<Dim>& center, double edge, double own) const;
 
     double wanted_ = 0;                   ///< room that a vacancy must have in the current cell, mm
     bool straddles_ = false;              ///< whether other sizes begin in it
