@@ -425,6 +425,17 @@ TEST_CASE("equal spheres get denser without crystallizing", "[densify]") {
     }
 }
 
+TEST_CASE("equal spheres without walls get as dense as random packs can be",
+          "[densify][periodic]") {
+    const PeriodicCell<3> cell{{{}, {{24, 24, 24}}}, {true, true, true}};
+    const auto domain = periodicDomain(cell);
+    const auto before = front(*domain, "constant:1");
+    const auto result = densify(*domain, before, to<3>(kMax, "constant:1"));
+    CHECK(result.after > 0.635);
+    CHECK(solidLikeShare(result.spheres, cell) < 0.03);
+    CHECK(checkOverlap(result.spheres, cell).max == 0);
+}
+
 TEST_CASE("equal spheres of a loose pack get as dense as those of a front", "[densify]") {
     const auto domain = box<3>(30);
     auto before = front(*domain, "constant:1");

@@ -49,10 +49,15 @@ constexpr std::array<double, 4> kGainsAtOnce{0.049, 0.047, 0.045, 0.0425};
 constexpr std::array<double, 2> kStagesOfCell{0.005, 0.0025};
 constexpr int kTries = 2;
 constexpr RelaxationPace kPaceOfCell{0.997, 0.25, 3};
+/// Equal spheres stay at random at this pace where they have no walls, along which they
+/// crystallize.
+constexpr RelaxationPace kPaceOfEqualInCell{0.995, 0.1, 3};
 /// Of equal spheres, with or without walls: in several stages they are agitated for longer and
 /// crystallize.
 constexpr std::array<double, 8> kGainsOfEqual{0.041, 0.038, 0.035, 0.032,
                                               0.029, 0.025, 0.018, 0.01};
+/// Below this, equal spheres are loose enough for another such gain.
+constexpr double kLoose = 0.63;
 /// Fractions above this are no packs of spheres: only a single crystal comes close.
 template <int Dim>
 constexpr double kMostFraction = Dim == 3 ? 0.95 : 0.98;
@@ -169,14 +174,16 @@ private:
 
     /// As dense as paces allow that leave equal spheres at random.
     void reachMostAtRandom() {
+        const bool walls = !domain_->cell().all();
         for (bool loose = true; loose && !result_.interrupted;) {
             const double from = reachedFraction();
             loose = false;
             for (const double gain : kGainsOfEqual) {
                 const std::uint64_t stage = stage_;
                 const double next = from + gain;
-                if (attempt(next, paces_.randomForGain(next - result_.before))) {
-                    loose = gain == kGainsOfEqual.front();
+                if (attempt(next, walls ? paces_.randomForGain(next - result_.before)
+                                        : std::vector<RelaxationPace>{kPaceOfEqualInCell})) {
+                    loose = gain == kGainsOfEqual.front() && next < kLoose;
                     break;
                 }
                 if (result_.interrupted) return;
