@@ -54,8 +54,8 @@ constexpr RelaxationPace kPaceOfCell{0.997, 0.25, 3};
 constexpr RelaxationPace kPaceOfEqualInCell{0.995, 0.1, 3};
 /// Of equal spheres, with or without walls: in several stages they are agitated for longer and
 /// crystallize.
-constexpr std::array<double, 8> kGainsOfEqual{0.041, 0.038, 0.035, 0.032,
-                                              0.029, 0.025, 0.018, 0.01};
+constexpr std::array<double, 11> kGainsOfEqual{0.0425, 0.041, 0.0395, 0.038, 0.0365, 0.035,
+                                               0.032,  0.029, 0.025,  0.018, 0.01};
 /// Below this, equal spheres are loose enough for another such gain.
 constexpr double kLoose = 0.63;
 /// Fractions above this are no packs of spheres: only a single crystal comes close.

@@ -3,7 +3,6 @@
 
 #include "vdbpack/densify/relaxation.h"
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -24,7 +23,7 @@ public:
         return from(firstFor(gain), steps_->size());
     }
     /// The same, but only those that leave the pack at random: nearly equal spheres crystallize
-    /// where they are agitated for long.
+    /// where they are agitated much or for long.
     std::vector<RelaxationPace> randomForGain(double gain) const {
         return from(firstFor(gain), randomCount());
     }
@@ -38,10 +37,10 @@ private:
         RelaxationPace pace;
         double gain;  // up to which it is worth a try
     };
-    using Steps = std::array<Step, 4>;
+    using Steps = std::vector<Step>;
     static const Steps kWide, kEqual, kCircles;
 
-    std::size_t randomCount() const { return steps_->size() - areEqualSpheres(); }
+    std::size_t randomCount() const;
     std::size_t firstFor(double gain) const;
     std::vector<RelaxationPace> from(std::size_t first, std::size_t last) const;
 
