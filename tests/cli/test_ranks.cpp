@@ -56,13 +56,20 @@ std::vector<std::string> filesIn(const std::string& folder) {
 /// Processes, and threads of each.
 using Counts = std::vector<std::pair<int, int>>;
 
-/// @param job  arguments of `pack`; EXISTING stands for a file of spheres, MESH for a bone.
+/// @param job  arguments of `pack`; EXISTING stands for a file of spheres, FIELD for one of factors
+///             on radii, MESH for a bone.
 void checkAlike(std::string job, const Counts& counts) {
     const TemporaryFolder folder;
     if (const auto at = job.find("EXISTING"); at != std::string::npos) {
         const std::string file = folder.file("existing.csv");
         REQUIRE(vdbPack("pack box:60,60,40 --radius uniform:3,5 -o " + file).code == 0);
         job.replace(at, 8, file);
+    }
+    if (const auto at = job.find("FIELD"); at != std::string::npos) {
+        putContent(folder.file("field.csv"),
+                   "x,y,z,factor\n-40,-40,-40,1\n40,-40,-40,2\n-40,40,-40,1\n40,40,-40,2\n"
+                   "-40,-40,40,1\n40,-40,40,2\n-40,40,40,1\n40,40,40,2\n");
+        job.replace(at, 5, folder.file("field.csv"));
     }
     if (const auto at = job.find("MESH"); at != std::string::npos)
         job.replace(at, 4, kMeshes + "/femur.ply");
@@ -90,6 +97,17 @@ void checkAlike(std::string job, const Counts& counts) {
         if (!one["spheres"]["ks"].is_null())
             CHECK(several["spheres"]["ks"].get<double>() ==
                   Approx(one["spheres"]["ks"].get<double>()).margin(1e-4));
+        const auto none = nlohmann::json::array();
+        const auto local = several["spheres"].value("local", none),
+                   alone = one["spheres"].value("local", none);
+        REQUIRE(local.size() == alone.size());
+        for (std::size_t g = 0; g < local.size(); ++g) {
+            for (const char* key : {"name", "requested", "count", "factors"})
+                CHECK(local[g][key] == alone[g][key]);
+            for (const char* key : {"ks", "ksByVolume"})
+                CHECK(local[g][key].get<double>() ==
+                      Approx(alone[g][key].get<double>()).margin(1e-4));
+        }
         CHECK(contentOf(folder.file("p.csv")) == rows);
     }
 }
@@ -102,6 +120,8 @@ TEST_CASE("several processes make the pack of one, and measure it alike", "[cli]
                  "box:60,50,45 --target-count 9000 --voids boolean --void-radius constant:6 "
                  "--target-bvtv 0.5 --shell 3",
                  "box:30,28,26 --radius uniform:1,2 --densify 0.6 --gap 0.01",
+                 "box:60,50,45 --radius uniform:0.6,1.2 --size-field FIELD --shell 4 "
+                 "--shell-radius uniform:0.8,1 --block-side 22",
                  "periodic:60,50,45 --radius uniform:1,2 --block-side 17 --voids boolean "
                  "--void-radius constant:5 --target-bvtv 0.5"),
         {{2, 1}, {3, 2}});

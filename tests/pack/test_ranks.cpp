@@ -91,6 +91,16 @@ TEST_CASE("the pack is the same for any number of ranks and threads", "[pack][ra
     SECTION("with wide sizes") {
         checkRanks<3>(*boxDomain<3>({{}, {{60, 70, 80}}}), optionsFor("uniform:0.8,3", 3));
     }
+    SECTION("with sizes that differ by place") {
+        const auto box = boxDomain<3>({{}, {{60, 70, 80}}});
+        PackOptions options = optionsFor("uniform:0.5,1", 3);
+        options.local.factor = std::make_shared<SizeField>(
+            box->bounds(), Vec<3>{}, 1, [](const Vec<3>& x) { return 1.5 + x[0] / 60; });
+        options.local.shellSizes = SizeDistribution::parse("uniform:0.8,1.2", 3);
+        options.local.shell = ShellThickness(5);
+        options.blockSide = 22;
+        checkRanks<3>(*box, options);
+    }
     SECTION("with further species") {
         PackOptions options = optionsFor("uniform:1,2", 3);
         options.species.push_back({SizeDistribution::parse("constant:3", 3), 0.05, 2});

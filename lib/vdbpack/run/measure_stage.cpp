@@ -74,13 +74,10 @@ void checkSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& re
 template <int Dim>
 void checkLocalSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, const LocalSizes& local,
                      const Domain<Dim>& domain, Report& report) {
-    constexpr double kKnown = 5e-4;  // share of a radius to which the factor is met
     const std::vector<LocalSize> requested = localSizesOf(pack.spheres, domain, local);
     for (auto g = static_cast<std::uint32_t>(local.groups()); g-- > 0;) {
-        Report::LocalGroup group;
-        group.name = local.groups() == 1 ? "all" : g == 1 ? "shell" : "inside";
+        Report::LocalGroup group = localGroup(local, g, sizes);
         const SizeDistribution& own = local.sizesOf(g, sizes);
-        group.requested = own.spec();
         std::vector<double> radii;
         for (std::size_t i = report.existing; i < pack.spheres.size(); ++i) {
             const LocalSize& here = requested[i];
@@ -94,15 +91,13 @@ void checkLocalSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, const
         if (radii.empty()) continue;
         tbb::parallel_sort(radii.begin(), radii.end());
         const VolumeShares volume(own, Dim);
-        const auto upTo = [&](double r) { return own.cdf(r * (1 + kKnown)); };
-        const auto below = [&](double r) { return own.cdfBelow(r * (1 - kKnown)); };
+        const auto upTo = [&](double r) { return own.cdf(r * (1 + kFactorKnown)); };
+        const auto below = [&](double r) { return own.cdfBelow(r * (1 - kFactorKnown)); };
         group.ks = ksDistance(radii, upTo, below);
         group.ksByVolume = ksDistance(
             std::move(radii), [&](double r) { return volume(upTo(r)); },
             [&](double r) { return volume(below(r)); }, Dim);
-        report.ks = std::max(report.ks.value_or(0), group.ks);
-        report.ksByVolume = std::max(report.ksByVolume.value_or(0), group.ksByVolume);
-        report.localSizes.push_back(std::move(group));
+        addLocalGroup(std::move(group), report);
     }
 }
 
@@ -189,6 +184,20 @@ void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>*
 
 double structureDepth(const RadiusStatistics& radius, double shell) {
     return std::max({3 * radius.max, 6.05 * radius.mean, 1.05 * shell});
+}
+
+Report::LocalGroup localGroup(const LocalSizes& local, std::uint32_t group,
+                              const SizeDistribution& sizes) {
+    Report::LocalGroup named;
+    named.name = local.groups() == 1 ? "all" : group == 1 ? "shell" : "inside";
+    named.requested = local.sizesOf(group, sizes).spec();
+    return named;
+}
+
+void addLocalGroup(Report::LocalGroup group, Report& report) {
+    report.ks = std::max(report.ks.value_or(0), group.ks);
+    report.ksByVolume = std::max(report.ksByVolume.value_or(0), group.ksByVolume);
+    report.localSizes.push_back(std::move(group));
 }
 
 template <int Dim>

@@ -32,6 +32,14 @@ template <int Dim>
 void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report,
                   const LocalSizes* local = nullptr, const Domain<Dim>* domain = nullptr);
 
+/// Share of a radius to which the factor of its place is met, with a margin.
+inline constexpr double kFactorKnown = 5e-4;
+/// A group of sizes by place with its name, before it is measured.
+Report::LocalGroup localGroup(const LocalSizes& local, std::uint32_t group,
+                              const SizeDistribution& sizes);
+/// Adds a group that was measured: the distances of the report are those of the worst.
+void addLocalGroup(Report::LocalGroup group, Report& report);
+
 /// Density profile, local fraction, pair correlation and regions of a pack whose `depth` was set by
 /// `measurePack`.
 /// @param domain  null: none of these that need a domain.

@@ -7,6 +7,7 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/measure/joined_components.h"
 #include "vdbpack/measure/space_shares.h"
+#include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/report_file.h"
@@ -47,8 +48,8 @@ void checkRanks(const PackRecipe& recipe) {
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
            alone);
-    refuse(!recipe.sizeField.empty() || !recipe.shellRadius.empty(),
-           "`sizeField` and `shellRadius`: a pack with sizes by place", alone);
+    refuse(recipe.densify > 0 && (!recipe.sizeField.empty() || !recipe.shellRadius.empty()),
+           "`densify` with sizes by place (`sizeField`, `shellRadius`)", alone);
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
@@ -70,16 +71,18 @@ namespace {
 template <int Dim>
 class RadiusClasses {
 public:
-    /// Of the spheres for which `counts(i)`.
-    template <class Counts>
-    RadiusClasses(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres, double least,
-                  double largest, const Counts& counts)
+    /// Of `n` spheres of this rank.
+    /// @param least, largest  of all, mm.
+    /// @param radiusAt  radius of the i-th one, mm; 0: it does not count.
+    template <class RadiusAt>
+    RadiusClasses(Ranks& ranks, std::size_t n, double least, double largest,
+                  const RadiusAt& radiusAt)
         : least_(least * (1 - kRounding)),
           width_((largest * (1 + kRounding) - least_) / kClasses),
           shares_(2 * kClasses) {
-        for (std::size_t i = 0; i < spheres.size(); ++i) {
-            if (!counts(i)) continue;
-            const double r = spheres[i].radius;
+        for (std::size_t i = 0; i < n; ++i) {
+            const double r = radiusAt(i);
+            if (!(r > 0)) continue;
             const auto k = std::min(kClasses - 1, static_cast<std::size_t>((r - least_) / width_));
             ++shares_[k];
             shares_[kClasses + k] +=
@@ -196,6 +199,44 @@ ContactSums sumOver(Ranks& ranks, const ContactSums& own) {
 
 }  // namespace
 
+namespace {
+
+/// The same as `checkLocalSizes` of one process.
+template <int Dim>
+void compareLocalSizes(Run<Dim>& run) {
+    Ranks& ranks = *run.settings.ranks;
+    const Pack<Dim>& pack = run.pack;
+    const std::vector<LocalSize> requested = localSizesOf(pack.spheres, run.filled(), *run.local);
+    for (auto g = static_cast<std::uint32_t>(run.local->groups()); g-- > 0;) {
+        const SizeDistribution& own = run.local->sizesOf(g, *run.sizes);
+        Report::LocalGroup group = localGroup(*run.local, g, *run.sizes);
+        double least = std::numeric_limits<double>::infinity(), most = 0;
+        const auto radiusAt = [&](std::size_t i) {
+            const LocalSize& here = requested[i];
+            if (i < run.fixed || here.group != g) return 0.0;
+            least = std::min(least, here.factor);
+            most = std::max(most, here.factor);
+            return pack.spheres[i].radius / here.factor;
+        };
+        const RadiusClasses<Dim> classes(ranks, pack.spheres.size(), own.min() * (1 - kFactorKnown),
+                                         own.max() * (1 + kFactorKnown), radiusAt);
+        group.factorLeast = minOver(&ranks, least);
+        group.factorMost = maxOver(&ranks, most);
+        group.count = classes.count();
+        if (group.count == 0) continue;
+        const VolumeShares volume(own, Dim);
+        const auto upTo = [&](double r) { return own.cdf(r * (1 + kFactorKnown)); };
+        const auto below = [&](double r) { return own.cdfBelow(r * (1 - kFactorKnown)); };
+        group.ks = classes.distance(false, upTo, below);
+        group.ksByVolume = classes.distance(
+            true, [&](double r) { return volume(upTo(r)); },
+            [&](double r) { return volume(below(r)); });
+        addLocalGroup(std::move(group), run.report);
+    }
+}
+
+}  // namespace
+
 template <int Dim>
 void compareSizes(Run<Dim>& run) {
     Ranks& ranks = *run.settings.ranks;
@@ -203,10 +244,13 @@ void compareSizes(Run<Dim>& run) {
     const Pack<Dim>& pack = run.pack;
     const SizeDistribution& sizes = *run.sizes;
     report.requested = sizes.spec();
+    if (run.local) return compareLocalSizes(run);
     const VolumeShares volume(sizes, Dim);
     const auto compare = [&](const auto& counts, std::uint64_t& count, double& ks,
                              double& ksByVolume) {
-        const RadiusClasses<Dim> classes(ranks, pack.spheres, sizes.min(), sizes.max(), counts);
+        const RadiusClasses<Dim> classes(
+            ranks, pack.spheres.size(), sizes.min(), sizes.max(),
+            [&](std::size_t i) { return counts(i) ? pack.spheres[i].radius : 0.0; });
         count = classes.count();
         if (count == 0) return false;
         ks = classes.distance(
