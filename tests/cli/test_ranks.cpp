@@ -122,6 +122,8 @@ TEST_CASE("several processes make the pack of one, and measure it alike", "[cli]
                  "box:30,28,26 --radius uniform:1,2 --densify 0.6 --gap 0.01",
                  "box:60,50,45 --radius uniform:0.6,1.2 --size-field FIELD --shell 4 "
                  "--shell-radius uniform:0.8,1 --block-side 22",
+                 "box:34,30,30 --radius uniform:0.6,1.2 --size-field FIELD --densify 0.6",
+                 "periodic:30,26,28 --radius uniform:1,2 --densify 0.65 --block-side 13",
                  "periodic:60,50,45 --radius uniform:1,2 --block-side 17 --voids boolean "
                  "--void-radius constant:5 --target-bvtv 0.5"),
         {{2, 1}, {3, 2}});

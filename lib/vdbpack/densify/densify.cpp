@@ -8,6 +8,7 @@
 #include "vdbpack/densify/input_check.h"
 #include "vdbpack/densify/label_homes.h"
 #include "vdbpack/densify/local_further.h"
+#include "vdbpack/densify/on_first_rank.h"
 #include "vdbpack/densify/pace.h"
 #include "vdbpack/densify/relaxation.h"
 #include "vdbpack/domain/inset_domain.h"
@@ -600,12 +601,15 @@ DensifyResult<Dim> densify(const Domain<Dim>& domain, const std::vector<Sphere<D
                            const DensifyOptions& options, const Callbacks& callbacks) {
     checkOptions<Dim>(options, spheres.size(), domain.volume());
     if (const PeriodicCell<Dim> cell = domain.cell(); cell.any()) {
-        if (options.ranks)
-            throw ParameterError("a periodic cell is densified by one process; run it without MPI");
         double largest = options.sizes ? options.sizes->max() : 0;
         for (const auto& s : spheres) largest = std::max(largest, s.radius);
         requireLongCell(cell, largest + 0.5 * options.gap);
     }
+    // Images of spheres, and sizes by place, are known to one rank alone.
+    if (options.ranks && (domain.cell().any() || options.local))
+        return densifyOnFirstRank<Dim>(spheres, options, [&](const auto& all, const auto& own) {
+            return Densifier<Dim>(domain, all, own, callbacks).run();
+        });
     return Densifier<Dim>(domain, spheres, options, callbacks).run();
 }
 

@@ -30,7 +30,7 @@ struct DensifyOptions {
     std::vector<std::int32_t> regions;
 
     /// What differs by place in `sizes`, which are given; null: nothing. Spheres exchange positions
-    /// with those of nearly the same request; `regions` and `ranks` are not used then.
+    /// with those of nearly the same request; `regions` are not used then.
     const LocalSizes* local = nullptr;
 
     /// Whether the spheres of a region first exchange their radii at random in a periodic cell: for
@@ -43,7 +43,7 @@ struct DensifyOptions {
 
     /// Other ranks that densify the same pack with the same call; null: there are none. Each has
     /// the spheres that it placed, which do not overlap: no regions, none is fixed, and `sizes` are
-    /// given.
+    /// given. In a periodic cell, and with `local`, the first rank densifies all of them.
     Ranks* ranks = nullptr;
     std::vector<std::uint32_t>
         labels;  ///< of the spheres: their numbers among those of all, rising

@@ -30,8 +30,9 @@ std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks*
                                  const PeriodicCell<Dim>& cell) {
     std::array<double, 3> means{};
     if (ranks) {
-        SpaceShares<Dim> shares(*ranks, spheres, labels,
-                                {*std::max_element(kTolerances.begin(), kTolerances.end())});
+        SpaceShares<Dim> shares(
+            *ranks, spheres, labels,
+            {*std::max_element(kTolerances.begin(), kTolerances.end()), 0, cell});
         std::vector<std::uint64_t> partners(means.size() + 1);
         partners.back() = spheres.size();
         for (std::size_t round = 0; round < shares.rounds(); ++round) {
@@ -68,13 +69,12 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     options.seed = setting.seed;
     options.mixSizes = setting.mixSizes;
     options.fixed = setting.fixed;
+    options.local = setting.local;
     if (ranks) {
         options.ranks = ranks;
         options.labels.assign(pack.order.begin(), pack.order.end());
         options.pieces = *setting.pieces;
-    } else if (setting.local) {
-        options.local = setting.local;
-    } else {
+    } else if (!setting.local) {
         options.regions = pack.region;
     }
     auto result = densify(domain, pack.spheres, options, callbacks);

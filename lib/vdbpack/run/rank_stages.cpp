@@ -38,8 +38,6 @@ void refuse(bool wanted, const char* what, const char* instead) {
 
 void checkRanksIn(const DomainSource& source, const PackRecipe& recipe) {
     if (!source.isPeriodic()) return;
-    refuse(recipe.densify > 0, "`densify` in a periodic cell",
-           "densify a file that was written, in one process");
     refuse(isPage(recipe.reportFile), "a page of a periodic cell", "write a report as .json");
 }
 
@@ -48,8 +46,6 @@ void checkRanks(const PackRecipe& recipe) {
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
            alone);
-    refuse(recipe.densify > 0 && (!recipe.sizeField.empty() || !recipe.shellRadius.empty()),
-           "`densify` with sizes by place (`sizeField`, `shellRadius`)", alone);
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
