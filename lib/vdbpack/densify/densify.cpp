@@ -150,41 +150,50 @@ private:
     void reach(double wanted) {
         if (attemptGain(wanted) || result_.interrupted) return;
         stage_ = 0;
-        climb(wanted);
+        if (isInCell()) climbInCell(wanted);
+        if (!result_.interrupted && reachedFraction() < wanted - kRounding) climb(wanted);
     }
 
     /// Goes to the densest pack; of equal spheres to the densest random one.
     void reachMost() {
+        constexpr double most = std::numeric_limits<double>::infinity();
         if (paces_.areEqualSpheres())
-            reachMostAtRandom();
-        else if (Dim == 3 && domain_->cell().any())
-            reachMostOfCell();
+            climbAtRandom(most);
+        else if (isInCell())
+            climbInCell(most);
         else
-            climb(std::numeric_limits<double>::infinity());
+            climb(most);
     }
 
-    void reachMostOfCell() {
+    bool isInCell() const { return Dim == 3 && domain_->cell().any(); }
+
+    /// To the densest pack of a periodic cell, or up to `most`.
+    void climbInCell(double most) {
+        if (paces_.areEqualSpheres()) return climbAtRandom(most);
         for (const double gain : kGainsAtOnce) {
-            if (attempt(result_.before + gain, {kPaceOfCell}) || result_.interrupted) break;
+            const double next = std::min(result_.before + gain, most);
+            if (attempt(next, {kPaceOfCell}) || result_.interrupted) break;
             stage_ = 0;
         }
         for (const double stage : kStagesOfCell)
-            for (int failed = 0; failed < kTries && !result_.interrupted;)
-                failed += !attempt(reachedFraction() + stage, {kPaceOfCell});
+            for (int failed = 0; failed < kTries && !result_.interrupted;) {
+                if (reachedFraction() >= most - kRounding) return;
+                failed += !attempt(std::min(reachedFraction() + stage, most), {kPaceOfCell});
+            }
     }
 
-    /// As dense as paces allow that leave equal spheres at random.
-    void reachMostAtRandom() {
+    /// As dense as paces allow that leave equal spheres at random, or up to `most`.
+    void climbAtRandom(double most) {
         const bool walls = !domain_->cell().all();
         for (bool loose = true; loose && !result_.interrupted;) {
             const double from = reachedFraction();
             loose = false;
             for (const double gain : kGainsOfEqual) {
                 const std::uint64_t stage = stage_;
-                const double next = from + gain;
+                const double next = std::min(from + gain, most);
                 if (attempt(next, walls ? paces_.randomForGain(next - result_.before)
                                         : std::vector<RelaxationPace>{kPaceOfEqualInCell})) {
-                    loose = gain == kGainsOfEqual.front() && next < kLoose;
+                    loose = gain == kGainsOfEqual.front() && next < kLoose && next < most;
                     break;
                 }
                 if (result_.interrupted) return;

@@ -4,6 +4,7 @@
 #include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +31,7 @@ std::optional<std::size_t> NumberTable::find(const std::vector<std::string>& nam
 
 std::size_t NumberTable::require(const std::vector<std::string>& names) const {
     const auto found = find(names);
-    if (!found) failColumns(fmt::format("no column '{}'", names.front()));
+    if (!found) failColumns(fmt::format("no column '{}'", fmt::join(names, "' or '")));
     return *found;
 }
 

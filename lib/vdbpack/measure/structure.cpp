@@ -79,8 +79,8 @@ std::string summary(const Structure& s) {
                                  s.pairCorrelation->references));
     }
     if (s.crystalline)
-        line("order", fmt::format("{:.2g} % of the {} in crystalline order (by bond order)",
-                                  100 * *s.crystalline,
+        line("order", fmt::format("{:.{}g} % of the {} in crystalline order (by bond order)",
+                                  100 * *s.crystalline, *s.crystalline < 0.995 ? 2 : 3,
                                   s.dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres));
     for (const auto& r : s.regions)
         line(r.name.c_str(),

@@ -172,7 +172,8 @@ void addDensified(Summary& out, const Report& r, const Words& words) {
         out.line("", fmt::format("contacts and bonds of densified {} need a wider tolerance: "
                                  "`contactTolerance` {:.2g}",
                                  words.spheres, kNextTolerance));
-    out.line("", fmt::format("{:.2g} % in crystalline order (by bond order)", 100 * *d.solidLike));
+    out.line("", fmt::format("{:.{}g} % in crystalline order (by bond order)", 100 * *d.solidLike,
+                             *d.solidLike < 0.995 ? 2 : 3));
 }
 
 std::string voidsText(const Report& r, const Words& words) {

@@ -46,6 +46,7 @@ void checkRanks(const PackRecipe& recipe) {
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
            alone);
+    refuse(recipe.images, "`images` of a periodic cell", "convert a file that was written");
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
     refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
@@ -207,15 +208,21 @@ void compareLocalSizes(Run<Dim>& run) {
         const SizeDistribution& own = run.local->sizesOf(g, *run.sizes);
         Report::LocalGroup group = localGroup(*run.local, g, *run.sizes);
         double least = std::numeric_limits<double>::infinity(), most = 0;
+        double smallest = own.min() * (1 - kFactorKnown), largest = own.max() * (1 + kFactorKnown);
         const auto radiusAt = [&](std::size_t i) {
             const LocalSize& here = requested[i];
-            if (i < run.fixed || here.group != g) return 0.0;
-            least = std::min(least, here.factor);
-            most = std::max(most, here.factor);
-            return pack.spheres[i].radius / here.factor;
+            return i < run.fixed || here.group != g ? 0.0 : pack.spheres[i].radius / here.factor;
         };
-        const RadiusClasses<Dim> classes(ranks, pack.spheres.size(), own.min() * (1 - kFactorKnown),
-                                         own.max() * (1 + kFactorKnown), radiusAt);
+        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
+            const double radius = radiusAt(i);
+            if (!(radius > 0)) continue;
+            least = std::min(least, requested[i].factor);
+            most = std::max(most, requested[i].factor);
+            smallest = std::min(smallest, radius);
+            largest = std::max(largest, radius);
+        }
+        const RadiusClasses<Dim> classes(ranks, pack.spheres.size(), minOver(&ranks, smallest),
+                                         maxOver(&ranks, largest), radiusAt);
         group.factorLeast = minOver(&ranks, least);
         group.factorMost = maxOver(&ranks, most);
         group.count = classes.count();

@@ -22,7 +22,8 @@ constexpr double kMostFactors = 20;
 
 std::string faultOf(double factor) {
     if (factor > 0 && std::isfinite(factor)) return {};
-    return fmt::format("the factor {:g} on radii must be positive and finite", factor);
+    return fmt::format("the factor {:g} on radii must be positive and finite, such as 0.5 to 2",
+                       factor);
 }
 
 ScalarMeaning meaningOf() {
@@ -41,9 +42,10 @@ public:
                 const double value =
                     image.slope * static_cast<double>(numbers[i]) + image.intercept;
                 if (const std::string wrong = faultOf(value); !wrong.empty())
-                    throw InputError(
-                        fmt::format("{}: voxel {}: {}; write an image of factors, such as 0.5 to 2",
-                                    file, i, wrong));
+                    throw InputError(fmt::format(
+                        "`sizeField` {}: voxel ({}, {}, {}): {}", file, i % image.grid.size[0],
+                        i / image.grid.size[0] % image.grid.size[1],
+                        i / image.grid.size[0] / image.grid.size[1], wrong));
                 least_ = first ? value : std::min(least_, value);
                 most_ = first ? value : std::max(most_, value);
                 first = false;
