@@ -112,10 +112,11 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
                         "outside it",
                         Measure<Dim>::kSpheres, result.steps));
     else if (!result.reached && std::isfinite(setting.fraction))
-        callbacks.warn(
-            fmt::format("densify: the solid fraction {} was requested, {:.4f} was reached; "
-                        "smaller {} reach more",
-                        setting.fraction, result.after, Measure<Dim>::kSpheres));
+        callbacks.warn(fmt::format(
+            "densify: the solid fraction {} was requested, {:.4f} was reached{}", setting.fraction,
+            result.after,
+            domain.cell().all() ? std::string()
+                                : fmt::format("; smaller {} reach more", Measure<Dim>::kSpheres)));
     if (crystallized)
         callbacks.warn(fmt::format(
             "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "

@@ -367,6 +367,15 @@ void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callba
                 target.file, quotedExcerpt(column.name)));
 }
 
+/// YADE repeats along all axes or none.
+template <int Dim>
+void warnOfCell(const std::string& output, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (output.rfind("yade:", 0) == 0 && pack.cell.any() && !pack.cell.all())
+        callbacks.warn(output +
+                       ": names no cell, since YADE repeats along all axes or none; spheres reach "
+                       "across the faces that repeat. LAMMPS (.data) repeats along some");
+}
+
 }  // namespace
 
 template <int Dim>
@@ -384,6 +393,7 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
         if (have.pack) {
             warnOfIds(targetOf(output), *have.pack, callbacks);
             warnOfTexts(targetOf(output), *have.pack, callbacks);
+            warnOfCell(output, *have.pack, callbacks);
         }
         const auto written = writeOutput(output, all);
         files.insert(files.end(), written.begin(), written.end());
