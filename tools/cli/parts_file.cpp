@@ -29,18 +29,27 @@ PartWords partOf(const toml::table& table, const std::string& file) {
     const auto fail = [&](const toml::node& where, const std::string& what) {
         throw InputError(fmt::format("{}: line {}: {}", file, where.source().begin.line, what));
     };
+    const auto inFolder = [&](const toml::node& where, const std::string& option,
+                              const std::string& text) {
+        try {
+            return fromRecipe(option, text, folder);
+        } catch (const ParameterError& e) {
+            fail(where, e.what());
+            throw;
+        }
+    };
     for (const auto& [key, value] : table) {
         const std::string option(key.str());
         const auto add = [&](const toml::node& node) {
             const std::string text = textOf(node);
             if (text.empty()) fail(node, fmt::format("'{}' needs a text or a number", option));
             part.arguments.push_back("--" + option);
-            part.arguments.push_back(fromRecipe(option, text, folder));
+            part.arguments.push_back(inFolder(node, option, text));
         };
         if (option == "name") {
             part.name = textOf(value);
         } else if (option == "domain") {
-            domain = fromRecipe("DOMAIN", textOf(value), folder);
+            domain = inFolder(value, "DOMAIN", textOf(value));
         } else if (const auto* flag = value.as_boolean()) {
             if (flag->get()) part.arguments.push_back("--" + option);
         } else if (const auto* list = value.as_array()) {

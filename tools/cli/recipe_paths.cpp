@@ -26,7 +26,7 @@ bool isOneOf(const std::string& word, std::initializer_list<std::string_view> wo
 bool isShape(const std::string& domain) {
     const std::string kind = domain.substr(0, domain.find(':'));
     return kind.size() < domain.size() &&
-           (isOneOf(kind, {"box", "ball", "cylinder", "rect", "disc"}) ||
+           (isOneOf(kind, {"box", "ball", "cylinder", "rect", "disc", "periodic"}) ||
             namesUnknownShape(domain));
 }
 
