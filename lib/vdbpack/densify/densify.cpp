@@ -157,10 +157,10 @@ private:
     /// Goes to the densest pack; of equal spheres to the densest random one.
     void reachMost() {
         constexpr double most = std::numeric_limits<double>::infinity();
-        if (paces_.areEqualSpheres())
-            climbAtRandom(most);
-        else if (isInCell())
+        if (isInCell())
             climbInCell(most);
+        else if (paces_.areEqualSpheres())
+            climbAtRandom(most);
         else
             climb(most);
     }
@@ -170,15 +170,18 @@ private:
     /// To the densest pack of a periodic cell, or up to `most`.
     void climbInCell(double most) {
         if (paces_.areEqualSpheres()) return climbAtRandom(most);
+        double failed = 1;  // the least fraction that has
         for (const double gain : kGainsAtOnce) {
             const double next = std::min(result_.before + gain, most);
+            if (!(next < failed)) continue;
+            failed = next;
             if (attempt(next, {kPaceOfCell}) || result_.interrupted) break;
             stage_ = 0;
         }
         for (const double stage : kStagesOfCell)
-            for (int failed = 0; failed < kTries && !result_.interrupted;) {
+            for (int tries = 0; tries < kTries && !result_.interrupted;) {
                 if (reachedFraction() >= most - kRounding) return;
-                failed += !attempt(std::min(reachedFraction() + stage, most), {kPaceOfCell});
+                tries += !attempt(std::min(reachedFraction() + stage, most), {kPaceOfCell});
             }
     }
 
@@ -187,10 +190,13 @@ private:
         const bool walls = !domain_->cell().all();
         for (bool loose = true; loose && !result_.interrupted;) {
             const double from = reachedFraction();
+            double failed = 1;  // the least fraction that has
             loose = false;
             for (const double gain : kGainsOfEqual) {
                 const std::uint64_t stage = stage_;
                 const double next = std::min(from + gain, most);
+                if (!(next < failed)) continue;
+                failed = next;
                 if (attempt(next, walls ? paces_.randomForGain(next - result_.before)
                                         : std::vector<RelaxationPace>{kPaceOfEqualInCell})) {
                     loose = gain == kGainsOfEqual.front() && next < kLoose && next < most;

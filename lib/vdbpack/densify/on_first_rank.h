@@ -5,6 +5,8 @@
 #include "vdbpack/densify/label_homes.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <utility>
 #include <vector>
