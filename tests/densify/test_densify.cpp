@@ -436,6 +436,18 @@ TEST_CASE("equal spheres without walls get as dense as random packs can be",
     CHECK(checkOverlap(result.spheres, cell).max == 0);
 }
 
+TEST_CASE("in a cell, too, a request out of reach ends no less dense than the densest pack",
+          "[densify][periodic]") {
+    const std::string spec = GENERATE(as<std::string>{}, "constant:1", "uniform:1,2");
+    const PeriodicCell<3> cell{{{}, {{20, 20, 20}}}, {true, true, true}};
+    const auto domain = periodicDomain(cell);
+    const auto before = front(*domain, spec);
+    const auto densest = densify(*domain, before, to<3>(kMax, spec));
+    const auto beyond = densify(*domain, before, to<3>(0.8, spec));
+    CHECK_FALSE(beyond.reached);
+    CHECK(beyond.after >= densest.after);
+}
+
 TEST_CASE("equal spheres of a loose pack get as dense as those of a front", "[densify]") {
     const auto domain = box<3>(30);
     auto before = front(*domain, "constant:1");
