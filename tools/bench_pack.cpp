@@ -7,6 +7,7 @@
 #include "bench_packs.h"
 #include "bench_preview.h"
 #include "bench_ranks.h"
+#include "bench_threads.h"
 #include "bench_voids.h"
 #include "bench_write.h"
 #include "rank_session.h"
@@ -119,6 +120,12 @@ const Command kCommands[] = {
      0, 0,
      [](const Arguments& a) {
          benchRanks(a.threads, a.quick, a.ranks);
+         return 0;
+     }},
+    {"threads", "[--quick] [--threads T] [MESH[:UNIT[:SMALLEST_RADIUS_MM]] ...]",
+     "seconds of each stage of whole runs with 1, 2, 4, ... and T threads", 0, kAny,
+     [](const Arguments& a) {
+         benchThreads(a.threads, a.quick, a.words);
          return 0;
      }},
     {"preview", "[--threads T] [N]", "cost of drawing about N spheres (default: a million)", 0, 1,

@@ -9,13 +9,20 @@
 #include <fmt/format.h>
 #include <openvdb/Grid.h>
 #include <openvdb/io/Archive.h>
+#include <openvdb/io/io.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tree/LeafManager.h>
+#include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
 #include <exception>
 #include <fstream>
+#include <memory>
+#include <ostream>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -32,6 +39,36 @@ public:
                            ? openvdb::io::COMPRESS_BLOSC | openvdb::io::COMPRESS_ACTIVE_MASK
                            : openvdb::io::COMPRESS_ZIP | openvdb::io::COMPRESS_ACTIVE_MASK);
         write(stream, grids, /*seekable=*/true);
+    }
+};
+
+/// A level set whose leaves are compressed by all threads, a part of the tree at a time. The bytes
+/// are those that OpenVDB writes leaf by leaf.
+class ParallelGrid : public openvdb::FloatGrid {
+public:
+    /// Shares the tree and the transform of a grid.
+    explicit ParallelGrid(openvdb::FloatGrid& grid)
+        : openvdb::FloatGrid(grid, openvdb::ShallowCopy()) {}
+
+    void writeBuffers(std::ostream& stream) const override {
+        constexpr std::size_t kLeaves = 256, kParts = 64;  // of up to 0.6 MB each
+        std::vector<const TreeType::LeafNodeType*> leaves;
+        tree().getNodes(leaves);
+        auto compression = openvdb::io::getStreamMetadataPtr(stream);
+        std::array<std::string, kParts> parts;
+        for (std::size_t first = 0; first < leaves.size(); first += kLeaves * kParts) {
+            tbb::parallel_for(std::size_t{0}, kParts, [&](std::size_t p) {
+                const std::size_t from = std::min(first + p * kLeaves, leaves.size());
+                const std::size_t to = std::min(from + kLeaves, leaves.size());
+                std::ostringstream part;
+                if (compression) openvdb::io::setStreamMetadataPtr(part, compression);
+                for (std::size_t k = from; k < to; ++k)
+                    leaves[k]->writeBuffers(part, saveFloatAsHalf());
+                parts[p] = part.str();
+            });
+            for (const std::string& part : parts)
+                stream.write(part.data(), static_cast<std::streamsize>(part.size()));
+        }
     }
 };
 
@@ -80,7 +117,11 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
         grid->insertMeta(kUnitKey, openvdb::StringMetadata(unitName(options.unit)));
         if (!options.generator.empty())
             grid->insertMeta(kGeneratorKey, openvdb::StringMetadata(options.generator));
-        grids.push_back(grid);
+        const auto levelSet = openvdb::gridPtrCast<openvdb::FloatGrid>(grid);
+        if (levelSet)
+            grids.push_back(std::make_shared<ParallelGrid>(*levelSet));
+        else
+            grids.push_back(grid);
     };
     for (const auto& set : options.levelSets)
         if (set && set->grid) add(levelSetIn(*set, options.unit));

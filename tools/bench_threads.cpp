@@ -1,0 +1,133 @@
+#include "bench_threads.h"
+
+#include "vdbpack/run/run.h"
+#include "vdbpack/verify/pack_hash.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+using namespace vdbpack;
+
+namespace {
+
+constexpr int kRuns = 3;
+
+using Seconds = Report::Seconds;
+struct Stage {
+    const char* name;
+    double Seconds::*seconds;
+};
+constexpr std::array<Stage, 8> kStages{{{"mesh", &Seconds::mesh},
+                                        {"domain", &Seconds::domain},
+                                        {"pack", &Seconds::pack},
+                                        {"densify", &Seconds::densify},
+                                        {"voids", &Seconds::voids},
+                                        {"measure", &Seconds::measure},
+                                        {"write", &Seconds::write},
+                                        {"total", &Seconds::total}}};
+
+struct Job {
+    std::string name;
+    PackRecipe recipe;
+};
+
+Job boxJob(const std::string& box, double fraction) {
+    Job job;
+    job.name = box + ", radii uniform:1,2";
+    if (fraction > 0) job.name += fmt::format(", densified to {}", fraction);
+    job.recipe.domain.source = box;
+    job.recipe.radius = "uniform:1,2";
+    job.recipe.densify = fraction;
+    return job;
+}
+
+/// @param argument  MESH[:UNIT[:SMALLEST_RADIUS_MM]].
+Job meshJob(const std::string& argument) {
+    const auto unit = argument.find(':');
+    const auto radius = unit == std::string::npos ? unit : argument.find(':', unit + 1);
+    const double smallest =
+        radius == std::string::npos ? 0.5 : std::atof(argument.c_str() + radius + 1);
+    Job job;
+    PackRecipe& recipe = job.recipe;
+    recipe.domain.source = argument.substr(0, unit);
+    if (unit != std::string::npos)
+        recipe.domain.unit = parseUnit(argument.substr(unit + 1, radius - unit - 1));
+    recipe.radius = fmt::format("uniform:{:g},{:g}", smallest, 2 * smallest);
+    recipe.voids.method = "boolean";
+    recipe.voids.radius = fmt::format("uniform:{:g},{:g}", 3 * smallest, 6 * smallest);
+    recipe.voids.shell = 4 * smallest;
+    recipe.voids.targetBvtv = 0.3;
+    job.name = fmt::format("{}, radii {}, voids boolean of {}, shell {:g}, BV/TV 0.3",
+                           std::filesystem::path(recipe.domain.source).filename().string(),
+                           recipe.radius, recipe.voids.radius, recipe.voids.shell);
+    return job;
+}
+
+/// Prints a row for each number of threads.
+void bench(const Job& job, const std::vector<int>& threads, const std::string& file) {
+    Seconds alone;
+    std::string hash;
+    for (const int t : threads) {
+        PackRecipe recipe = job.recipe;
+        recipe.threads = t;
+        recipe.outputs = {file};
+        Seconds least;
+        for (const Stage& stage : kStages)
+            least.*stage.seconds = std::numeric_limits<double>::infinity();
+        Report report;
+        for (int run = 0; run < kRuns; ++run) {
+            report = runPack(recipe).report;
+            for (const Stage& stage : kStages)
+                least.*stage.seconds =
+                    std::min(least.*stage.seconds, report.seconds.*stage.seconds);
+        }
+        const std::string now = hashText(report.hash);
+        if (hash.empty()) {
+            alone = least;
+            hash = now;
+            fmt::print("{}: {} spheres, hash {}\n{:>7}", job.name, report.count, hash, "threads");
+            for (const Stage& stage : kStages) fmt::print(" {:>14}", stage.name);
+            fmt::print("\n");
+        }
+        if (now != hash)
+            throw std::runtime_error(fmt::format("{}: {} threads give another pack", job.name, t));
+        fmt::print("{:>7}", t);
+        for (const Stage& stage : kStages) {
+            const double s = least.*stage.seconds, one = alone.*stage.seconds;
+            fmt::print(" {:>14}", s < 0.01 ? fmt::format("{:.3f}", s)
+                                           : fmt::format("{:.3f} ({:4.1f})", s, one / s));
+        }
+        fmt::print("\n");
+        std::fflush(stdout);
+    }
+}
+
+}  // namespace
+
+void benchThreads(int most, bool quick, const std::vector<std::string>& meshes) {
+    std::vector<int> threads;
+    for (int t = 1; t < most; t *= 2) threads.push_back(t);
+    threads.push_back(most);
+    std::vector<Job> jobs;
+    jobs.push_back(boxJob(quick ? "box:120,120,120" : "box:370,370,370", 0));
+    jobs.push_back(boxJob(quick ? "box:60,60,60" : "box:200,200,200", 0.645));
+    for (const auto& mesh : meshes) jobs.push_back(meshJob(mesh));
+    fmt::print(
+        "seconds of the stages of `pack -o .vdb`, least of {} runs; in brackets how many "
+        "times as fast as one\nthread\n",
+        kRuns);
+    const std::filesystem::path folder =
+        std::filesystem::temp_directory_path() / fmt::format("bench_threads_{}", ::getpid());
+    std::filesystem::create_directories(folder);
+    for (const Job& job : jobs) bench(job, threads, (folder / "pack.vdb").string());
+    std::filesystem::remove_all(folder);
+}
