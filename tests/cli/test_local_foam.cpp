@@ -163,7 +163,7 @@ TEST_CASE("BV/TV of a foam in the plane follows a ramp", "[run][voids]") {
     CHECK(error <= 0.02);
 }
 
-TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids]") {
+TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids][long]") {
     LocalFoam foam("ball:2.9");
     foam.recipe.voids.shell = 0.4;
     foam.recipe.voids.keepConnected = true;

@@ -201,7 +201,8 @@ TEST_CASE("joined voids go on across the faces of a periodic cell", "[cli][perio
     }
 }
 
-TEST_CASE("an axis of a foam is that of its voids in any periodic cell", "[cli][periodic][voids]") {
+TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
+          "[cli][periodic][voids][long]") {
     auto recipe = cellRecipe<3>("foam");
     recipe.voids.radius = "uniform:1.2,1.8";
     recipe.voids.orientation.axis = GENERATE(as<std::string>(), "0,0,1", "1,1,0");

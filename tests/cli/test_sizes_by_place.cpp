@@ -3,6 +3,7 @@
 #include "support/grids.h"
 #include "support/image_file.h"
 #include "support/message_of.h"
+#include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 #include "support/tool.h"
@@ -114,6 +115,20 @@ TEST_CASE("a field densifies with its local sizes", "[cli]") {
     CHECK(dense.localSizes.front().ks < 0.05);
     recipe.threads = 3;
     CHECK(runPack(recipe).report.hash == dense.hash);
+}
+
+TEST_CASE("a bone densifies where spheres below its shell have no room to move", "[cli][long]") {
+    // Radii up to the shell's thickness: in thin places these just fit between two walls.
+    PackRecipe recipe = recipeFor(kMeshes + "/mandible.ply", "uniform:1.5,3");
+    recipe.voids.shell = 3;
+    recipe.shellRadius = "uniform:0.75,1.2";
+    recipe.densify = 0.6;
+    const auto report = runPack(recipe).report;
+    CHECK(*report.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(report.overlap->max < 1e-6);
+    CHECK(report.protrusion->max < 1e-6);
+    // No sphere of one part lies in the other.
+    for (const auto& group : report.localSizes) CHECK(group.ks < 0.06);
 }
 
 TEST_CASE("sizes by place refuse what they cannot use", "[cli]") {

@@ -47,7 +47,7 @@ VoidsRecipe orientedVoids(double side, const std::string& file) {
 
 }  // namespace
 
-TEST_CASE("the direction wanted is the direction found", "[run][voids]") {
+TEST_CASE("the direction wanted is the direction found", "[run][voids][long]") {
     const TemporaryFolder folder;
     auto recipe = orientedVoids(16, folder.file("v.vdb"));
     const Box<3> box{{{-8, -8, -8}}, {{8, 8, 8}}};

@@ -409,7 +409,7 @@ TEST_CASE("more spheres than fit cannot be separated, and are returned", "[densi
     CHECK(result.spheres == given);
 }
 
-TEST_CASE("equal spheres get denser without crystallizing", "[densify]") {
+TEST_CASE("equal spheres get denser without crystallizing", "[densify][long]") {
     const auto domain = box<3>(40);
     const auto before = front(*domain, "constant:1");
     struct Case {
@@ -448,7 +448,7 @@ TEST_CASE("in a cell, too, a request out of reach ends no less dense than the de
     CHECK(beyond.after >= densest.after);
 }
 
-TEST_CASE("equal spheres of a loose pack get as dense as those of a front", "[densify]") {
+TEST_CASE("equal spheres of a loose pack get as dense as those of a front", "[densify][long]") {
     const auto domain = box<3>(30);
     auto before = front(*domain, "constant:1");
     for (std::size_t i = 0; 3 * i + 2 < before.size(); ++i)

@@ -93,7 +93,7 @@ TEST_CASE("squares of circles fill a quarter of pi", "[measure]") {
     REQUIRE_FALSE(interiorFraction(circles, *domain, 30.5));
 }
 
-TEST_CASE("a field that ends at the requested depth gives the same interior", "[measure]") {
+TEST_CASE("a field that ends at the requested depth gives the same interior", "[measure][long]") {
     double edge = 0;
     auto spheres = latticeSpheres(Lattice::fcc, 14, edge);
     for (auto& s : spheres) s.center -= Vec<3>{{1, 1, 1}} * (7 * edge);

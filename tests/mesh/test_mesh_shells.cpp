@@ -200,7 +200,7 @@ TEST_CASE("triangles that name a vertex twice open no hole and make no piece", "
     CHECK(analysis.enclosedVolume() == Approx(1));
 }
 
-TEST_CASE("thousands of pieces are nested in linear time", "[mesh]") {
+TEST_CASE("thousands of pieces are nested in linear time", "[mesh][long]") {
     TriangleMesh mesh = boxMesh({{-1, -1, -1}}, {{61, 61, 61}});
     const auto ball = ballMesh(0.4, 0);
     mesh.vertices.reserve(30000 * ball.vertices.size());

@@ -45,7 +45,7 @@ bool same(const std::vector<Ellipsoid<Dim>>& a, const std::vector<Ellipsoid<Dim>
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][field]",
+TEMPLATE_TEST_CASE_SIG("overlapping voids leave the share exp(-n v)", "[voids][field][long]",
                        ((int Dim), Dim), 2, 3) {
     const double share = GENERATE(0.05, 0.15, 0.36);
     const auto seed = GENERATE(1u, 2u, 3u);

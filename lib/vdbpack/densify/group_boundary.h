@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/domain/shell_test.h"
 #include "vdbpack/domain/shell_thickness.h"
 
 #include <tbb/enumerable_thread_specific.h>
@@ -19,7 +20,8 @@ public:
     GroupBoundary(const Domain<Dim>& domain, const ShellThickness& shell)
         : shell_(shell),
           error_(domain.envelope().facts().voxelSize),
-          samplers_([&domain] { return domain.envelope().sampler(); }) {}
+          samplers_([&domain] { return domain.envelope().sampler(); }),
+          tests_([&domain, &shell] { return ShellTest<Dim>(domain, shell); }) {}
 
     /// @param reach   mm.
     /// @param inward  set to the unit direction away from the wall.
@@ -37,10 +39,14 @@ public:
         return below > -reach;
     }
 
+    /// Whether `x` lies below the shell.
+    bool isDeeper(const Vec<Dim>& x) { return tests_.local().isDeeper(x); }
+
 private:
     const ShellThickness& shell_;
     double error_;
     tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
+    tbb::enumerable_thread_specific<ShellTest<Dim>> tests_;
 };
 
 }  // namespace vdbpack

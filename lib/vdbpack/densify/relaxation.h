@@ -153,10 +153,12 @@ private:
         std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
         std::vector<WallPlane> planes;    ///< walls that are near
         std::vector<std::uint32_t> planeEnds;  ///< of each slot's in `planes`
-        std::vector<std::uint32_t> ranks;      ///< slots that may exchange, by region and radius
-        float worst = 0;                       ///< largest (r_i + r_j) (1 + delta) / d - 1
-        float fastest = 0;                     ///< largest squared step, quanta²
-        bool coincides = false;                ///< two centers coincided when lists were made
+        std::vector<WallPlane> edges;  ///< ends of a shell near centers, as walls for the spheres
+        std::vector<std::uint32_t> edgeEnds;  ///< of each slot's in `edges`; empty: none
+        std::vector<std::uint32_t> ranks;     ///< slots that may exchange, by region and radius
+        float worst = 0;                      ///< largest (r_i + r_j) (1 + delta) / d - 1
+        float fastest = 0;                    ///< largest squared step, quanta²
+        bool coincides = false;               ///< two centers coincided when lists were made
         float grown = 0;  ///< largest growth of a slot's radius since lists were made
     };
 
@@ -246,8 +248,11 @@ private:
     void listPlanes(Run& run);
     /// Lists the end of a shell as a wall for the center of a slot.
     void listBoundary(Run& run, std::uint32_t slot);
-    /// Whether all spheres lie inside by the exact wall; lists the planes of those that do not.
+    /// Whether all spheres lie inside by the exact wall, and on their side of the end of the shell;
+    /// lists the planes of those that do not.
     bool keepsWall();
+    /// Whether the center of a slot lies on its side of the end of the shell.
+    bool keepsSide(const Run& run, std::uint32_t slot);
 
     // relaxation_step.cpp
     template <bool kSqueeze, bool kPull>

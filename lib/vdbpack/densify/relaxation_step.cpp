@@ -107,7 +107,8 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
     const std::uint32_t* ids = run.ids.data();
     Float8 worst = {};
     float worstWall = 0, fastest = 0;
-    std::uint32_t plane = 0;
+    float beyondEdge = 0;  // no overlap: `keepsSide` has the last word
+    std::uint32_t plane = 0, edge = 0;
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         const Body body = bodies[i];
         const std::uint32_t* end = run.ids.data() + run.ends[i - run.first];
@@ -119,6 +120,9 @@ void Relaxation<Dim>::stepRun(Run& run, const Step& step) {
         ids = end;
         if (const std::uint32_t last = run.planeEnds[i - run.first]; plane < last)
             addPushOfWall<kPull>(run.planes.data(), plane, last, body, law, push, worstWall);
+        if (!run.edgeEnds.empty())
+            addPushOfWall<false>(run.edges.data(), edge, run.edgeEnds[i - run.first], body, law,
+                                 push, beyondEdge);
         Motion& motion = now_.motions[i];
         if constexpr (kPull)
             if (!step.drifts && push.x == 0 && push.y == 0 && push.z == 0) inertia = 0;

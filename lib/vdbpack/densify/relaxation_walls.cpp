@@ -32,6 +32,8 @@ template <int Dim>
 void Relaxation<Dim>::listPlanes(Run& run) {
     run.planes.clear();
     run.planeEnds.clear();
+    run.edges.clear();
+    run.edgeEnds.clear();
     for (std::uint32_t i = run.first; i < run.last; ++i) {
         if (const std::uint32_t wall = now_.vicinities[i].wall; wall != WallPlanes<Dim>::kNone) {
             const Body& body = now_.bodies[i];
@@ -39,8 +41,10 @@ void Relaxation<Dim>::listPlanes(Run& run) {
                 if (plane.distance(body) < body.radius * listGrow_ + skin_ * unitOf(body.radius))
                     run.planes.push_back(plane);
         }
-        if (boundary_ && !isFixed(now_.labels[i])) listBoundary(run, i);
         run.planeEnds.push_back(static_cast<std::uint32_t>(run.planes.size()));
+        if (!boundary_) continue;
+        if (!isFixed(now_.labels[i])) listBoundary(run, i);
+        run.edgeEnds.push_back(static_cast<std::uint32_t>(run.edges.size()));
     }
 }
 
@@ -67,7 +71,15 @@ void Relaxation<Dim>::listBoundary(Run& run, std::uint32_t slot) {
         point[d] -=
             static_cast<std::uint32_t>(static_cast<std::int32_t>(std::lround(toward.c[d] * away)));
     }
-    run.planes.push_back({normal[0], normal[1], normal[2], point[0], point[1], point[2]});
+    run.edges.push_back({normal[0], normal[1], normal[2], point[0], point[1], point[2]});
+}
+
+template <int Dim>
+bool Relaxation<Dim>::keepsSide(const Run& run, std::uint32_t slot) {
+    const std::uint32_t k = slot - run.first;
+    if (run.edgeEnds[k] == (k > 0 ? run.edgeEnds[k - 1] : 0)) return true;  // far from the end
+    const Vec<Dim> x = walls_.position(whereIs(now_.homes[slot], now_.bodies[slot]));
+    return boundary_->isDeeper(x) == (*isInside_)(regions_[now_.labels[slot]]);
 }
 
 template <int Dim>
@@ -81,6 +93,7 @@ bool Relaxation<Dim>::keepsWall() {
             if (isFixed(now_.labels[i])) continue;
             const Body& body = now_.bodies[i];
             const Home home = whereIs(now_.homes[i], body);
+            if (boundary_ && !keepsSide(run, i)) keeps.store(false, std::memory_order_relaxed);
             if (walls_.allows(home, body, grow)) continue;
             walls_.ask(home, body, wallMargin(body.radius), now_.vicinities[i]);
             asked = true;

@@ -57,7 +57,8 @@ VoxelImage rearranged(const VoxelImage& image, const From& from) {
 
 }  // namespace
 
-TEST_CASE("slabs have their thickness, spacing and direction however they lie", "[morphometry]") {
+TEST_CASE("slabs have their thickness, spacing and direction however they lie",
+          "[morphometry][long]") {
     const double width = GENERATE(8.0, 8.5, 16.0);
     const int i = GENERATE(range(1, 5));
     RandomStream random(11, static_cast<std::uint64_t>(i));
@@ -79,7 +80,7 @@ TEST_CASE("slabs have their thickness, spacing and direction however they lie", 
     REQUIRE(alignment(m.anisotropy->axes[2], normal) > 0.9999);
 }
 
-TEST_CASE("rods have their thickness and direction however they lie", "[morphometry]") {
+TEST_CASE("rods have their thickness and direction however they lie", "[morphometry][long]") {
     const double width = GENERATE(8.0, 8.5, 16.0);
     const int i = GENERATE(range(1, 5));
     RandomStream random(12, static_cast<std::uint64_t>(i));

@@ -196,7 +196,7 @@ void compareWithPlainVoxels(std::int64_t n) {
 
 }  // namespace
 
-TEST_CASE("the figures are those of BoneJ's definitions on plain voxels", "[morphometry]") {
+TEST_CASE("the figures are those of BoneJ's definitions on plain voxels", "[morphometry][long]") {
     compareWithPlainVoxels(80);
 }
 
