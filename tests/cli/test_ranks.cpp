@@ -90,6 +90,8 @@ void checkAlike(std::string job, const Counts& counts) {
         CHECK(several["overlap"] == one["overlap"]);
         CHECK(several["protrusion"] == one["protrusion"]);
         CHECK(several["voids"]["culled"] == one["voids"]["culled"]);
+        if (const auto& densified = one["densified"]; !densified.is_null())
+            CHECK(several["densified"]["solidLike"] == densified["solidLike"]);
         for (const auto& [key, value] : one["solidFraction"].items())
             if (value.is_number())
                 CHECK(several["solidFraction"][key].get<double>() ==

@@ -114,6 +114,31 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, std::size_t ow
     return order;
 }
 
+/// How many of the first `own` spheres are in crystalline order.
+/// @param sourceOf  which of those in `order` a sphere is one of.
+template <int Dim, class SourceOf>
+std::uint64_t countSolidLike(const CellLevels<Dim>& cells, const std::vector<Sphere<Dim>>& spheres,
+                             std::size_t own, const BondOrder<Dim>& order,
+                             const SourceOf& sourceOf) {
+    return tbb::parallel_reduce(
+        tbb::blocked_range<std::size_t>(0, own, 256), std::uint64_t(0),
+        [&](const tbb::blocked_range<std::size_t>& part, std::uint64_t sum) {
+            for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                int alike = 0;
+                forEachBond(cells, spheres, i, [&](std::uint32_t j, const Vec<Dim>&) {
+                    const auto &a = order.direction[i], &b = order.direction[sourceOf(j)];
+                    double product = 0;
+                    for (std::size_t c = 0; c < a.size(); ++c)
+                        product += static_cast<double>(a[c]) * static_cast<double>(b[c]);
+                    if (product > kAlike) ++alike;
+                });
+                if (alike >= kEnough<Dim>) ++sum;
+            }
+            return sum;
+        },
+        std::plus<>());
+}
+
 }  // namespace
 
 template <int Dim>
@@ -133,27 +158,26 @@ double solidLikeShare(const std::vector<Sphere<Dim>>& given, const PeriodicCell<
     const std::vector<Sphere<Dim>>& spheres = cell.any() ? repeated.spheres : given;
     const CellLevels<Dim> cells(spheres, kBond);
     const auto order = bondOrder(spheres, given.size(), cells);
-    const auto count = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, given.size(), 256), std::uint64_t(0),
-        [&](const tbb::blocked_range<std::size_t>& part, std::uint64_t sum) {
-            for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                int alike = 0;
-                forEachBond(cells, spheres, i, [&](std::uint32_t j, const Vec<Dim>&) {
-                    const std::size_t k = cell.any() ? repeated.source[j] : j;
-                    const auto &a = order.direction[i], &b = order.direction[k];
-                    double product = 0;
-                    for (std::size_t c = 0; c < a.size(); ++c)
-                        product += static_cast<double>(a[c]) * static_cast<double>(b[c]);
-                    if (product > kAlike) ++alike;
-                });
-                if (alike >= kEnough<Dim>) ++sum;
-            }
-            return sum;
-        },
-        std::plus<>());
+    const auto count = countSolidLike(
+        cells, spheres, given.size(), order,
+        [&](std::uint32_t j) -> std::size_t { return cell.any() ? repeated.source[j] : j; });
     return static_cast<double>(count) / static_cast<double>(given.size());
 }
 
+template <int Dim>
+std::uint64_t solidLikeOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own) {
+    if (own == 0) return 0;
+    const CellLevels<Dim> cells(spheres, kBond);
+    const auto order = bondOrder(spheres, spheres.size(), cells);
+    return countSolidLike(cells, spheres, own, order, [](std::uint32_t j) { return j; });
+}
+
+double bondReach(double largest) {
+    return (2 + kBond) * largest;
+}
+
+template std::uint64_t solidLikeOfPart(const std::vector<Sphere<2>>&, std::size_t);
+template std::uint64_t solidLikeOfPart(const std::vector<Sphere<3>>&, std::size_t);
 template BondOrder<2> bondOrder(const std::vector<Sphere<2>>&, const PeriodicCell<2>&);
 template BondOrder<3> bondOrder(const std::vector<Sphere<3>>&, const PeriodicCell<3>&);
 template double solidLikeShare(const std::vector<Sphere<2>>&, const PeriodicCell<2>&);

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace vdbpack {
@@ -40,5 +41,12 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres,
 /// @throws InputError as `checkOverlap`.
 template <int Dim>
 double solidLikeShare(const std::vector<Sphere<Dim>>& spheres, const PeriodicCell<Dim>& cell = {});
+
+/// The number of such spheres among the first `own`; the others are near them, up to twice
+/// `bondReach` of the largest radius at least.
+template <int Dim>
+std::uint64_t solidLikeOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t own);
+/// The distance of two centers below which a bond may join spheres of at most this radius.
+double bondReach(double largest);
 
 }  // namespace vdbpack

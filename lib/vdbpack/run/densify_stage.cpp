@@ -52,6 +52,25 @@ std::array<double, 3> contactsOf(const std::vector<Sphere<Dim>>& spheres, Ranks*
     return means;
 }
 
+/// The share in crystalline order, as `contactsOf`.
+template <int Dim>
+double solidLikeOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
+                   const std::vector<std::int64_t>& labels, const PeriodicCell<Dim>& cell) {
+    if (!ranks) return solidLikeShare(spheres, cell);
+    double largest = 0;
+    for (const Sphere<Dim>& s : spheres) largest = std::max(largest, s.radius);
+    largest = maxOver(ranks, largest);
+    SpaceShares<Dim> shares(*ranks, spheres, labels, {0, 2 * bondReach(largest), cell});
+    std::uint64_t count = 0;
+    for (std::size_t round = 0; round < shares.rounds(); ++round) {
+        const auto part = shares.part(round);
+        count += solidLikeOfPart(part.spheres, part.own);
+    }
+    count = sumOver(ranks, count);
+    const std::uint64_t all = sumOver(ranks, std::uint64_t{spheres.size()});
+    return all > 0 ? static_cast<double>(count) / static_cast<double>(all) : 0;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -87,11 +106,11 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     const std::vector<std::int64_t> labels(result.labels.begin(), result.labels.end());
     if (!result.interrupted) {
         told.contactsAfter = contactsOf(result.spheres, ranks, labels, domain.cell());
-        if (!ranks) told.solidLike = solidLikeShare(result.spheres, domain.cell());
+        told.solidLike = solidLikeOf(result.spheres, ranks, labels, domain.cell());
     }
-    const bool crystallized = Dim == 3 && std::isfinite(setting.fraction) &&
-                              told.solidLike.value_or(0) > kCrystal &&
-                              solidLikeShare(pack.spheres, domain.cell()) <= kCrystal;
+    const bool crystallized =
+        Dim == 3 && std::isfinite(setting.fraction) && told.solidLike.value_or(0) > kCrystal &&
+        solidLikeOf(pack.spheres, ranks, pack.order, domain.cell()) <= kCrystal;
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
                          result.spheres.end());
