@@ -1,10 +1,13 @@
 // Sizes that differ by place: a factor on the radii, and radii of their own in the shell.
 #include "support/cube.h"
+#include "support/paths.h"
 #include "support/random_point.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/pack/packer.h"
@@ -216,6 +219,29 @@ TEMPLATE_TEST_CASE_SIG("a shell has radii of its own", "[pack]", ((int Dim), Dim
     }
     CHECK(checkOverlap(pack).max == 0);
     CHECK(largestVacancy(pack, *domain, options) < 1.1);
+}
+
+TEST_CASE("a shell thinner than the spheres below it has radii of its own, too", "[pack]") {
+    // Along the curved wall of a bone, spheres move where they come to touch it.
+    FieldOptions field;
+    field.detail = 0.4;
+    field.depth = 5;
+    const auto domain = meshDomain(readMesh(kMeshes + "/mandible.ply"), field);
+    PackOptions options(SizeDistribution::uniform(0.8, 1.6));
+    options.local.shellSizes = SizeDistribution::uniform(0.4, 0.8);
+    options.local.shell = GENERATE(1.0, 1.4);
+    const auto pack = packSpheres<3>(*domain, options).pack.spheres;
+    for (const std::uint32_t group : {0u, 1u}) {
+        CAPTURE(group, options.local.shell.most());
+        const SizeDistribution& sizes = options.local.sizesOf(group, options.sizes);
+        const auto radii = radiiOf<3>(pack, *domain, options.local, group);
+        REQUIRE(radii.size() > 1000);
+        CHECK(radii.front() >= sizes.min() * (1 - 1e-6));
+        CHECK(radii.back() <= sizes.max() * (1 + 1e-6));
+        CHECK(ksDistance(radii, sizes) < 0.01);
+    }
+    CHECK(checkOverlap(pack).max == 0);
+    CHECK(largestVacancy<3>(pack, *domain, options) < 1.1);
 }
 
 TEST_CASE("a gap is kept between spheres of sizes by place", "[pack]") {

@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace vdbpack {
 
@@ -23,26 +24,44 @@ public:
           samplers_([&domain] { return domain.envelope().sampler(); }),
           tests_([&domain, &shell] { return ShellTest<Dim>(domain, shell); }) {}
 
+    /// The end of the shell as seen from a point.
+    struct Edge {
+        Vec<Dim> inward;       ///< unit direction away from the wall
+        double depth = 0;      ///< of the point, mm
+        double thickness = 0;  ///< of the shell there, mm
+    };
+    /// @param inside  whether `x` is to lie below the shell.
     /// @param reach   mm.
-    /// @param inward  set to the unit direction away from the wall.
-    /// @param below   set to the depth of `x` below the shell, negative within it, mm.
-    /// @return whether the shell ends within `reach` of `x`.
-    bool isNear(const Vec<Dim>& x, double reach, Vec<Dim>& inward, double& below) {
+    /// @return nothing if it does, or lies within the shell, by more than `reach`.
+    std::optional<Edge> edgeNear(const Vec<Dim>& x, bool inside, double reach) {
         DomainSampler<Dim>& sampler = *samplers_.local();
-        const double thickness = shell_.at(x);
+        Edge edge;
+        edge.thickness = shell_.at(x);
         const double depth = -sampler.signedDistance(x);
-        if (std::fabs(depth - thickness) > reach + error_) return false;
+        const double right = inside ? depth - edge.thickness : edge.thickness - depth;
+        if (right > reach + error_) return {};
         WallPoint<Dim> wall;
-        if (!sampler.nearestWall(x, thickness + reach, wall) || !(wall.distance > 0)) return false;
-        inward = (x - wall.point) * (1 / wall.distance);
-        below = wall.distance - thickness;
-        return below > -reach;
+        // One that has got far below the shell is to come back.
+        double far = edge.thickness + reach;
+        for (int turn = 0; !sampler.nearestWall(x, far, wall); ++turn, far *= 2)
+            if (inside || turn == kTurns) return {};
+        if (!(wall.distance > 0)) return {};
+        edge.inward = (x - wall.point) * (1 / wall.distance);
+        edge.depth = wall.distance;
+        if ((inside ? 1 : -1) * (edge.depth - edge.thickness) > reach) return {};
+        return edge;
     }
-
     /// Whether `x` lies below the shell.
     bool isDeeper(const Vec<Dim>& x) { return tests_.local().isDeeper(x); }
+    /// Whether no wall is closer to `x` than `depth`, mm.
+    bool isDeeperThan(const Vec<Dim>& x, double depth) {
+        WallPoint<Dim> wall;
+        return !samplers_.local()->nearestWall(x, depth, wall);
+    }
 
 private:
+    static constexpr int kTurns = 6;
+
     const ShellThickness& shell_;
     double error_;
     tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;

@@ -4,6 +4,7 @@
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
@@ -54,16 +55,19 @@ void Relaxation<Dim>::listBoundary(Run& run, std::uint32_t slot) {
     const Body& body = now_.bodies[slot];
     const double radius = static_cast<double>(body.radius);
     const double reach = static_cast<double>(skin_ * unitOf(body.radius)) * quantum_;
-    Vec<Dim> toward;
-    double beyond = 0;
-    if (!boundary_->isNear(walls_.position(whereIs(now_.homes[slot], body)), reach, toward, beyond))
-        return;
-    if (!(*isInside_)(regions_[now_.labels[slot]])) {
-        toward *= -1.0;
-        beyond = -beyond;
-    }
-    // A wall that the sphere touches when its center reaches the boundary.
-    const double away = beyond / quantum_ + radius * (1 - kInside * static_cast<double>(delta_));
+    const bool inside = (*isInside_)(regions_[now_.labels[slot]]);
+    const auto edge =
+        boundary_->edgeNear(walls_.position(whereIs(now_.homes[slot], body)), inside, reach);
+    if (!edge) return;
+    // A wall that the sphere touches when its center reaches the end of the shell, or a little
+    // before; in the shell, no sooner than it touches the wall itself.
+    const auto delta = static_cast<double>(delta_);
+    double margin = kInside * delta * radius;
+    if (!inside)
+        margin = std::clamp(0.5 * (edge->thickness / quantum_ - radius * (1 + delta)), 0.0, margin);
+    const Vec<Dim> toward = edge->inward * (inside ? 1.0 : -1.0);
+    const double right = (inside ? 1 : -1) * (edge->depth - edge->thickness) / quantum_;
+    const double away = right + radius - margin;
     std::array<std::uint32_t, 3> point{body.x, body.y, body.z};
     std::array<float, 3> normal{};
     for (std::size_t d = 0; d < Dim; ++d) {
@@ -79,7 +83,11 @@ bool Relaxation<Dim>::keepsSide(const Run& run, std::uint32_t slot) {
     const std::uint32_t k = slot - run.first;
     if (run.edgeEnds[k] == (k > 0 ? run.edgeEnds[k - 1] : 0)) return true;  // far from the end
     const Vec<Dim> x = walls_.position(whereIs(now_.homes[slot], now_.bodies[slot]));
-    return boundary_->isDeeper(x) == (*isInside_)(regions_[now_.labels[slot]]);
+    const bool inside = (*isInside_)(regions_[now_.labels[slot]]);
+    if (boundary_->isDeeper(x) == inside) return true;
+    // One as large as the shell is thick has no other place than at the wall.
+    const double least = static_cast<double>(now_.bodies[slot].radius) * quantum_;
+    return !inside && !boundary_->isDeeperThan(x, least * (1 + static_cast<double>(delta_)));
 }
 
 template <int Dim>

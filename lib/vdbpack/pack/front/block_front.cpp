@@ -256,7 +256,7 @@ bool BlockFront<Dim>::Work::growAs(std::uint32_t site, const LocalSize& size) {
         Vec<Dim> center;
         if (!front_.sites.restingCenter(site, radius, center)) continue;
         if (block.local && !restLocally(site, size, drawn, radius, center)) continue;
-        switch (placement_.placeAtSite(site, radius, center, lengths)) {
+        switch (placement_.placeAtSite(site, radius, center, size, lengths)) {
             case Outcome::placed:
                 pool.take(k);
                 countElement(center);
@@ -345,7 +345,7 @@ bool BlockFront<Dim>::Work::placeDrawn(std::uint32_t site, const LocalSize& size
     Outcome outcome = Outcome::blocked;
     if (front_.sites.restingCenter(site, radius, center) &&
         (!front_.block.local || restLocally(site, size, drawn, radius, center)))
-        outcome = placement_.placeAtSite(site, radius, center, lengths);
+        outcome = placement_.placeAtSite(site, radius, center, size, lengths);
     if (outcome == Outcome::placed) {
         countElement(center);
         if (onWall) countOnWall(drawn, pool);

@@ -66,7 +66,7 @@ void Placement<Dim>::explore(std::uint32_t index) {
 
 template <int Dim>
 typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site, double radius,
-                                                             Vec<Dim> center,
+                                                             Vec<Dim> center, const LocalSize& size,
                                                              const FrontLengths& lengths) {
     const BlockState<Dim>& block = front_.block;
     const Vec<Dim> guess = center;
@@ -87,6 +87,9 @@ typename Placement<Dim>::Outcome Placement<Dim>::placeAtSite(std::uint32_t site,
     double distance = 0;
     hasWall_ = block.findWall(sphere(pivot).center, center, radius, reach, wall_, distance);
     if (!hasWall_ || distance >= radius) {
+        // Along a curved wall the center has moved.
+        if (block.local && !LocalLengths<Dim>::areAlike(size, block.sizeAt(center)))
+            return Outcome::blocked;
         front_.sites.remove(site);
         add({center, radius});
         return Outcome::placed;

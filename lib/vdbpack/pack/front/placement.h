@@ -17,14 +17,15 @@ public:
 
     enum class Outcome {
         placed,
-        blocked,     ///< by a sphere or a wall
+        blocked,     ///< by a sphere or a wall, or other sizes are requested there
         foreign,     ///< the center lies outside the block: the site is left to another one
         wallLearned  ///< by a wall that the pivot now knows of
     };
     /// Tries a sphere of `radius` at a site.
     /// @param center   where it rests at the site, see FrontSites::restingCenter.
-    /// @param lengths  of what is requested there.
-    Outcome placeAtSite(std::uint32_t site, double radius, Vec<Dim> center,
+    /// @param size     what the radius was chosen for.
+    /// @param lengths  of that.
+    Outcome placeAtSite(std::uint32_t site, double radius, Vec<Dim> center, const LocalSize& size,
                         const FrontLengths& lengths);
     /// After a sphere was blocked at a site whose pivot did not know of all bodies around: limits
     /// the site by those in the way. @return whether that left it less room.
