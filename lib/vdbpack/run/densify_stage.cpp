@@ -109,7 +109,7 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
         told.solidLike = solidLikeOf(result.spheres, ranks, labels, domain.cell());
     }
     const bool crystallized =
-        Dim == 3 && std::isfinite(setting.fraction) && told.solidLike.value_or(0) > kCrystal &&
+        Dim == 3 && told.solidLike.value_or(0) > kCrystal &&
         solidLikeOf(pack.spheres, ranks, pack.order, domain.cell()) <= kCrystal;
     Pack<Dim> added;
     added.spheres.assign(result.spheres.begin() + static_cast<std::ptrdiff_t>(before),
@@ -139,9 +139,10 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     if (crystallized)
         callbacks.warn(fmt::format(
             "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
-            "ones reach {:.4f} in no other way. Request a lower solid fraction, or max for "
-            "the densest random pack",
-            100 * told.solidLike.value_or(0), result.after));
+            "ones reach {:.4f} in no other way here. Request a lower solid fraction{}",
+            100 * told.solidLike.value_or(0), result.after,
+            std::isfinite(setting.fraction) ? ", or max for the densest pack that is about random"
+                                            : " for a pack that is random along its walls, too"));
     told.seconds = clock.lap();
     report.densified = told;
 }
