@@ -106,6 +106,14 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                   true);
     prepared.local =
         localSizes(recipe, prepared.requested, domain, prepared.built.sliceHeight, prepared.shell);
+    if (const auto& own = prepared.local.shellSizes;
+        own && !(prepared.local.shell.most() > own->min()))
+        callbacks.warn(fmt::format(
+            "no {} of `shellRadius` lies in the shell: its thickness is at most {:.4g} mm, the "
+            "radii "
+            "are at least {:.4g} mm, and centers are at least a radius below the wall; give "
+            "smaller radii, or a thicker shell",
+            Measure<Dim>::kSphere, prepared.local.shell.most(), own->min()));
     prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
                                    prepared.built.sliceHeight, callbacks);
     checkPreview<Dim>(recipe.preview, domain, nullptr);

@@ -118,11 +118,6 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
                     fmt::format("the shell of {:.4g} mm is only {:.2g} {} thick; give smaller "
                                 "radii or a thicker shell, for a thickness of three or more",
                                 thickness, *made.report.across, Measure<Dim>::kSpheres));
-        } else {
-            s.callbacks.warn(fmt::format(
-                "no {} lies in the shell of {:.4g} mm: centers are at least a radius below the "
-                "wall; give radii below that, or a thicker shell",
-                Measure<Dim>::kSphere, shell.most()));
         }
     }
 }
