@@ -15,7 +15,7 @@ FieldOptions BenchMesh::fieldOptions() const {
     return options;
 }
 
-BenchMesh readBenchMesh(const std::string& argument) {
+MeshArgument parseMeshArgument(const std::string& argument) {
     std::vector<std::string> words(1);
     for (const char c : argument) {
         if (c == ':')
@@ -23,11 +23,18 @@ BenchMesh readBenchMesh(const std::string& argument) {
         else
             words.back() += c;
     }
-    BenchMesh result;
+    MeshArgument result;
     result.file = words[0];
-    MeshReadOptions read;
-    if (words.size() > 1) read.unit = parseUnit(words[1]);
-    result.mesh = readMesh(words[0], read);
+    if (words.size() > 1) result.unit = parseUnit(words[1]);
     if (words.size() > 2) result.smallestRadius = std::atof(words[2].c_str());
+    return result;
+}
+
+BenchMesh readBenchMesh(const std::string& argument) {
+    BenchMesh result;
+    static_cast<MeshArgument&>(result) = parseMeshArgument(argument);
+    MeshReadOptions read;
+    read.unit = result.unit;
+    result.mesh = readMesh(result.file, read);
     return result;
 }

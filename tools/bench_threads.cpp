@@ -1,5 +1,7 @@
 #include "bench_threads.h"
 
+#include "bench_mesh.h"
+
 #include "vdbpack/run/run.h"
 #include "vdbpack/verify/pack_hash.h"
 
@@ -9,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <stdexcept>
@@ -50,25 +51,20 @@ Job boxJob(const std::string& box, double fraction) {
     return job;
 }
 
-/// @param argument  MESH[:UNIT[:SMALLEST_RADIUS_MM]].
-Job meshJob(const std::string& argument) {
-    const auto unit = argument.find(':');
-    const auto radius = unit == std::string::npos ? unit : argument.find(':', unit + 1);
-    const double smallest =
-        radius == std::string::npos ? 0.5 : std::atof(argument.c_str() + radius + 1);
+Job meshJob(const MeshArgument& mesh) {
+    const double smallest = mesh.smallestRadius;
     Job job;
     PackRecipe& recipe = job.recipe;
-    recipe.domain.source = argument.substr(0, unit);
-    if (unit != std::string::npos)
-        recipe.domain.unit = parseUnit(argument.substr(unit + 1, radius - unit - 1));
+    recipe.domain.source = mesh.file;
+    recipe.domain.unit = mesh.unit;
     recipe.radius = fmt::format("uniform:{:g},{:g}", smallest, 2 * smallest);
     recipe.voids.method = "boolean";
     recipe.voids.radius = fmt::format("uniform:{:g},{:g}", 3 * smallest, 6 * smallest);
     recipe.voids.shell = 4 * smallest;
     recipe.voids.targetBvtv = 0.3;
     job.name = fmt::format("{}, radii {}, voids boolean of {}, shell {:g}, BV/TV 0.3",
-                           std::filesystem::path(recipe.domain.source).filename().string(),
-                           recipe.radius, recipe.voids.radius, recipe.voids.shell);
+                           std::filesystem::path(mesh.file).filename().string(), recipe.radius,
+                           recipe.voids.radius, recipe.voids.shell);
     return job;
 }
 
@@ -120,7 +116,7 @@ void benchThreads(int most, bool quick, const std::vector<std::string>& meshes) 
     std::vector<Job> jobs;
     jobs.push_back(boxJob(quick ? "box:120,120,120" : "box:370,370,370", 0));
     jobs.push_back(boxJob(quick ? "box:60,60,60" : "box:200,200,200", 0.645));
-    for (const auto& mesh : meshes) jobs.push_back(meshJob(mesh));
+    for (const auto& mesh : meshes) jobs.push_back(meshJob(parseMeshArgument(mesh)));
     fmt::print(
         "seconds of the stages of `pack -o .vdb`, least of {} runs; in brackets how many "
         "times as fast as one\nthread\n",

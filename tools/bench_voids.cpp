@@ -1,6 +1,7 @@
 #include "bench_voids.h"
 
 #include "bench_clock.h"
+#include "bench_mesh.h"
 
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
@@ -86,9 +87,9 @@ void benchStamp(const Domain<3>& domain, const std::vector<Ellipsoid<3>>& voids)
 
 void benchVoids(const std::string& mesh, int threads, double targetCount) {
     DomainRecipe recipe;
-    const auto colon = mesh.find(':');
-    recipe.source = mesh.substr(0, colon);
-    if (colon != std::string::npos) recipe.unit = parseUnit(mesh.substr(colon + 1));
+    const MeshArgument argument = parseMeshArgument(mesh);
+    recipe.source = argument.file;
+    recipe.unit = argument.unit;
     const std::filesystem::path folder =
         std::filesystem::temp_directory_path() / fmt::format("bench_voids_{}", ::getpid());
     std::filesystem::create_directories(folder);

@@ -17,6 +17,7 @@
 #include <nlohmann/json.hpp>
 #include <openvdb/io/File.h>
 
+#include <algorithm>
 #include <string>
 
 using namespace vdbpack;
@@ -136,6 +137,25 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
     CHECK(report.overlap->max < 1e-6);
     CHECK(report.protrusion->max < 1e-6);
     for (const auto& group : report.localSizes) CHECK(group.ks < 0.02);
+}
+
+TEST_CASE("a shell too thin for its own radii is told of", "[cli]") {
+    PackRecipe recipe = recipeFor("ball:8", "uniform:0.8,1.6");
+    recipe.shellRadius = "uniform:0.4,0.8";
+    for (const double thickness : {0.3, 1.6}) {
+        CAPTURE(thickness);
+        recipe.voids.shell = thickness;
+        const auto report = runPack(recipe).report;
+        const auto empty = std::count_if(
+            report.warnings.begin(), report.warnings.end(), [](const std::string& warning) {
+                return warning.find("lies in the shell") != std::string::npos;
+            });
+        CHECK(empty == (thickness < 0.4));
+        std::uint64_t inShell = 0;
+        for (const auto& group : report.localSizes)
+            if (group.name == "shell") inShell = group.count;
+        CHECK((inShell > 0) == (thickness > 0.4));
+    }
 }
 
 TEST_CASE("sizes by place refuse what they cannot use", "[cli]") {

@@ -44,7 +44,7 @@ public:
         // One that has got far below the shell is to come back.
         double far = edge.thickness + reach;
         for (int turn = 0; !sampler.nearestWall(x, far, wall); ++turn, far *= 2)
-            if (inside || turn == kTurns) return {};
+            if (inside || turn == kWidened) return {};
         if (!(wall.distance > 0)) return {};
         edge.inward = (x - wall.point) * (1 / wall.distance);
         edge.depth = wall.distance;
@@ -60,7 +60,8 @@ public:
     }
 
 private:
-    static constexpr int kTurns = 6;
+    /// How often the search for the wall is widened to twice its reach.
+    static constexpr int kWidened = 6;
 
     const ShellThickness& shell_;
     double error_;

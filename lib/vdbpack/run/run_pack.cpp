@@ -110,8 +110,7 @@ Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
         own && !(prepared.local.shell.most() > own->min()))
         callbacks.warn(fmt::format(
             "no {} of `shellRadius` lies in the shell: its thickness is at most {:.4g} mm, the "
-            "radii "
-            "are at least {:.4g} mm, and centers are at least a radius below the wall; give "
+            "radii are at least {:.4g} mm, and centers are at least a radius below the wall; give "
             "smaller radii, or a thicker shell",
             Measure<Dim>::kSphere, prepared.local.shell.most(), own->min()));
     prepared.bvtv = bvtvField<Dim>(recipe.voids, source.recipe(), domain.bounds(),
