@@ -139,7 +139,7 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
     for (const auto& group : report.localSizes) CHECK(group.ks < 0.02);
 }
 
-TEST_CASE("a shell too thin for its own radii is told of", "[cli]") {
+TEST_CASE("a warning names a shell that stays empty", "[cli]") {
     PackRecipe recipe = recipeFor("ball:8", "uniform:0.8,1.6");
     recipe.shellRadius = "uniform:0.4,0.8";
     for (const double thickness : {0.3, 1.6}) {
