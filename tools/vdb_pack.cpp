@@ -1,6 +1,5 @@
 // vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
 #include "cli/open_page.h"
-#include "cli/option_names.h"
 #include "cli/options.h"
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
@@ -13,7 +12,9 @@
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
+#include "vdbpack/run/run_image.h"
 #include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/run_view.h"
 #include "vdbpack/run/study.h"
 
 #include <fmt/format.h>

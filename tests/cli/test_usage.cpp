@@ -1,7 +1,7 @@
 // The command line: help, misuse, recipes, completion, progress.
 #include "cli/help.h"
 #include "cli/progress_line.h"
-#include "cli/suggest.h"
+#include "vdbpack/options/suggest.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/tool.h"

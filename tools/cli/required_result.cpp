@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/options/command_line.h"
 
 #include <fmt/format.h>
 
@@ -10,15 +11,6 @@
 #include <variant>
 
 using namespace vdbpack;
-
-std::string shellQuoted(const std::string& word) {
-    const char* plain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
 
 namespace {
 

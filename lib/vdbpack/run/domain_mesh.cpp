@@ -55,28 +55,6 @@ const Vec<3>* strayVertex(const TriangleMesh& vertices, const TriangleMesh& soli
 
 }  // namespace
 
-CavityChoice parseCavities(const std::string& text) {
-    CavityChoice choice;
-    if (text.empty() || text == "keep") return choice;
-    if (text == "fill") {
-        choice.fill = true;
-        return choice;
-    }
-    const std::string outer = "outer=", inner = "inner=";
-    std::string rest = text;
-    if (rest.rfind(outer, 0) == 0) {
-        const auto end = rest.find("," + inner);
-        choice.outer =
-            rest.substr(outer.size(), end == std::string::npos ? end : end - outer.size());
-        rest = end == std::string::npos ? "" : rest.substr(end + 1);
-    }
-    if (rest.rfind(inner, 0) == 0) choice.inner = rest.substr(inner.size());
-    if (choice.inner.empty() || (text.rfind(outer, 0) == 0 && choice.outer.empty()))
-        throw ParameterError("`cavities` " + text +
-                             ": write keep, fill, inner=FILE or outer=FILE,inner=FILE");
-    return choice;
-}
-
 std::vector<std::string> domainInputs(const DomainRecipe& recipe) {
     return {isInMemory(recipe) ? "" : recipe.source, parseCavities(recipe.cavities).inner};
 }

@@ -235,14 +235,6 @@ DomainSource::DomainSource(TriangleMesh mesh, const std::string& name, double vo
     analysis_ = std::make_shared<const MeshAnalysis>(analyzeMesh(*mesh_));
 }
 
-bool isImage(const DomainRecipe& recipe) {
-    return recipe.image || (!isInMemory(recipe) && namesImage(recipe.source));
-}
-
-std::string describe(const DomainRecipe& recipe) {
-    return recipe.source + (recipe.label.empty() ? "" : ", label " + recipe.label);
-}
-
 void warnOfUnused(const DomainRecipe& recipe, const DomainSource& source,
                   const Callbacks& callbacks) {
     const std::string& text = recipe.source;

@@ -4,7 +4,7 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 
 #include <cstdint>
 #include <map>

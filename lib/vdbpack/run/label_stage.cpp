@@ -6,7 +6,7 @@
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/linear_sampler.h"
 #include "vdbpack/formats/materials.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 
 #include <fmt/format.h>
 

@@ -4,7 +4,7 @@
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/label_map.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 
 #include <functional>
 #include <memory>

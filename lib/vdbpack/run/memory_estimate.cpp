@@ -4,7 +4,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/view.h"

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 #include "vdbpack/run/void_plan.h"
 
 #include <string>

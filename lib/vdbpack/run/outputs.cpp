@@ -12,7 +12,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 

@@ -5,6 +5,7 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/run/label_stage.h"
@@ -15,9 +16,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// The first file behind "prefix:name", where the prefix is one that names a format.
-std::string filePart(const std::string& name);
 
 /// NAME.interrupted.EXT for NAME.EXT, behind the same prefix, if there is one: what an interrupted
 /// run leaves never replaces the file of a whole one.

@@ -8,7 +8,7 @@
 #include "vdbpack/measure/joined_components.h"
 #include "vdbpack/measure/space_shares.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/verify/worst.h"

@@ -54,16 +54,6 @@ bool isUtf8(const std::string& text) {
 
 }  // namespace
 
-std::string recipeFileFor(const std::vector<std::string>& outputs) {
-    if (outputs.empty()) return {};
-    std::string name = filePart(outputs.front());
-    const auto slash = name.rfind('/');
-    const auto dot = name.rfind('.');
-    if (dot != std::string::npos && dot > 0 && (slash == std::string::npos || dot > slash + 1))
-        name.resize(dot);
-    return name + ".recipe.toml";
-}
-
 std::string recipeFileText(const std::string& toml, const std::string& file, const Report& report) {
     std::string text = fmt::format(
         "{} {}: this repeats the run; names of files are relative to this one\n"

@@ -9,10 +9,6 @@
 
 namespace vdbpack {
 
-/// "out/femur.recipe.toml" beside "out/femur.vdb", the first of several outputs; empty if there are
-/// none.
-std::string recipeFileFor(const std::vector<std::string>& outputs);
-
 /// The recipe with its seed, and above it, as comments, how to use it and what it gave.
 /// @param toml  options under [command]; {seed} stands for that of the report.
 /// @param file  what it is written as.

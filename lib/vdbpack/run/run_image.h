@@ -6,7 +6,7 @@
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_relations.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,10 +15,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-struct ImageRecipe : RunSettings {
-    DomainRecipe domain;  ///< source, unit, scale, spacing and space
-};
 
 struct ImageResult {
     std::string source, format, type;

@@ -6,7 +6,7 @@
 #include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/mesh_fitness.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,12 +15,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// Outputs are .stl, in mm.
-struct MeshRecipe : RunSettings {
-    DomainRecipe domain;  ///< source, unit, scale, and how to repair
-    bool check = false;   ///< a mesh that cannot be packed with these settings fails
-};
 
 struct MeshResult {
     TriangleMesh mesh;                   ///< as it was read, or repaired; mm

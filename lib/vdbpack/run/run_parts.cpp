@@ -8,7 +8,7 @@
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/run/image_domain.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/verify/overlap.h"

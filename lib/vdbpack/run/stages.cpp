@@ -7,7 +7,7 @@
 #include "vdbpack/run/grey_stage.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/rank_stages.h"

@@ -1,4 +1,4 @@
-// Private to runs: what the name of an output says.
+// What the name of an output says.
 #pragma once
 
 #include <string>
@@ -32,5 +32,8 @@ struct OutputTarget {
 /// @throws ParameterError for a prefix without a file; whether a pack file has a format is another
 /// question.
 OutputTarget targetOf(const std::string& output);
+
+/// The first file behind "prefix:name", where the prefix is one that names a format.
+std::string filePart(const std::string& name);
 
 }  // namespace vdbpack

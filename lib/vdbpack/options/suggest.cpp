@@ -1,6 +1,8 @@
-#include "cli/suggest.h"
+#include "vdbpack/options/suggest.h"
 
 #include <algorithm>
+
+namespace vdbpack {
 
 std::size_t editDistance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
@@ -33,3 +35,5 @@ std::string mostLike(const std::string& word, const std::vector<std::string>& wo
         if (known.compare(0, word.size(), word) == 0) return known;
     return {};
 }
+
+}  // namespace vdbpack

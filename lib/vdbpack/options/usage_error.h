@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+namespace vdbpack {
+
 /// What was wrong with the command line, with the word that was probably meant.
 /// @param arguments  as given, without the program's name.
 std::string usageError(const CLI::App& app, const CLI::ParseError& error,
@@ -13,3 +15,5 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
 
 /// That a command has no option `word`, such as "--radios", with the one that was probably meant.
 std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word);
+
+}  // namespace vdbpack

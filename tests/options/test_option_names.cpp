@@ -1,7 +1,9 @@
 // Parameters of the library under their names on the command line.
-#include "cli/option_names.h"
+#include "vdbpack/options/jobs.h"
 
 #include <catch2/catch.hpp>
+
+using namespace vdbpack;
 
 TEST_CASE("a parameter in backquotes is shown as its option", "[cli]") {
     CHECK(withOptionNames("raise `memoryLimit`, or give a larger `voids.voxelSize`") ==

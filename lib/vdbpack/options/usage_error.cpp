@@ -1,10 +1,12 @@
-#include "cli/usage_error.h"
+#include "vdbpack/options/usage_error.h"
 
-#include "cli/suggest.h"
+#include "vdbpack/options/suggest.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+
+namespace vdbpack {
 
 namespace {
 
@@ -125,3 +127,5 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
                            message.substr(equals + 3));
     return message;
 }
+
+}  // namespace vdbpack

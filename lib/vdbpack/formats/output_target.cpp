@@ -1,10 +1,9 @@
-#include "vdbpack/run/output_target.h"
+#include "vdbpack/formats/output_target.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/label_map.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/outputs.h"
 
 #include <fmt/format.h>
 

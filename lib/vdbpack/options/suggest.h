@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+namespace vdbpack {
+
 /// Insertions, deletions, replacements and swaps of neighbors that turn one word into the other
 /// (optimal string alignment).
 std::size_t editDistance(const std::string& a, const std::string& b);
@@ -12,3 +14,5 @@ std::size_t editDistance(const std::string& a, const std::string& b);
 /// The word most like `word`, if one is alike: by at most a third of its letters, or beginning with
 /// it. Empty if there is none.
 std::string mostLike(const std::string& word, const std::vector<std::string>& words);
+
+}  // namespace vdbpack

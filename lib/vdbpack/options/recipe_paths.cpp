@@ -1,9 +1,9 @@
-#include "cli/recipe_paths.h"
+#include "vdbpack/options/recipe_paths.h"
 
 #include "vdbpack/domain/domain_text.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/outputs.h"
 
 #include <algorithm>
 #include <filesystem>
@@ -12,10 +12,11 @@
 #include <string_view>
 #include <system_error>
 
-using namespace vdbpack;
-namespace fs = std::filesystem;
+namespace vdbpack {
 
 namespace {
+
+namespace fs = std::filesystem;
 
 using Rename = std::function<std::string(const std::string&)>;
 
@@ -48,41 +49,44 @@ std::string renamedCavities(const std::string& value, const Rename& rename) {
            rename(value.substr(comma + inner.size()));
 }
 
-std::string renamed(const std::string& option, const std::string& value, const Rename& rename) {
+std::string renamed(FileIn in, const std::string& value, const Rename& rename) {
     if (value.empty()) return value;
-    if (isOneOf(option, {"DOMAIN", "domain", "like-domain"}))
-        return isShape(value) ? value : rename(value);
-    if (isOneOf(option, {"report", "preview", "table", "void-matrix", "void-field", "bvtv-field",
-                         "shell-field", "size-field", "parts", "like"}))
-        return rename(value);
-    if (isOneOf(option, {"radius", "shell-radius", "void-radius", "void-aspect"}))
-        return renamedBehind({"table:", "psd:"}, value, rename);
-    if (option == "sample") {
-        const auto mark = value.find('=');
-        if (mark == std::string::npos || mark + 1 == value.size()) return value;
-        return value.substr(0, mark + 1) + rename(value.substr(mark + 1));
+    switch (in) {
+        case FileIn::none:
+            return value;
+        case FileIn::whole:
+            return rename(value);
+        case FileIn::domain:
+            return isShape(value) ? value : rename(value);
+        case FileIn::sizes:
+            return renamedBehind({"table:", "psd:"}, value, rename);
+        case FileIn::sample: {
+            const auto mark = value.find('=');
+            if (mark == std::string::npos || mark + 1 == value.size()) return value;
+            return value.substr(0, mark + 1) + rename(value.substr(mark + 1));
+        }
+        case FileIn::voids:
+            return renamedBehind({"list:"}, value, rename);
+        case FileIn::cavities:
+            return renamedCavities(value, rename);
+        case FileIn::pack:
+        case FileIn::output:
+            break;
     }
-    if (option == "voids") return renamedBehind({"list:"}, value, rename);
-    if (isOneOf(option, {"cavities", "shells"})) return renamedCavities(value, rename);
-    if (isOneOf(option, {"output", "existing", "PACK", "FILE"})) {
-        const std::string file = option == "output" ? filePart(value) : packPath(value);
-        const std::string behind = option == "output" ? packPath(file) : file;
-        return value.substr(0, value.size() - behind.size()) + rename(behind);
-    }
-    return value;
+    const std::string file = packPath(in == FileIn::output ? targetOf(value).file : value);
+    return value.substr(0, value.size() - file.size()) + rename(file);
 }
 
 }  // namespace
 
-std::string fromRecipe(const std::string& option, const std::string& value,
-                       const std::string& folder) {
+std::string fromRecipe(FileIn in, const std::string& value, const std::string& folder) {
     if (folder.empty()) return value;
     // Names stay relative, so that the recipe of this run can move with its files, too.
     std::error_code lost;
     fs::path base = folder;
     if (base.is_absolute()) base = fs::proximate(base, lost);
     if (lost) base = folder;
-    return renamed(option, value, [&base](const std::string& file) {
+    return renamed(in, value, [&base](const std::string& file) {
         if (fs::path(file).is_absolute()) return file;
         const fs::path whole = base / file, plain = whole.lexically_normal();
         // Behind symbolic links, ".." may lead elsewhere.
@@ -92,15 +96,14 @@ std::string fromRecipe(const std::string& option, const std::string& value,
     });
 }
 
-std::string forRecipe(const std::string& option, const std::string& value,
-                      const std::string& folder) {
+std::string forRecipe(FileIn in, const std::string& value, const std::string& folder) {
     if (folder.empty()) return value;
     const auto real = [](const fs::path& path) {
         std::error_code failed;
         const fs::path found = fs::weakly_canonical(fs::absolute(path, failed), failed);
         return failed ? fs::absolute(path) : found;
     };
-    return renamed(option, value, [&](const std::string& file) {
+    return renamed(in, value, [&](const std::string& file) {
         const fs::path given(file);
         if (given.is_absolute()) return file;
         const fs::path at = real(folder),
@@ -115,3 +118,5 @@ std::string forRecipe(const std::string& option, const std::string& value,
         return (first(at) == first(parent) ? target.lexically_relative(at) : target).string();
     });
 }
+
+}  // namespace vdbpack
