@@ -348,16 +348,3 @@ TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
     CHECK(study.reports.size() == 2);
     CHECK(rowsOf(folder.file("t.interrupted.csv")).size() == 3);
 }
-
-TEST_CASE("seeds are numbers, ranges and lists", "[run]") {
-    using Seeds = std::vector<std::uint64_t>;
-    CHECK(parseSeeds("7") == Seeds{7});
-    CHECK(parseSeeds("1..4") == Seeds{1, 2, 3, 4});
-    CHECK(parseSeeds("9,1..2,5..5") == Seeds{9, 1, 2, 5});
-    CHECK(parseSeeds("18446744073709551615").front() == ~std::uint64_t{0});
-    for (const char* text : {"", "-1", "1..", "..3", "4..2", "1,,2", "1.5", "x", "1..5000000",
-                             "99999999999999999999", "1 2", "1,", "1,2,1", "1..5,3"}) {
-        CAPTURE(text);
-        CHECK_THROWS_AS(parseSeeds(text), ParameterError);
-    }
-}

@@ -33,8 +33,8 @@ bool setAll(const Option& option, const std::vector<std::string>& texts) {
 void add(CLI::App& app, const Option& option) {
     CLI::Option* added = nullptr;
     if (option.kind == OptionKind::flag)
-        added = app.add_flag_callback(parserName(option), [&option] { option.set("true"); },
-                                      option.help);
+        added = app.add_flag_callback(
+            parserName(option), [&option] { option.set("true"); }, option.help);
     else
         added = app.add_option(
             parserName(option),

@@ -195,9 +195,8 @@ void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
 }
 
 void list(OptionList& rows, ImageRecipe& job, PrintOptions& print) {
-    rows.text(
-            "FILE", "", job.domain.source,
-            "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+    rows.text("FILE", "", job.domain.source,
+              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
         .naming(FileIn::pack)
         .required = true;
     imagePlacement(rows, job.domain);
@@ -295,8 +294,7 @@ std::string withOptionNames(const std::string& message) {
         const std::size_t close = open == std::string::npos ? open : message.find('`', open + 1);
         if (close == std::string::npos) return text + message.substr(at);
         text += message.substr(at, open - at);
-        const auto known =
-            names.find(std::string_view(message).substr(open + 1, close - open - 1));
+        const auto known = names.find(std::string_view(message).substr(open + 1, close - open - 1));
         if (known == names.end()) {  // another use of backquotes
             text += '`';
             at = open + 1;

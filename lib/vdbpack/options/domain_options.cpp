@@ -101,9 +101,8 @@ void repairOptions(OptionList& rows, DomainRecipe& domain) {
               "outer=FILE,inner=FILE replaces DOMAIN")
         .naming(FileIn::cavities);
     // The name and the words of former recipes.
-    Option& former = rows.custom(
-        "shells", "", "former name of --cavities",
-        [&domain](const std::string& text) {
+    Option& former =
+        rows.custom("shells", "", "former name of --cavities", [&domain](const std::string& text) {
             domain.cavities = text == "cavity" ? "keep" : text == "solid" ? "fill" : text;
         });
     former.naming(FileIn::cavities).hiddenIf(true).excludes = "cavities";

@@ -67,8 +67,7 @@ Option& OptionList::add(const char* name, const char* shown, OptionKind kind, st
 
 Option& OptionList::flag(const char* name, bool& field, std::string help) {
     return add(
-        name, "", OptionKind::flag, std::move(help),
-        [&field](const std::string&) { field = true; },
+        name, "", OptionKind::flag, std::move(help), [&field](const std::string&) { field = true; },
         [&field]() -> std::vector<std::string> {
             if (!field) return {};
             return {"yes"};
@@ -153,8 +152,8 @@ std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string
 
 void OptionList::refuseWord(const std::string& name, const std::string& text,
                             const std::vector<std::string>& known) {
-    throw ParameterError(fmt::format("{}: '{}' is not one of {}", optionName(name), text,
-                                     fmt::join(known, ", ")));
+    throw ParameterError(
+        fmt::format("{}: '{}' is not one of {}", optionName(name), text, fmt::join(known, ", ")));
 }
 
 }  // namespace vdbpack

@@ -44,8 +44,8 @@ void voidOptions(OptionList& rows, VoidRecipe& voids, DomainRecipe& domain, Void
 extern const char* const kPackHelp;
 /// An input pack as the argument `name`, and what to compare it with.
 /// @param domainShown  of the domain in the help.
-void inputPackOptions(OptionList& rows, InputPack& input, const char* name,
-                      const std::string& help, const char* domainShown = "DOMAIN");
+void inputPackOptions(OptionList& rows, InputPack& input, const char* name, const std::string& help,
+                      const char* domainShown = "DOMAIN");
 void packArgument(OptionList& rows, InputPack& input, const char* name, const std::string& help);
 /// @param help  null: that of runs with spheres.
 void outputOption(OptionList& rows, std::vector<std::string>& outputs, const char* help = nullptr);

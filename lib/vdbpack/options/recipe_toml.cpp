@@ -105,9 +105,10 @@ private:
         const auto others = command_.get_parent()->get_subcommands(
             [&](const CLI::App* other) { return other->get_name() == name; });
         if (others.empty())
-            values_.fail(value, fmt::format("[{}] is not a command of vdb_pack; options of this one "
-                                            "belong to [{}]",
-                                            name, command_.get_name()));
+            values_.fail(value,
+                         fmt::format("[{}] is not a command of vdb_pack; options of this one "
+                                     "belong to [{}]",
+                                     name, command_.get_name()));
     }
     void readOption(const std::string& name, const toml::node& value) {
         CLI::ConfigItem item;
@@ -290,7 +291,8 @@ std::vector<PartWords> readPartsFile(const std::string& file, FileLookup fileIn)
                                              key.source().begin.line, std::string(key.str())));
         if (const auto* list = all["part"].as_array())
             for (const toml::node& node : *list)
-                if (const auto* table = node.as_table()) parts.push_back(partOf(*table, file, fileIn));
+                if (const auto* table = node.as_table())
+                    parts.push_back(partOf(*table, file, fileIn));
     } catch (const toml::parse_error& e) {
         throw InputError(fmt::format("{}: line {}: {}", file, e.source().begin.line,
                                      std::string(e.description())));

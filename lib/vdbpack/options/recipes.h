@@ -5,8 +5,8 @@
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/domain/domain_recipe.h"
-#include "vdbpack/pack/packer.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview_recipe.h"
 #include "vdbpack/voids/void_recipe.h"
 

@@ -1,8 +1,7 @@
 // Options about runs: what is read and written, threads, memory, reports, pictures.
-#include "vdbpack/options/option_rows.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/options/option_rows.h"
 
 #include <fmt/format.h>
 
@@ -94,8 +93,8 @@ void packArgument(OptionList& rows, InputPack& input, const char* name, const st
     rows.text(name, "", input.pack, help).naming(FileIn::pack).required = true;
 }
 
-void inputPackOptions(OptionList& rows, InputPack& input, const char* name,
-                      const std::string& help, const char* domainShown) {
+void inputPackOptions(OptionList& rows, InputPack& input, const char* name, const std::string& help,
+                      const char* domainShown) {
     packArgument(rows, input, name, help);
     domainOption(rows, input.domain, {}, domainShown);
     domainOptions(rows, input.domain);
@@ -139,18 +138,17 @@ void threadsOption(OptionList& rows, RunSettings& settings, const char* help) {
 
 void memoryLimit(OptionList& rows, RunSettings& settings) {
     rows.group("Run");
-    rows.custom(
-            "memory-limit", "SIZE [free memory]",
-            "memory that the run may use: 8G, 500M, 1.5GiB. A run predicted to exceed it is "
-            "refused, a run that exceeds it stops (exit code 5)",
-            [&settings](const std::string& text) {
-                const auto size = parseBytes(text);
-                if (!size)
-                    throw ParameterError("`memoryLimit` '" + text +
-                                         "': not a size of memory. Write a positive number of "
-                                         "bytes, or one with a unit: 8G, 500M, 1.5GiB");
-                settings.memoryLimit = *size;
-            })
+    rows.custom("memory-limit", "SIZE [free memory]",
+                "memory that the run may use: 8G, 500M, 1.5GiB. A run predicted to exceed it is "
+                "refused, a run that exceeds it stops (exit code 5)",
+                [&settings](const std::string& text) {
+                    const auto size = parseBytes(text);
+                    if (!size)
+                        throw ParameterError("`memoryLimit` '" + text +
+                                             "': not a size of memory. Write a positive number of "
+                                             "bytes, or one with a unit: 8G, 500M, 1.5GiB");
+                    settings.memoryLimit = *size;
+                })
         .passing();
 }
 

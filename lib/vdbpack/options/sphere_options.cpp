@@ -1,8 +1,7 @@
 // Options about spheres: sizes, how they are packed and moved, what they are made of.
-#include "vdbpack/options/option_rows.h"
-
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/numbers.h"
+#include "vdbpack/options/option_rows.h"
 
 #include <fmt/format.h>
 

@@ -38,8 +38,7 @@ void VoidRows::addMethod() const {
         .taking(methods);
     rows.length("shell", "T [0]", voids.shell, Range::notNegative,
                 "thickness of the layer along the wall that stays without voids, mm" +
-                    orElse(spheres,
-                           "; without --voids it only sets the region of each sphere", ""))
+                    orElse(spheres, "; without --voids it only sets the region of each sphere", ""))
         .as("shell voids.shell");
     rows.text("shell-field", "FILE", voids.shellField,
               "the same by place, in place of --shell: a .csv (x, y, z, value) or a .vdb grid of "
@@ -99,8 +98,8 @@ void VoidRows::addSamples() const {
 }
 
 void VoidRows::addShapes() const {
-    rows.text("void-radius",
-              orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC").c_str(), voids.radius,
+    rows.text("void-radius", orElse(spheres, "SPEC [1.5 to 2.5 largest spheres]", "SPEC").c_str(),
+              voids.radius,
               "shorter half-axis b of the voids, " +
                   (spheres ? std::string("written as --radius") : kRadiusSpec) + ", mm (" +
                   orElse(front, "mixed: radius of the holes; ", "") +
