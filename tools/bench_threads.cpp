@@ -47,7 +47,7 @@ Job boxJob(const std::string& box, double fraction) {
     if (fraction > 0) job.name += fmt::format(", densified to {}", fraction);
     job.recipe.domain.source = box;
     job.recipe.radius = "uniform:1,2";
-    job.recipe.densify = fraction;
+    job.recipe.densify.fraction = fraction;
     return job;
 }
 

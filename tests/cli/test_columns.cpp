@@ -179,7 +179,7 @@ TEST_CASE("densified spheres keep their labels and columns", "[cli][columns]") {
     recipe.pack = given.file;
     recipe.domain.source = "ball:5";
     recipe.outputs = {given.out};
-    recipe.fraction = 0.01;  // overlaps alone
+    recipe.densify.fraction = 0.01;  // overlaps alone
     runDensify(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());
 }

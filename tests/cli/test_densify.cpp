@@ -25,7 +25,7 @@ using test::vdbPack;
 TEST_CASE("pack --densify reaches the fraction, and its report says how", "[cli][densify]") {
     auto recipe = recipeFor("box:30,30,30", "uniform:1,2");
     const auto before = runPack(recipe);
-    recipe.densify = 0.62;
+    recipe.densify.fraction = 0.62;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.solidFractionTotal.value_or(0) >= 0.62);
@@ -64,7 +64,7 @@ TEST_CASE("existing spheres stay while the others get denser", "[cli][densify]")
     const auto first = std::get<Pack<3>>(runPack(standing).pack).spheres;
     auto recipe = recipeFor("box:26,26,26", "uniform:1,2");
     recipe.existing = folder.file("a.csv");
-    recipe.densify = 0.59;
+    recipe.densify.fraction = 0.59;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     const auto& pack = std::get<Pack<3>>(run.pack);
@@ -79,7 +79,7 @@ TEST_CASE("equal spheres that crystallize while they are densified are reported"
           "[cli][densify]") {
     const auto warningsAt = [](double fraction) {
         auto recipe = recipeFor("box:30,30,30", "constant:1");
-        recipe.densify = fraction;
+        recipe.densify.fraction = fraction;
         const Report report = runPack(recipe).report;
         REQUIRE(report.densified);
         std::size_t named = 0;
@@ -96,7 +96,7 @@ TEST_CASE("equal spheres that crystallize while they are densified are reported"
 TEST_CASE("a densified pack has the requested count, which a dry run predicts", "[cli][densify]") {
     auto recipe = recipeFor("ball:20", "uniform:1,2");
     recipe.targetCount = 3000;
-    recipe.densify = 0.625;
+    recipe.densify.fraction = 0.625;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
@@ -106,7 +106,7 @@ TEST_CASE("a densified pack has the requested count, which a dry run predicts", 
     CHECK(predicted.solidFraction == Approx(0.625).margin(0.003));
     CHECK(predicted.count == Approx(3000).epsilon(0.02));
     recipe.targetCount = 0;
-    recipe.densify = 0.7;
+    recipe.densify.fraction = 0.7;
     const auto less = dryRunPack(recipe);
     CHECK_FALSE(less.densified);
     const auto reached = runPack(recipe);
@@ -119,7 +119,7 @@ TEST_CASE("a pack interrupted while it gets denser is kept as the front left it"
           "[cli][densify]") {
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
     const auto front = runPack(recipe);
-    recipe.densify = 0.65;
+    recipe.densify.fraction = 0.65;
     bool begun = false;
     Callbacks callbacks;
     callbacks.progress = [&](const Progress& p) {
@@ -136,7 +136,7 @@ TEST_CASE("a pack interrupted while it gets denser is kept as the front left it"
 
 TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
-    recipe.densify = 0.61;
+    recipe.densify.fraction = 0.61;
     recipe.voids.method = "boolean";
     recipe.voids.radius = "constant:3";
     recipe.voids.targetBvtv = 0.8;
@@ -239,7 +239,7 @@ TEST_CASE("densify tells what it does not keep", "[cli][densify]") {
     runPack(recipe);
     DensifyRecipe again;
     again.pack = folder.file("cell.vtp");
-    again.fraction = 0.61;
+    again.densify.fraction = 0.61;
     CHECK(runDensify(again).report.warnings.empty());
     for (const std::string other : {"box:16,16,16", "periodic:17,16,16"}) {
         again.domain.source = other;
@@ -250,14 +250,14 @@ TEST_CASE("densify tells what it does not keep", "[cli][densify]") {
     }
     // A pack with holes.
     auto sparse = recipeFor("box:20,20,20", "uniform:1,1.5");
-    sparse.gap = 1;
+    sparse.packing.gap = 1;
     sparse.outputs = {folder.file("sparse.csv")};
     runPack(sparse);
     again = {};
     again.pack = folder.file("sparse.csv");
     again.domain.source = "box:20,20,20";
     CHECK(runDensify(again).report.warnings.empty());
-    again.fraction = 0.4;
+    again.densify.fraction = 0.4;
     const auto warnings = runDensify(again).report.warnings;
     REQUIRE_FALSE(warnings.empty());
     CHECK_THAT(warnings.front(), Contains("voids"));

@@ -130,10 +130,10 @@ TEST_CASE("a target count is the number of spheres that are written", "[voids][c
         recipe.voids.cull = Cull::touch;
     }
     SECTION("those that densifying adds do") {
-        recipe.densify = 0.62;
+        recipe.densify.fraction = 0.62;
     }
     SECTION("and those that nearly touch after it, which stay connected") {
-        recipe.densify = 0.62;
+        recipe.densify.fraction = 0.62;
         recipe.voids.keepConnected = true;
     }
     SECTION("holes among the spheres do not") {
@@ -157,7 +157,7 @@ TEST_CASE("the voids around a solid have one size in all rounds of a target coun
     recipe.voids.fill = Fill::solid;
     recipe.voids.radius.clear();  // from the radii of the spheres
     recipe.voids.keepConnected = true;
-    recipe.densify = 0.62;
+    recipe.densify.fraction = 0.62;
     const RunResult run = runPack(recipe);
     CHECK(static_cast<double>(run.report.count) == Approx(1500).epsilon(0.02));
 }
@@ -247,7 +247,7 @@ TEST_CASE("existing spheres that reach into voids are kept where the solid is fi
           "[voids][cli]") {
     const TemporaryFolder folder;
     PackRecipe first = recipeFor("ball:8", "constant:1", folder.file("first.csv"));
-    first.maxCount = 60;
+    first.packing.maxCount = 60;
     runPack(first);
     PackRecipe recipe = porousBall("ball:8");
     recipe.voids.fill = Fill::solid;

@@ -21,7 +21,7 @@ using test::recipeFor;
 TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][periodic]") {
     const TemporaryFolder folder;
     auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
-    recipe.densify = 0.645;
+    recipe.densify.fraction = 0.645;
     recipe.outputs = {folder.file("p.vtp"), folder.file("p.csv")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
@@ -50,7 +50,7 @@ TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][
     CHECK_THAT(runVerify(verify, {}).report.warnings[0], Contains("p.vtp") && Contains("24,22,27"));
     DensifyRecipe denser;
     denser.pack = verify.pack;
-    denser.fraction = 0.655;
+    denser.densify.fraction = 0.655;
     const auto result = runDensify(denser);
     CHECK(result.passed);
     CHECK(result.report.solidFractionTotal.value_or(0) >= 0.655);
@@ -103,7 +103,7 @@ TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     other.domain.slice = "z=0";
     refused(other);
     other = recipe;
-    other.order = Order::center;
+    other.packing.order = Order::center;
     refused(other);
     other = recipe;
     other.outputs = {"labels:" + folder.file("l.nrrd")};

@@ -373,7 +373,7 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     }
     PackRecipe recipe = recipeFor("ball:25", "uniform:0.8,1.6");
     recipe.existing = file;
-    recipe.gap = 0.05;
+    recipe.packing.gap = 0.05;
     recipe.outputs = {folder.file("out.csv"), folder.file("out.vdb")};
     std::vector<std::string> warnings;
     Callbacks callbacks;
@@ -441,7 +441,7 @@ TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
     cases.push_back({"one that is made at once", recipeFor("box:40,40,40", "uniform:1,2")});
     cases.push_back({"box", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
     cases.push_back({"with a gap", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
-    cases.back().recipe.gap = 0.1;
+    cases.back().recipe.packing.gap = 0.1;
     cases.push_back({"plane", recipeFor("rect:200,200", "uniform:0.3,0.6")});
     cases.push_back({"wide", recipeFor("box:80,80,80", "lognormal:0.8,0.4,0.4,2")});
     cases.push_back({"mesh", recipeFor(folder.file("ball.obj"), "uniform:0.4,0.8")});
@@ -450,7 +450,7 @@ TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
     cases.push_back({"equal circles", recipeFor("rect:300,300", "constant:0.35")});
     cases.push_back({"so many with a gap", recipeFor("box:40,40,40", "")});
     cases.back().recipe.targetCount = 3000;
-    cases.back().recipe.gap = 0.5;
+    cases.back().recipe.packing.gap = 0.5;
     {
         std::ofstream out(folder.file("stands.csv"));
         out << "x,y,z,radius\n0,0,0,15\n0,0,300,50\n";
@@ -461,7 +461,7 @@ TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
     cases.back().recipe.existing = folder.file("stands.csv");
     cases.back().recipe.targetCount = 4000;
     cases.push_back({"at most", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
-    cases.back().recipe.maxCount = 1000;
+    cases.back().recipe.packing.maxCount = 1000;
     for (auto& [name, recipe] : cases) {
         CAPTURE(name);
         recipe.outputs = {folder.file("pack.csv")};
@@ -503,8 +503,8 @@ TEST_CASE("a target count is met, or the run says that it is not", "[run]") {
             CHECK(std::fabs(n - target) < std::max(6.0, 0.05 * target));
         }
     PackRecipe recipe = recipeFor("box:20,20,20", "");
-    recipe.gap = 1;
+    recipe.packing.gap = 1;
     CHECK(count(recipe, 3000, warned) == Approx(3000).epsilon(0.02));
-    recipe.gap = 5;
+    recipe.packing.gap = 5;
     CHECK_THROWS_WITH(count(recipe, 1000, warned), Catch::Contains("gap of 5 mm"));
 }

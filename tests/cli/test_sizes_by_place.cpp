@@ -88,7 +88,7 @@ TEST_CASE("the shell and the inside have radii of their own, before and after de
     recipe.shellRadius = "uniform:0.5,0.9";
     recipe.voids.shell = 3;
     const bool dense = GENERATE(false, true);
-    if (dense) recipe.densify = 0.62;
+    if (dense) recipe.densify.fraction = 0.62;
     CAPTURE(dense);
     const RunResult run = runPack(recipe);
     CHECK(run.passed);
@@ -108,10 +108,10 @@ TEST_CASE("a field densifies with its local sizes", "[cli]") {
     putContent(folder.file("ramp.csv"), rampTable(0.5, 1.5));
     PackRecipe recipe = recipeWith(folder.file("ramp.csv"));
     const auto front = runPack(recipe).report;
-    recipe.densify = *front.solidFractionTotal + 0.02;
+    recipe.densify.fraction = *front.solidFractionTotal + 0.02;
     const auto dense = runPack(recipe).report;
     REQUIRE(dense.densified);
-    CHECK(*dense.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(*dense.solidFractionTotal >= recipe.densify.fraction - 1e-9);
     CHECK(dense.overlap->max < 1e-6);
     CHECK(dense.localSizes.front().ks < 0.05);
     recipe.threads = 3;
@@ -131,9 +131,9 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
     recipe.voids.shell = c.shell;
     recipe.shellRadius = c.shellRadius;
     CAPTURE(c.shell);
-    recipe.densify = 0.61;
+    recipe.densify.fraction = 0.61;
     const auto report = runPack(recipe).report;
-    CHECK(*report.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(*report.solidFractionTotal >= recipe.densify.fraction - 1e-9);
     CHECK(report.overlap->max < 1e-6);
     CHECK(report.protrusion->max < 1e-6);
     for (const auto& group : report.localSizes) CHECK(group.ks < 0.02);

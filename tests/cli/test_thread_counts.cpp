@@ -142,9 +142,9 @@ TEST_CASE("orders and efforts are the same for any number of threads", "[run][th
             CAPTURE(static_cast<int>(order), static_cast<int>(effort));
             for (const char* domain : {"cylinder:6,15", "rect:30,30"}) {
                 PackRecipe recipe = recipeFor(domain, "uniform:0.4,0.8");
-                recipe.order = order;
-                recipe.effort = effort;
-                recipe.gap = 0.01;
+                recipe.packing.order = order;
+                recipe.packing.effort = effort;
+                recipe.packing.gap = 0.01;
                 requireSameForAnyThreads(recipe);
             }
         }

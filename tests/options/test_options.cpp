@@ -54,7 +54,7 @@ TEST_CASE("distances of words are those of their letters", "[options]") {
 TEST_CASE("a page names the options that differ from their defaults, once", "[options]") {
     PackJob job;
     job.domain.source = "ball:3";
-    job.blockSide = 40;
+    job.packing.blockSide = 40;
     job.voids.method = "boolean";
     job.domain.clips = {"plane:1,0,0,1", "plane:0,1,0,1"};
     const auto given = givenOptions(job);

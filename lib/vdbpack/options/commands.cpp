@@ -94,10 +94,10 @@ void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
     imagesOption(rows, job.images);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
-    densifyOption(rows, job.fraction,
+    densifyOption(rows, job.densify.fraction,
                   "add and move spheres until the solid fraction is F, or as high as possible "
                   "(max); without this option, no sphere is added and only overlaps are removed");
-    gapOption(rows, job.gap,
+    gapOption(rows, job.densify.gap,
               "least distance between spheres, and between spheres and the wall, mm");
     seedOption(rows, job,
                "of the radii and positions of added spheres, and of exchanges between spheres");

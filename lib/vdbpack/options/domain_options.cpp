@@ -11,9 +11,9 @@ const char* const kDomainHelp =
 
 namespace {
 
-const Names<Unit> kUnits{{"mm", Unit::millimeter},
-                         {"m", Unit::meter},
+const Names<Unit> kUnits{{"m", Unit::meter},
                          {"cm", Unit::centimeter},
+                         {"mm", Unit::millimeter},
                          {"um", Unit::micrometer}};
 const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::together},
                                                 {"separate", RepairComponents::separate}};

@@ -128,7 +128,7 @@ public:
         option.words = std::move(all);
         return option;
     }
-    /// A text of any other kind. @param get  what stands on pages; empty: nothing.
+    /// A text of any other kind. @param get  the value on pages; empty: none.
     Option& custom(const char* name, const char* shown, std::string help,
                    std::function<void(const std::string&)> set,
                    std::function<std::string()> get = {});

@@ -59,7 +59,7 @@ void printing(OptionList& rows, PrintOptions& print, const char* json = nullptr)
 void seedOption(OptionList& rows, RunSettings& settings, const char* random);
 /// Rows of runs with one or several seeds. @param made  by each: "pack".
 void studyOptions(OptionList& rows, Study& study, const std::string& made);
-void cutAndColor(OptionList& rows, PreviewRecipe& preview);
-void previewOptions(OptionList& rows, PreviewRecipe& preview);
+void cutAndColor(OptionList& rows, PreviewOptions& preview);
+void previewOptions(OptionList& rows, PreviewOptions& preview);
 
 }  // namespace vdbpack

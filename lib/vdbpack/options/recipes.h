@@ -4,10 +4,11 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/units.h"
+#include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/preview/preview_recipe.h"
+#include "vdbpack/preview/preview.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <cstdint>
@@ -47,7 +48,7 @@ struct RunSettings {
     bool images = false;  ///< files for viewers hold the images in a periodic cell, too
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
     GreyRecipe grey;
-    PreviewRecipe preview;   ///< picture; without a file: none
+    PreviewOptions preview;  ///< picture; without a file: none
     std::string reportFile;  ///< .json or .html; empty: none
     std::string command;     ///< for the report; empty: the task and what it works on
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
@@ -68,13 +69,11 @@ struct PackRecipe : RunSettings {
     std::string shellRadius;
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
-    std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
-    Effort effort = Effort::normal;
-    Order order = Order::sweep;
-    double blockSide = 0;  ///< edge of a block, mm, as that of PackOptions; 0: chosen
-    double gap = 0;        ///< least distance between spheres and to the wall, mm
-    /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
-    double densify = 0;
+    /// How the front packs; sizes, seed, threads and ranks are those of the recipe.
+    PackOptions packing{SizeDistribution::uniform(1, 2)};
+    /// How spheres are moved and added afterwards, with the gap of `packing`; fraction 0: they are
+    /// not.
+    DensifyOptions densify;
     VoidRecipe voids;
     std::string existing;  ///< pack file with spheres to pack around; empty: none
     /// What a program has in memory, mm, in place of the file that `existing` names in messages.
@@ -122,8 +121,7 @@ struct CarveRecipe : InputPack {
 
 /// A pack that exists, made denser, or freed of its overlaps.
 struct DensifyRecipe : InputPack {
-    double fraction = 0;  ///< solid fraction, as that of DensifyOptions; 0: overlaps alone
-    double gap = 0;       ///< least distance between spheres and to the wall, mm
+    DensifyOptions densify;  ///< fraction 0: overlaps are removed, and no sphere is added
 };
 
 struct MeasureRecipe : InputPack {

@@ -36,7 +36,7 @@ const Names<PreviewColor> kColors{{"radius", PreviewColor::radius},
                                   {"depth", PreviewColor::depth},
                                   {"order", PreviewColor::order}};
 
-void setColor(PreviewRecipe& preview, const std::string& name) {
+void setColor(PreviewOptions& preview, const std::string& name) {
     if (name.empty()) throw ParameterError("`preview.color`: must not be empty");
     const auto known = std::find_if(kColors.begin(), kColors.end(),
                                     [&](const auto& color) { return color.first == name; });
@@ -186,7 +186,7 @@ void studyOptions(OptionList& rows, Study& study, const std::string& made) {
         .passing();
 }
 
-void cutAndColor(OptionList& rows, PreviewRecipe& preview) {
+void cutAndColor(OptionList& rows, PreviewOptions& preview) {
     rows.group("Run");
     rows.custom("preview-cut", "x=V|y=V|z=V",
                 "cut picture and view open at a plane, mm; what lies farther from the camera "
@@ -200,7 +200,7 @@ void cutAndColor(OptionList& rows, PreviewRecipe& preview) {
         .as("preview.color");
 }
 
-void previewOptions(OptionList& rows, PreviewRecipe& preview) {
+void previewOptions(OptionList& rows, PreviewOptions& preview) {
     rows.group("Run");
     rows.text("preview", "FILE.png", preview.file,
               "write a picture of the result; a report page contains it too")

@@ -83,23 +83,23 @@ void sphereOptions(OptionList& rows, PackRecipe& recipe) {
     rows.number("target-count", "N", recipe.targetCount, Range::positive,
                 "scale the radii so that about N spheres are written: those that voids leave, with "
                 "those that --densify adds, without those of --existing");
-    rows.count("max-count", "N", recipe.maxCount, 1, std::numeric_limits<std::int64_t>::max(),
-               "stop when N spheres are placed");
-    rows.choice("effort", "fast|normal|dense [normal]", recipe.effort, kEfforts,
+    rows.count("max-count", "N", recipe.packing.maxCount, 1,
+               std::numeric_limits<std::int64_t>::max(), "stop when N spheres are placed");
+    rows.choice("effort", "fast|normal|dense [normal]", recipe.packing.effort, kEfforts,
                 "fast: positions in the order of the sweep; normal: first those where the sphere "
                 "touches an additional sphere or wall (equal ones: many); dense: the same with "
                 "more pending radii to choose from (equal spheres: in larger blocks)");
-    rows.choice("order", "sweep|wall|centre|fifo [sweep]", recipe.order, kOrders,
+    rows.choice("order", "sweep|wall|centre|fifo [sweep]", recipe.packing.order, kOrders,
                 "position that is filled next. sweep: the lowest along a diagonal; wall: nearest "
                 "to the wall; centre: nearest to the middle; fifo: the first found. All but sweep "
                 "run on one thread, for comparison");
-    rows.length("block-side", "MM", recipe.blockSide, Range::positive,
+    rows.length("block-side", "MM", recipe.packing.blockSide, Range::positive,
                 "edge of the blocks of which each is filled by one thread, at least 8 largest "
                 "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, and "
                 "cost some solid fraction");
-    gapOption(rows, recipe.gap,
+    gapOption(rows, recipe.packing.gap,
               "least distance between spheres, and between spheres and the wall, mm");
-    densifyOption(rows, recipe.densify,
+    densifyOption(rows, recipe.densify.fraction,
                   "after packing, move and add spheres until the solid fraction is F, or as high "
                   "as possible (max); radii do not change");
     rows.text("existing", "FILE", recipe.existing,

@@ -58,11 +58,11 @@ void coarsenVoids(VoidRecipe& voids, double scale, const VoidExtent& planned) {
 
 Trial tryOut(PackRecipe recipe, const DomainSource& source, double scale, const VoidExtent& voids,
              const Callbacks& callbacks) {
-    if (scale > 1) recipe.maxCount = 0;
+    if (scale > 1) recipe.packing.maxCount = 0;
     recipe.targetCount =
         requestedSizes(recipe, source.dim()).targetCount / std::pow(scale, source.dim());
     recipe.radiusFactor = scale;
-    recipe.gap *= scale;
+    recipe.packing.gap *= scale;
     coarsenVoids(recipe.voids, scale, voids);
     recipe.outputs.clear();
     recipe.reportFile.clear();
@@ -135,9 +135,9 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     const double existing = large.report.solidFractionTotal.value_or(0) - large.solid;
     double solid =
         std::clamp(line(small.scale, small.solid, large.scale, large.solid, 1), 0.0, 0.95);
-    if (recipe.densify > 0 && std::isfinite(recipe.densify)) {
-        solid = std::min(solid, std::max(recipe.densify - existing, large.solid));
-        run.densified = solid + existing > recipe.densify - 1e-4;
+    if (recipe.densify.fraction > 0 && std::isfinite(recipe.densify.fraction)) {
+        solid = std::min(solid, std::max(recipe.densify.fraction - existing, large.solid));
+        run.densified = solid + existing > recipe.densify.fraction - 1e-4;
     }
     // Radii are scaled to a target count; else the count follows from them.
     const double filled = solid * run.trial.volume;
@@ -154,9 +154,9 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
             scaledSizes(requested.sizes, std::pow(filled / (run.count * each), 1.0 / dim), dim)
                 .spec();
     }
-    if (recipe.maxCount > 0 && run.count > static_cast<double>(recipe.maxCount)) {
-        solid *= static_cast<double>(recipe.maxCount) / run.count;
-        run.count = static_cast<double>(recipe.maxCount);
+    if (recipe.packing.maxCount > 0 && run.count > static_cast<double>(recipe.packing.maxCount)) {
+        solid *= static_cast<double>(recipe.packing.maxCount) / run.count;
+        run.count = static_cast<double>(recipe.packing.maxCount);
     }
     run.solidFraction = solid + existing;
 

@@ -34,7 +34,7 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
         if (requested.targetCount > 0) radii.scale *= std::pow(radii.share, 1.0 / dim);
     }
     radii.detail = requested.detail() * radii.scale;
-    radii.reach = std::max(requested.largest() * radii.scale * 1.05 + recipe.gap,
+    radii.reach = std::max(requested.largest() * radii.scale * 1.05 + recipe.packing.gap,
                            depthForShell(recipe.voids, plannedVoxel(recipe.voids, dim)) / 3);
     return radii;
 }
@@ -57,14 +57,15 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source) {
     const FieldRadii radii = fieldRadii(recipe, requested, source, each);
     Extent e = extentOf(source, radii.detail, radii.reach, plannedVoxel(recipe.voids, dim));
     e.searching = requested.targetCount > 0;
-    e.densifying = recipe.densify > 0;
+    e.densifying = recipe.densify.fraction > 0;
     e.solid = recipe.voids.fill == Fill::solid;
     // Spheres with half of the gap around them.
-    const double ball = each * std::pow(1 + 0.5 * recipe.gap / requested.sizes.mean(), dim);
+    const double ball = each * std::pow(1 + 0.5 * recipe.packing.gap / requested.sizes.mean(), dim);
     const double filled = e.solid ? e.volume * radii.share : e.volume;
     e.count = e.searching ? requested.targetCount / (e.solid ? 1 : radii.share)
                           : (dim == 3 ? kUsualSolid : kSolidInPlane) * filled / ball;
-    if (recipe.maxCount > 0) e.count = std::min(e.count, static_cast<double>(recipe.maxCount));
+    if (recipe.packing.maxCount > 0)
+        e.count = std::min(e.count, static_cast<double>(recipe.packing.maxCount));
     e.voids = planVoids(recipe.voids, e, requested.largest() * radii.scale);
     if (const auto labels = labelGridOf(recipe, {&source}))
         e.labelVoxels = static_cast<double>(labels->voxels());

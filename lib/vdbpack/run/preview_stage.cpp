@@ -49,18 +49,8 @@ Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSou
     return renderPreview(scene, options);
 }
 
-PreviewOptions optionsOf(const PreviewRecipe& recipe) {
-    PreviewOptions options;
-    options.color = recipe.color;
-    options.column = recipe.column;
-    options.cut = recipe.cut;
-    options.width = recipe.width;
-    options.height = recipe.height;
-    return options;
-}
-
 /// Encodes a picture, and writes it if it has a file.
-PagePicture finished(Picture image, const PreviewRecipe& recipe, const std::string& source) {
+PagePicture finished(Picture image, const PreviewOptions& recipe, const std::string& source) {
     PagePicture picture;
     for (const auto& [keyword, text] : image.texts)
         picture.words += (picture.words.empty() ? "" : ", ") + text;
@@ -79,7 +69,7 @@ PagePicture finished(Picture image, const PreviewRecipe& recipe, const std::stri
 
 }  // namespace
 
-void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
+void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
     checkPreviewSize(recipe.width, recipe.height);
     const std::string& file = recipe.file;
     if (!file.empty() && extensionOf(file) != ".png")
@@ -93,7 +83,7 @@ void checkPreview(const PreviewRecipe& recipe, const std::string& reportFile) {
 }
 
 template <int Dim>
-void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack) {
+void checkPreview(const PreviewOptions& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack) {
     if (Dim == 3 && !recipe.file.empty() && !canDrawSpace())
         renderPreview(SpacePreview{}, PreviewOptions{});  // throws, with what to install
     if (recipe.cut) {
@@ -108,12 +98,12 @@ void checkPreview(const PreviewRecipe& recipe, const Domain<Dim>& domain, const 
 }
 
 template <int Dim>
-PagePicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFile,
+PagePicture drawPreview(const PreviewOptions& recipe, const std::string& reportFile,
                         const DomainSource& source, const DomainSource::Built& built,
                         const MadeVoids<Dim>& made, const Pack<Dim>* pack,
                         const Callbacks& callbacks, const TriangleMesh* wall) {
     if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
-    PreviewOptions options = optionsOf(recipe);
+    PreviewOptions options = recipe;
     options.cancelled = callbacks.cancelled;
     if (options.color == PreviewColor::column &&
         !(pack && columnOfNumbers(*pack, recipe.column.c_str()))) {
@@ -129,7 +119,7 @@ PagePicture drawPreview(const PreviewRecipe& recipe, const std::string& reportFi
 }
 
 template <int Dim>
-void addView(const PreviewRecipe& recipe, const DomainSource* source,
+void addView(const PreviewOptions& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture) {
     ViewScene<Dim> scene;
@@ -153,10 +143,10 @@ void addView(const PreviewRecipe& recipe, const DomainSource* source,
 }
 
 template <int Dim>
-PagePicture drawPack(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
                      const DomainSource* source, const DomainSource::Built& built,
                      const Callbacks& callbacks) {
-    PreviewOptions options = optionsOf(recipe);
+    PreviewOptions options = recipe;
     options.cancelled = callbacks.cancelled;
     if (recipe.file.empty()) {
         if (Dim == 3 && !canDrawSpace()) return {};
@@ -172,39 +162,39 @@ PagePicture drawPack(const PreviewRecipe& recipe, const std::string& name, const
 }
 
 template <int Dim>
-bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const Pack<Dim>& pack,
+bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
                const DomainSource* source, const DomainSource::Built& built) {
     if (recipe.file.empty()) return false;
     drawPack(recipe, name, pack, source, built, {});
     return true;
 }
 
-bool drawGiven(const PreviewRecipe& recipe, const std::string& name, const TriangleMesh& solid) {
+bool drawGiven(const PreviewOptions& recipe, const std::string& name, const TriangleMesh& solid) {
     if (recipe.file.empty()) return false;
     SpacePreview scene;
     scene.solid = &solid;
-    finished(renderPreview(scene, optionsOf(recipe)), recipe, name);
+    finished(renderPreview(scene, recipe), recipe, name);
     return true;
 }
 
-template void checkPreview<2>(const PreviewRecipe&, const Domain<2>&, const Pack<2>*);
-template void checkPreview<3>(const PreviewRecipe&, const Domain<3>&, const Pack<3>*);
-template void addView<2>(const PreviewRecipe&, const DomainSource*, const DomainSource::Built&,
+template void checkPreview<2>(const PreviewOptions&, const Domain<2>&, const Pack<2>*);
+template void checkPreview<3>(const PreviewOptions&, const Domain<3>&, const Pack<3>*);
+template void addView<2>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,
                          const Pack<2>&, const TriangleMesh*, bool, PagePicture&);
-template void addView<3>(const PreviewRecipe&, const DomainSource*, const DomainSource::Built&,
+template void addView<3>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,
                          const Pack<3>&, const TriangleMesh*, bool, PagePicture&);
-template PagePicture drawPack<2>(const PreviewRecipe&, const std::string&, const Pack<2>&,
+template PagePicture drawPack<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
                                  const DomainSource*, const DomainSource::Built&, const Callbacks&);
-template PagePicture drawPack<3>(const PreviewRecipe&, const std::string&, const Pack<3>&,
+template PagePicture drawPack<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
                                  const DomainSource*, const DomainSource::Built&, const Callbacks&);
-template bool drawGiven<2>(const PreviewRecipe&, const std::string&, const Pack<2>&,
+template bool drawGiven<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
                            const DomainSource*, const DomainSource::Built&);
-template bool drawGiven<3>(const PreviewRecipe&, const std::string&, const Pack<3>&,
+template bool drawGiven<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
                            const DomainSource*, const DomainSource::Built&);
-template PagePicture drawPreview<2>(const PreviewRecipe&, const std::string&, const DomainSource&,
+template PagePicture drawPreview<2>(const PreviewOptions&, const std::string&, const DomainSource&,
                                     const DomainSource::Built&, const MadeVoids<2>&, const Pack<2>*,
                                     const Callbacks&, const TriangleMesh*);
-template PagePicture drawPreview<3>(const PreviewRecipe&, const std::string&, const DomainSource&,
+template PagePicture drawPreview<3>(const PreviewOptions&, const std::string&, const DomainSource&,
                                     const DomainSource::Built&, const MadeVoids<3>&, const Pack<3>*,
                                     const Callbacks&, const TriangleMesh*);
 

@@ -58,9 +58,9 @@ void checkSolidFill(const PackRecipe& recipe) {
 
 /// Refuses settings of one domain that exclude one another.
 void checkPacking(const PackRecipe& recipe) {
-    if (recipe.densify > 0 && recipe.maxCount > 0)
+    if (recipe.densify.fraction > 0 && recipe.packing.maxCount > 0)
         throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
-    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
+    if (recipe.densify.fraction > 0 && needsFront(methodOf(recipe.voids)))
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
                              recipe.voids.method +
                              "; use voids that are cut afterwards, such as boolean");
@@ -202,14 +202,10 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
 }
 
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
-    PackOptions options(sizes);
+    PackOptions options = recipe.packing;
+    options.sizes = sizes;
     options.seed = recipe.seed;
     options.threads = recipe.threads;
-    options.effort = recipe.effort;
-    options.order = recipe.order;
-    options.blockSide = recipe.blockSide;
-    options.gap = recipe.gap;
-    options.maxCount = recipe.maxCount;
     options.ranks = recipe.ranks;
     return options;
 }

@@ -145,11 +145,11 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     else if (counted.count)
         counted.share = prepared.radii.share;
     auto result = packToCount(domain, options, target, run.callbacks, existing, counted);
-    if (recipe.densify > 0 && !result.interrupted) {
+    if (recipe.densify.fraction > 0 && !result.interrupted) {
         double front = ballShare(result.pack.spheres, domain.volume(), run.ranks());
         front += ballShare(existing, domain.volume());
-        const double after =
-            std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
+        const double after = std::isfinite(recipe.densify.fraction) ? recipe.densify.fraction
+                                                                    : front + kMostGain<Dim>;
         if (after > front)  // fewer, larger spheres
             result = packToCount(domain, options, target * front / after, run.callbacks, existing,
                                  counted);
@@ -238,7 +238,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     run->shell = prepared.shell;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
-    run->report.requestedGap = recipe.gap;
+    run->report.requestedGap = recipe.packing.gap;
     run->sizes = &options.sizes;
     run->local = options.local.any() ? &options.local : nullptr;
     clock.lap();
@@ -248,7 +248,12 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
         }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
-    if (recipe.densify > 0) densifyStage(*run, recipe.densify, recipe.gap, true);
+    if (recipe.densify.fraction > 0) {
+        DensifyOptions densify = recipe.densify;
+        densify.gap = recipe.packing.gap;
+        densify.mixSizes = true;
+        densifyStage(*run, std::move(densify));
+    }
     cutStage(*run, voidsMade);
     return run;
 }
@@ -275,9 +280,9 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
     constexpr double kNear = 0.018;
     const double target = prepared.requested.targetCount;
-    const bool foreseen =
-        !needsFront(methodOf(recipe.voids)) && !(recipe.densify > 0 && recipe.voids.keepConnected);
-    if (!(target > 0) || foreseen || recipe.maxCount > 0)
+    const bool foreseen = !needsFront(methodOf(recipe.voids)) &&
+                          !(recipe.densify.fraction > 0 && recipe.voids.keepConnected);
+    if (!(target > 0) || foreseen || recipe.packing.maxCount > 0)
         return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
     const auto holds = std::make_shared<bool>(true);
     Callbacks held = callbacks;
@@ -319,7 +324,7 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
                          const Callbacks& callbacks, PackOptions& options) {
     RunPtr<Dim> run = packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
     measureStage(*run);
-    if (recipe.maxCount == 0) {
+    if (recipe.packing.maxCount == 0) {
         warnOfCount(*run, prepared.requested.targetCount);
         warnOfFewSpheres(*run, options.local.largest(options.sizes));
     }

@@ -3,12 +3,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/run/image_domain.h"
-#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/verify/overlap.h"
@@ -47,7 +47,7 @@ void checkPartsRecipe(const PackRecipe& recipe) {
                 "{}: is not done for several parts; leave it out, or pack them one by one", what));
     };
     refuse(!recipe.existing.empty(), "`existing`");
-    refuse(recipe.maxCount > 0, "`maxCount`");
+    refuse(recipe.packing.maxCount > 0, "`maxCount`");
     refuse(!recipe.domain.slice.empty(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
     refuse(isPage(recipe.reportFile), "a report page (a .json is written)");

@@ -2,12 +2,12 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/densify_stage.h"
 #include "vdbpack/run/grey_stage.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/rank_stages.h"
@@ -165,12 +165,14 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 }
 
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront) {
+void densifyStage(Run<Dim>& run, DensifyOptions options) {
     if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
-    densifyPack(run.filled(),
-                {fraction, run.sizes, gap, run.settings.seed, ofFront, run.fixed, run.ranks(),
-                 &run.pieces, run.local},
-                run.pack, run.report, run.callbacks);
+    if (run.sizes) options.sizes = *run.sizes;
+    options.seed = run.settings.seed;
+    options.fixed = run.fixed;
+    options.ranks = run.ranks();
+    options.local = run.local;
+    densifyPack(run.filled(), std::move(options), run.pieces, run.pack, run.report, run.callbacks);
     run.report.seconds.densify += run.clock.lap();
 }
 
@@ -451,7 +453,7 @@ RunResult finishStage(Run<Dim>& run) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                                 \
     template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
-    template void densifyStage(Run<Dim>&, double, double, bool);                 \
+    template void densifyStage(Run<Dim>&, DensifyOptions);                       \
     template void cutStage(Run<Dim>&, bool);                                     \
     template void measureStage(Run<Dim>&);                                       \
     template RunResult finishStage(Run<Dim>&);

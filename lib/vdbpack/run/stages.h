@@ -174,10 +174,9 @@ template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize = 0);
 
-/// @param fraction  to reach, as that of DensifyOptions. @param gap  mm
-/// @param ofFront  whether a front has placed the spheres in this run.
+/// @param options  fraction, gap and mixSizes; the others follow from the run.
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront);
+void densifyStage(Run<Dim>& run, DensifyOptions options);
 
 /// Makes the voids before there are spheres, and what they leave the domain of the spheres.
 /// @param detail, reach  radii that its field is made for, mm.
