@@ -198,7 +198,7 @@ TEST_CASE("files are about as large as estimated", "[estimate]") {
     REQUIRE(run.report.files.size() >= recipe.outputs.size());
     REQUIRE(estimated.files.size() == recipe.outputs.size());
     for (std::size_t i = 0; i < recipe.outputs.size(); ++i) {
-        CAPTURE(recipe.outputs[i]);
+        CAPTURE(recipe.outputs[i].text);
         const auto bytes = static_cast<double>(std::filesystem::file_size(run.report.files[i]));
         CHECK(estimated.files[i].bytes > 0.7 * bytes);
         CHECK(estimated.files[i].bytes < 2 * bytes);

@@ -147,7 +147,7 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     CHECK_THAT(warned[0], Catch::Contains("`unit`"));
     CHECK(packed.report.warnings == warned);
     MeasureRecipe measure;
-    measure.pack = recipe.outputs[0];
+    measure.pack = recipe.outputs[0].file;
     CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("`packUnit`"));
 }
 

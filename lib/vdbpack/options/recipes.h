@@ -6,6 +6,7 @@
 #include "vdbpack/core/units.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_recipe.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
@@ -42,10 +43,10 @@ struct RunSettings {
     Ranks* ranks = nullptr;  ///< with which `pack` is run; null: there are none
     double memoryLimit = 0;  ///< bytes that the process may hold; 0: what is free at the start
     std::uint64_t seed = 1;  ///< of all random numbers
-    double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
-    std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
-    Unit outUnit = Unit::millimeter;   ///< of the lengths in them
-    bool images = false;  ///< files for viewers hold the images in a periodic cell, too
+    double contactTolerance = 1e-3;  ///< gap up to which spheres touch, in smaller radii
+    std::vector<OutputTarget> outputs;
+    Unit outUnit = Unit::millimeter;  ///< of the lengths in them
+    bool images = false;              ///< files for viewers hold the images in a periodic cell, too
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
     GreyRecipe grey;
     PreviewOptions preview;  ///< picture; without a file: none
@@ -192,6 +193,6 @@ Recipe recipeForSeed(Recipe recipe, std::uint64_t seed) {
 
 /// "out/femur.recipe.toml" beside "out/femur.vdb", the first of several outputs; empty if there are
 /// none.
-std::string recipeFileFor(const std::vector<std::string>& outputs);
+std::string recipeFileFor(const std::vector<OutputTarget>& outputs);
 
 }  // namespace vdbpack

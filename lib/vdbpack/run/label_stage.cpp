@@ -18,10 +18,10 @@ namespace vdbpack {
 namespace {
 
 /// The first output that is a label map; null: none.
-const std::string* labelOutput(const RunSettings& settings) {
-    const auto found = std::find_if(
-        settings.outputs.begin(), settings.outputs.end(),
-        [](const auto& output) { return targetOf(output).kind == OutputKind::labels; });
+const OutputTarget* labelOutput(const RunSettings& settings) {
+    const auto found =
+        std::find_if(settings.outputs.begin(), settings.outputs.end(),
+                     [](const OutputTarget& output) { return output.kind == OutputKind::labels; });
     return found == settings.outputs.end() ? nullptr : &*found;
 }
 
@@ -69,17 +69,17 @@ SolidTest solidTest(const std::shared_ptr<const VdbGrid>& levelSet) {
 
 std::optional<ImageGrid> labelGridOf(const RunSettings& settings,
                                      const std::vector<const DomainSource*>& sources) {
-    const std::string* output = labelOutput(settings);
+    const OutputTarget* output = labelOutput(settings);
     if (!output) return std::nullopt;
     if (sources.empty() || sources.front()->dim() != 3)
-        throw ParameterError(*output +
+        throw ParameterError(output->text +
                              ": label maps need a domain of space; set `domain`, or leave it out");
-    const ImageGrid grid = chosenGrid(*output, sources);
+    const ImageGrid grid = chosenGrid(output->text, sources);
     const double bytes = 5 * static_cast<double>(grid.voxels());
     if (residentMemory() + bytes > memoryLimit(settings.memoryLimit))
         throw ResourceError(fmt::format(
             "{}: {} x {} x {} voxels take {}, more than there is; make `voxelSpacing` larger",
-            *output, grid.size[0], grid.size[1], grid.size[2], bytesText(bytes)));
+            output->text, grid.size[0], grid.size[1], grid.size[2], bytesText(bytes)));
     return grid;
 }
 
@@ -137,8 +137,9 @@ LabelMap solidLabels(const std::vector<SolidTest>& solids, const ImageGrid& grid
 
 }  // namespace
 
-void writeLabels(const std::string& output, const std::string& what, const std::string& file,
-                 const Pack<3>* pack, const LabelSource& source, const std::string& generator) {
+void writeLabels(const OutputTarget& target, const Pack<3>* pack, const LabelSource& source,
+                 const std::string& generator) {
+    const std::string &output = target.text, &what = target.labels;
     if (!source.grid) throw ParameterError(output + ": this run has no domain of space to label");
     if (what != "solid" && !pack)
         throw ParameterError(output +
@@ -152,7 +153,7 @@ void writeLabels(const std::string& output, const std::string& what, const std::
             map.grid.origin[d] *= -1;
             for (Vec<3>& step : map.grid.step) step[d] *= -1;
         }
-    writeLabelMap(map, file, generator);
+    writeLabelMap(map, target.file, generator);
 }
 
 }  // namespace vdbpack

@@ -1,10 +1,11 @@
 // Private to runs: spheres and solids as label maps.
 #pragma once
 
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/label_map.h"
-#include "vdbpack/run/domain_source.h"
 #include "vdbpack/options/recipes.h"
+#include "vdbpack/run/domain_source.h"
 
 #include <functional>
 #include <memory>
@@ -39,10 +40,9 @@ void warnOfUnusedSpacing(const RunSettings& settings, const DomainSource& source
                          const Callbacks& callbacks);
 
 /// Writes one label map.
-/// @param what  "ids", "regions", "parts" or "materials" of spheres, or "solid".
 /// @param pack  null: there is none.
 /// @throws ParameterError (no such thing to write, ids that are no labels), IoError, ResourceError
-void writeLabels(const std::string& output, const std::string& what, const std::string& file,
-                 const Pack<3>* pack, const LabelSource& source, const std::string& generator);
+void writeLabels(const OutputTarget& target, const Pack<3>* pack, const LabelSource& source,
+                 const std::string& generator);
 
 }  // namespace vdbpack

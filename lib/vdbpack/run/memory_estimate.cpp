@@ -3,8 +3,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/io/text.h"
 #include "vdbpack/formats/output_target.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/view.h"
@@ -52,36 +52,31 @@ constexpr double kLabelVoxel = 4.2, kLabelNumber = 2, kPackedLabel = 0.06;
 /// Parts of a smaller share are not listed; files this much smaller than estimated may still fit.
 constexpr double kListedShare = 0.02, kFileTolerance = 0.8;
 
-bool listsPairs(const std::string& output) {
-    return startsWith(output, "contacts:") || startsWith(output, "lammps-bonds:");
-}
-
 /// Voxels along the wall of a shape, whose level set is made where it is written.
 double shapeFaces(const Extent& e) {
     return e.shapeVoxel > 0 ? e.area / (e.shapeVoxel * e.shapeVoxel) : 0;
 }
 
 /// Whether an output of a shape is made from its level set; the .vdb of a pack is not.
-bool isShapeLevelSet(const std::string& output) {
-    return isSolidOutput(output) && targetOf(output).kind != OutputKind::pack;
+bool isShapeLevelSet(const OutputTarget& output) {
+    return output.isSolid() && output.kind != OutputKind::pack;
 }
 
-double shapeBytes(const Extent& e, const std::vector<std::string>& outputs) {
+double shapeBytes(const Extent& e, const std::vector<OutputTarget>& outputs) {
     double each = 0;
     if (e.voids.count > 0) return 0;  // it comes with theirs
-    for (const std::string& output : outputs)
+    for (const OutputTarget& output : outputs)
         if (isShapeLevelSet(output))
-            each = std::max(each,
-                            extensionOf(filePart(output)) == ".stl" ? kShapeContour : kShapeGrid);
+            each = std::max(each, output.extension() == ".stl" ? kShapeContour : kShapeGrid);
     return each * shapeFaces(e);
 }
 
-double fileBytes(const std::string& output, const Extent& e) {
-    const std::string format = extensionOf(filePart(output));
-    if (startsWith(output, "list:")) return kText * e.voids.count;
-    if (listsPairs(output)) return kPairsText * e.count;
-    if (targetOf(output).kind == OutputKind::materials) return 1000;
-    if (targetOf(output).kind == OutputKind::labels)
+double fileBytes(const OutputTarget& output, const Extent& e) {
+    const std::string format = output.extension();
+    if (output.kind == OutputKind::voidList) return kText * e.voids.count;
+    if (output.listsPairs()) return kPairsText * e.count;
+    if (output.kind == OutputKind::materials) return 1000;
+    if (output.kind == OutputKind::labels)
         return (format == ".nii" ? kLabelNumber : kPackedLabel) * e.labelVoxels;
     const bool cut = e.voids.count > 0;
     const double faces =
@@ -89,7 +84,7 @@ double fileBytes(const std::string& output, const Extent& e) {
     if (format == ".stl")
         return faces > 0 ? kFace * faces : kStlTriangle * static_cast<double>(e.field.triangles);
     if (faces > 0 && !cut && isShapeLevelSet(output)) return kShapeFile * faces;
-    const double surface = holdsSurface(output)
+    const double surface = holdsSurface(output.text)
                                ? kUsdTriangle * (cut ? kJoined * kContourTriangles * faces
                                                      : static_cast<double>(e.field.triangles))
                                : 0;
@@ -97,14 +92,16 @@ double fileBytes(const std::string& output, const Extent& e) {
                       format != ".vtkhdf" && format != ".hdf" && format != ".ply" &&
                       format != ".npz";
     const double levelSets = cut ? kCutFace * faces : kVoxel * e.field.voxels();
-    return (text ? kText : kBinary) * e.count + surface + (isSolidOutput(output) ? levelSets : 0);
+    return (text ? kText : kBinary) * e.count + surface + (output.isSolid() ? levelSets : 0);
 }
 
 double sphereBytes(const Extent& e, const RunSettings& settings) {
     double each = e.densifying ? kMoved : kSphere;
     if (e.field.triangles > 0) each += kBesideMesh;
     if (e.searching) each += kSecondPack;
-    if (std::any_of(settings.outputs.begin(), settings.outputs.end(), listsPairs)) each += kPairs;
+    if (std::any_of(settings.outputs.begin(), settings.outputs.end(),
+                    [](const OutputTarget& output) { return output.listsPairs(); }))
+        each += kPairs;
     return each * e.count;
 }
 
@@ -151,12 +148,14 @@ std::string Estimate::memoryText() const {
 Estimate estimate(const Extent& e, const RunSettings& settings) {
     Estimate all;
     const bool written =
-        std::any_of(settings.outputs.begin(), settings.outputs.end(), usesLevelSets);
+        std::any_of(settings.outputs.begin(), settings.outputs.end(),
+                    [](const OutputTarget& output) { return output.usesLevelSets(); });
     const double built =
         (e.field.watertight && !written ? kBandVoxel : kFieldVoxel) * e.field.voxels();
     const double spheres = sphereBytes(e, settings);
     double voids = stampBytes(e) + kMoved * e.voids.packed;
-    for (const auto& output : settings.outputs) all.files.push_back({output, fileBytes(output, e)});
+    for (const auto& output : settings.outputs)
+        all.files.push_back({output.text, fileBytes(output, e)});
     const bool hasView = isPage(settings.reportFile) && e.count > 0 && !settings.ranks;
     const double viewed = std::min(e.count, static_cast<double>(ViewOptions().mostSpheres));
     if (hasView) all.files.push_back({settings.reportFile, kPage + kPageSphere * viewed});
@@ -217,7 +216,7 @@ namespace {
 std::string smallerFile(const std::string& name) {
     if (extensionOf(filePart(name)) != ".vdb") return "a smaller format (.vdb), or fewer spheres";
     if (startsWith(name, "points:")) return "or fewer spheres";
-    return isSolidOutput(name) && filePart(name) != name
+    return OutputTarget(name).isSolid() && filePart(name) != name
                ? "or with larger voxels"
                : "without level sets (points:FILE.vdb), or fewer spheres";
 }

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/material_file.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/formats/write_blender.h"
@@ -12,7 +13,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -30,13 +30,9 @@ namespace vdbpack {
 namespace {
 
 /// The .vdb among some outputs that level sets are to be found in; empty: none.
-std::string volumeAmong(const std::vector<std::string>& outputs) {
-    for (const auto& output : outputs) {
-        const OutputTarget target = targetOf(output);
-        if (target.kind == OutputKind::pack && extensionOf(target.file) == ".vdb" &&
-            output.rfind("points:", 0) != 0)
-            return target.file;
-    }
+std::string volumeAmong(const std::vector<OutputTarget>& outputs) {
+    for (const OutputTarget& output : outputs)
+        if (output.kind == OutputKind::pack && output.isSolid()) return output.file;
     return {};
 }
 
@@ -101,55 +97,19 @@ double shapeVoxelSize(const Box<3>& bounds) {
     return std::min(*longest / kVoxelsAcross, *thin / kVoxelsThrough);
 }
 
-std::string interruptedName(const std::string& name) {
-    const std::string file = filePart(name);
-    std::string extension = std::filesystem::path(file).extension().string();
-    if (extension == ".gz")  // .nii.gz
-        extension = std::filesystem::path(file).stem().extension().string() + extension;
-    const std::string mark = ".interrupted";
-    // A name of more than 255 bytes is cut, between characters.
-    const std::size_t bytes = std::filesystem::path(file).filename().string().size() + mark.size();
-    std::size_t stem = name.size() - extension.size();
-    if (bytes > 255) {
-        stem -= std::min(bytes - 255, stem);
-        while (stem > 0 && (static_cast<unsigned char>(name[stem]) & 0xc0) == 0x80) --stem;
-    }
-    return name.substr(0, stem) + mark + extension;
-}
-
-bool isSolidOutput(const std::string& output) {
-    const OutputTarget target = targetOf(output);
-    switch (target.kind) {
-        case OutputKind::contour:
-        case OutputKind::levelSets:
-        case OutputKind::fog:
-            return true;
-        case OutputKind::pack:
-            return target.file == output && extensionOf(output) == ".vdb";
-        default:
-            return false;
-    }
-}
-
-bool usesLevelSets(const std::string& output) {
-    return isSolidOutput(output) || targetOf(output).kind == OutputKind::blender;
-}
-
-void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+void checkFiles(const std::vector<OutputTarget>& outputs, const std::string& reportFile,
                 const std::vector<std::string>& inputs, const std::vector<std::string>& further) {
     namespace fs = std::filesystem;
     std::vector<std::string> files;
-    for (const auto& output : outputs) {
-        const OutputTarget target = targetOf(output);
-        if (target.kind == OutputKind::pack) checkPackFormat(output);
+    for (const OutputTarget& target : outputs) {
+        if (target.kind == OutputKind::pack) checkPackFormat(target.text);
         if (target.kind == OutputKind::blender) {
             // Whether there are level sets is not known yet.
             const auto all = blenderFiles(target.file, true, volumeAmong(outputs));
             files.insert(files.end(), all.begin(), all.end());
         } else {
             files.push_back(target.file);
-            if (extensionOf(target.file) == ".pvtp")
-                files.push_back(pieceName(target.file, 0, ".vtp"));
+            if (target.extension() == ".pvtp") files.push_back(pieceName(target.file, 0, ".vtp"));
         }
     }
     if (!reportFile.empty()) {
@@ -182,28 +142,28 @@ void checkFiles(const std::vector<std::string>& outputs, const std::string& repo
     for (const std::string& file : files) const OutputFile unwritten(file);
 }
 
-void checkInterruptedFiles(const std::vector<std::string>& outputs,
+void checkInterruptedFiles(const std::vector<OutputTarget>& outputs,
                            const std::vector<std::string>& inputs) {
-    for (const std::string& output : outputs) {
-        const std::string file = filePart(interruptedName(output));
+    for (const OutputTarget& output : outputs) {
+        const std::string file = filePart(interruptedName(output.text));
         for (const std::string& input : inputs)
             if (!input.empty() && isSame(file, filePart(input)))
                 throw ParameterError(
                     fmt::format("{}: an interrupted run would be written to {}, which is an input; "
                                 "name another output",
-                                output, file));
+                                output.text, file));
         const OutputFile unwritten(file);
     }
 }
 
-void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
-                      int dim) {
-    for (const std::string& output : outputs) {
-        const OutputTarget target = targetOf(output);
+void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
+                      const VoidRecipe& voids, int dim) {
+    for (const OutputTarget& target : outputs) {
+        const std::string& output = target.text;
         if (run == RunKind::measure && target.kind != OutputKind::contacts)
             throw ParameterError(output +
                                  ": measure writes contact lists alone; name it contacts:FILE.csv");
-        const bool solid = isSolidOutput(output);
+        const bool solid = target.isSolid();
         const bool levelSet = solid && target.kind != OutputKind::pack;
         if (target.kind == OutputKind::labels && dim == 2)
             throw ParameterError(output + ": label maps are of spheres; leave it out");
@@ -272,8 +232,8 @@ void writePackAndSurface(const std::string& output, const RunOutputs<Dim>& have)
 }  // namespace
 
 template <int Dim>
-std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have) {
-    const OutputTarget target = targetOf(output);
+std::vector<std::string> writeOutput(const OutputTarget& target, const RunOutputs<Dim>& have) {
+    const std::string& output = target.text;
     const auto need = [&](bool there, const char* what) {
         if (!there)
             throw ParameterError(
@@ -297,8 +257,7 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
             break;
         case OutputKind::labels:
             if constexpr (Dim == 3)
-                writeLabels(output, target.labels, target.file, have.pack, have.labels,
-                            have.options.generator);
+                writeLabels(target, have.pack, have.labels, have.options.generator);
             break;
         case OutputKind::contour: {
             const auto levelSets = levelSetsOf(have);
@@ -322,7 +281,7 @@ std::vector<std::string> writeOutput(const std::string& output, const RunOutputs
         case OutputKind::pack:
             if (have.pack) {
                 writePackAndSurface(output, have);
-                if (extensionOf(target.file) == ".pvtp")
+                if (target.extension() == ".pvtp")
                     return {target.file, pieceName(target.file, 0, ".vtp")};
             } else {
                 writeLevelSets(output, have.options);
@@ -342,7 +301,7 @@ namespace {
 /// Ids of a .ply have 32 bits; where one does not fit, the file has none.
 template <int Dim>
 void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (target.kind != OutputKind::pack || extensionOf(target.file) != ".ply") return;
+    if (target.kind != OutputKind::pack || target.extension() != ".ply") return;
     const auto wide = std::find_if(pack.id.begin(), pack.id.end(), [](std::int64_t id) {
         return id < std::numeric_limits<std::int32_t>::min() ||
                id > std::numeric_limits<std::int32_t>::max();
@@ -357,7 +316,7 @@ void warnOfIds(const OutputTarget& target, const Pack<Dim>& pack, const Callback
 /// Arrays of a .vtkhdf are numbers.
 template <int Dim>
 void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    const std::string extension = extensionOf(target.file);
+    const std::string extension = target.extension();
     if (target.kind != OutputKind::pack || (extension != ".vtkhdf" && extension != ".hdf")) return;
     for (const Column& column : pack.columns)
         if (!column.texts.empty())
@@ -369,9 +328,9 @@ void warnOfTexts(const OutputTarget& target, const Pack<Dim>& pack, const Callba
 
 /// YADE repeats along all axes or none.
 template <int Dim>
-void warnOfCell(const std::string& output, const Pack<Dim>& pack, const Callbacks& callbacks) {
-    if (output.rfind("yade:", 0) == 0 && pack.cell.any() && !pack.cell.all())
-        callbacks.warn(output +
+void warnOfCell(const OutputTarget& target, const Pack<Dim>& pack, const Callbacks& callbacks) {
+    if (target.text.rfind("yade:", 0) == 0 && pack.cell.any() && !pack.cell.all())
+        callbacks.warn(target.text +
                        ": names no cell, since YADE repeats along all axes or none; spheres reach "
                        "across the faces that repeat. LAMMPS (.data) repeats along some");
 }
@@ -379,7 +338,7 @@ void warnOfCell(const std::string& output, const Pack<Dim>& pack, const Callback
 }  // namespace
 
 template <int Dim>
-std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+std::vector<std::string> writeOutputs(const std::vector<OutputTarget>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks) {
     std::vector<std::string> files;
     RunOutputs<Dim> all = have;
@@ -388,11 +347,11 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
         throw ParameterError(
             "`images` are those of a periodic cell, and there is none; leave them out");
     if (have.pack) warnOfMissingDensities(*have.pack, have.options.materialDensity, callbacks);
-    for (const std::string& output : outputs) {
+    for (const OutputTarget& output : outputs) {
         callbacks.report("write", 0, 0);
         if (have.pack) {
-            warnOfIds(targetOf(output), *have.pack, callbacks);
-            warnOfTexts(targetOf(output), *have.pack, callbacks);
+            warnOfIds(output, *have.pack, callbacks);
+            warnOfTexts(output, *have.pack, callbacks);
             warnOfCell(output, *have.pack, callbacks);
         }
         const auto written = writeOutput(output, all);
@@ -401,11 +360,11 @@ std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
     return files;
 }
 
-template std::vector<std::string> writeOutput<2>(const std::string&, const RunOutputs<2>&);
-template std::vector<std::string> writeOutput<3>(const std::string&, const RunOutputs<3>&);
-template std::vector<std::string> writeOutputs<2>(const std::vector<std::string>&,
+template std::vector<std::string> writeOutput<2>(const OutputTarget&, const RunOutputs<2>&);
+template std::vector<std::string> writeOutput<3>(const OutputTarget&, const RunOutputs<3>&);
+template std::vector<std::string> writeOutputs<2>(const std::vector<OutputTarget>&,
                                                   const RunOutputs<2>&, const Callbacks&);
-template std::vector<std::string> writeOutputs<3>(const std::vector<std::string>&,
+template std::vector<std::string> writeOutputs<3>(const std::vector<OutputTarget>&,
                                                   const RunOutputs<3>&, const Callbacks&);
 
 }  // namespace vdbpack

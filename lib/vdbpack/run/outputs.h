@@ -17,31 +17,22 @@
 
 namespace vdbpack {
 
-/// NAME.interrupted.EXT for NAME.EXT, behind the same prefix, if there is one: what an interrupted
-/// run leaves never replaces the file of a whole one.
-std::string interruptedName(const std::string& name);
-
 /// Refuses before the work what would fail after it: unknown formats, folders that are not there,
 /// outputs that are inputs or named twice, be it by another path or by links.
 /// @param reportFile  .json or .html; may be empty.
 /// @param inputs      files, with or without the prefix of a format; empty names are passed over.
 /// @param further     other files that are written; empty names are passed over.
 /// @throws ParameterError, IoError
-void checkFiles(const std::vector<std::string>& outputs, const std::string& reportFile,
+void checkFiles(const std::vector<OutputTarget>& outputs, const std::string& reportFile,
                 const std::vector<std::string>& inputs,
                 const std::vector<std::string>& further = {});
 
 /// The same for the files of a run that is interrupted.
-void checkInterruptedFiles(const std::vector<std::string>& outputs,
+void checkInterruptedFiles(const std::vector<OutputTarget>& outputs,
                            const std::vector<std::string>& inputs);
 
 /// The voxel size of the level set of a shape with such bounds, mm.
 double shapeVoxelSize(const Box<3>& bounds);
-
-/// Whether a target is made from level sets alone: .stl, .vdb, levelsets: or fog:.
-bool isSolidOutput(const std::string& output);
-/// The same, or one that shows level sets beside the spheres (blender:).
-bool usesLevelSets(const std::string& output);
 
 /// What a run ends with.
 enum class RunKind {
@@ -55,8 +46,8 @@ enum class RunKind {
 /// @param voids  how voids are made; a recipe that `checkVoids` has passed.
 /// @param dim    2 or 3; 0: not known yet.
 /// @throws ParameterError
-void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, const VoidRecipe& voids,
-                      int dim = 0);
+void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
+                      const VoidRecipe& voids, int dim = 0);
 
 /// What a run has to write.
 template <int Dim>
@@ -92,13 +83,13 @@ struct RunOutputs {
 /// @return the files.
 /// @throws ParameterError (no such thing to write), IoError
 template <int Dim>
-std::vector<std::string> writeOutput(const std::string& output, const RunOutputs<Dim>& have);
+std::vector<std::string> writeOutput(const OutputTarget& output, const RunOutputs<Dim>& have);
 
 /// Writes all targets in turn and reports each; returns the files in their order. The first .vdb
 /// among them is the `volume` of the others. If one fails, those before it are complete; it and
 /// those after it are unchanged.
 template <int Dim>
-std::vector<std::string> writeOutputs(const std::vector<std::string>& outputs,
+std::vector<std::string> writeOutputs(const std::vector<OutputTarget>& outputs,
                                       const RunOutputs<Dim>& have, const Callbacks& callbacks);
 
 }  // namespace vdbpack

@@ -53,12 +53,12 @@ void checkRanks(const PackRecipe& recipe) {
     const PreviewOptions& preview = recipe.preview;
     refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::radius,
            "a picture", "draw it from a file that was written");
-    for (const std::string& output : recipe.outputs) {
-        const OutputKind kind = targetOf(output).kind;
-        if (kind == OutputKind::pack) checkShareFormat(output);
+    for (const OutputTarget& output : recipe.outputs) {
+        const OutputKind kind = output.kind;
+        if (kind == OutputKind::pack) checkShareFormat(output.text);
         refuse(kind == OutputKind::contacts || kind == OutputKind::materials ||
                    kind == OutputKind::labels || kind == OutputKind::blender,
-               output.c_str(), "write it from a file of the spheres");
+               output.text.c_str(), "write it from a file of the spheres");
     }
 }
 
@@ -387,17 +387,17 @@ void measureOverRanks(Run<Dim>& run) {
 }
 
 template <int Dim>
-std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
+std::vector<std::string> writeOverRanks(const std::vector<OutputTarget>& outputs,
                                         const RunOutputs<Dim>& have, const Run<Dim>& run) {
     Ranks& ranks = *run.settings.ranks;
     const PackShare<Dim> share{&ranks, run.pack, run.spans, run.pieces.size() + 1};
     std::vector<std::string> files;
-    for (const std::string& output : outputs) {
+    for (const OutputTarget& output : outputs) {
         run.callbacks.report("write", 0, 0);
-        std::vector<std::string> written{filePart(output)};
+        std::vector<std::string> written{output.file};
         // All have the level sets and the voids.
-        if (targetOf(output).kind == OutputKind::pack)
-            written = writeShare(share, output, have.options);
+        if (output.kind == OutputKind::pack)
+            written = writeShare(share, output.text, have.options);
         else if (ranks.isFirst())
             written = writeOutput(output, have);
         files.insert(files.end(), written.begin(), written.end());
@@ -406,11 +406,11 @@ std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
     return files;
 }
 
-#define VDBPACK_INSTANTIATE(Dim)                                                      \
-    template void compareSizes(Run<Dim>&);                                            \
-    template SphereRows rowsOf(const Run<Dim>&);                                      \
-    template void measureOverRanks(Run<Dim>&);                                        \
-    template std::vector<std::string> writeOverRanks(const std::vector<std::string>&, \
+#define VDBPACK_INSTANTIATE(Dim)                                                       \
+    template void compareSizes(Run<Dim>&);                                             \
+    template SphereRows rowsOf(const Run<Dim>&);                                       \
+    template void measureOverRanks(Run<Dim>&);                                         \
+    template std::vector<std::string> writeOverRanks(const std::vector<OutputTarget>&, \
                                                      const RunOutputs<Dim>&, const Run<Dim>&);
 VDBPACK_INSTANTIATE(2)
 VDBPACK_INSTANTIATE(3)

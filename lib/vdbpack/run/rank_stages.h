@@ -30,7 +30,7 @@ SphereRows rowsOf(const Run<Dim>& run);
 /// Writes outputs of the spheres of all ranks. @return the files, on each of them.
 /// @throws ParameterError, IoError
 template <int Dim>
-std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
+std::vector<std::string> writeOverRanks(const std::vector<OutputTarget>& outputs,
                                         const RunOutputs<Dim>& have, const Run<Dim>& run);
 
 }  // namespace vdbpack

@@ -70,7 +70,7 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
     return text + withSeed(toml, report.seed);
 }
 
-void leaveRecipe(const std::string& toml, const std::vector<std::string>& outputs, Report& report,
+void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,
                  const Callbacks& callbacks) {
     const std::string file = recipeFileFor(outputs);
     if (toml.empty() || file.empty()) return;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/report/report.h"
 
 #include <string>
@@ -19,7 +20,7 @@ std::string recipeFileText(const std::string& toml, const std::string& file, con
 /// that are not UTF-8 are in no recipe, with another. Nothing is done where there are no outputs or
 /// no options.
 /// @throws IoError
-void leaveRecipe(const std::string& toml, const std::vector<std::string>& outputs, Report& report,
+void leaveRecipe(const std::string& toml, const std::vector<OutputTarget>& outputs, Report& report,
                  const Callbacks& callbacks);
 
 }  // namespace vdbpack

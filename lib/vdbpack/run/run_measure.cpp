@@ -143,7 +143,7 @@ std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, const MeasureRecip
 
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
     if (!recipe.outputs.empty())
-        throw ParameterError(recipe.outputs.front() +
+        throw ParameterError(recipe.outputs.front().text +
                              ": a solid has no contacts to list; measure "
                              "a pack, or leave the output out");
     if (recipe.sphereMorphometry)

@@ -13,9 +13,9 @@
 namespace vdbpack {
 
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
-    for (const auto& output : recipe.outputs)
-        if (extensionOf(output) != ".stl")
-            throw ParameterError(output + ": surfaces are written as STL; name it .stl");
+    for (const OutputTarget& output : recipe.outputs)
+        if (output.extension() != ".stl")
+            throw ParameterError(output.text + ": surfaces are written as STL; name it .stl");
     checkFiles(recipe.outputs, {}, domainInputs(recipe.domain));
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     MeshResult result;
@@ -29,9 +29,9 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
         const DomainRecipe& domain = recipe.domain;
         result.fitness = repair ? fitnessOf(mesh, *repair, domain, callbacks)
                                 : fitnessOf(mesh, result.health, domain, callbacks);
-        for (const auto& output : recipe.outputs) {
-            writeStl(mesh, output, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
-            result.files.push_back(output);
+        for (const OutputTarget& output : recipe.outputs) {
+            writeStl(mesh, output.file, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
+            result.files.push_back(output.file);
         }
     });
     using Verdict = MeshFitness::Verdict;

@@ -361,10 +361,9 @@ private:
 };
 
 /// Whether any of some outputs lists pairs in contact.
-bool listsContacts(const std::vector<std::string>& outputs) {
-    return std::any_of(outputs.begin(), outputs.end(), [](const std::string& output) {
-        return targetOf(output).kind == OutputKind::contacts || startsWith(output, "lammps-bonds:");
-    });
+bool listsContacts(const std::vector<OutputTarget>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [](const OutputTarget& output) { return output.listsPairs(); });
 }
 
 /// Grids of a part under the part's name.

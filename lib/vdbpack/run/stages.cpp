@@ -57,16 +57,16 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
         const std::string& name = source->recipe().source;
         if (sources.size() > 1)
             throw ParameterError(name + ": a periodic cell is packed alone, not as a part");
-        for (const std::string& output : settings.outputs) switch (targetOf(output).kind) {
+        for (const OutputTarget& output : settings.outputs) switch (output.kind) {
                 case OutputKind::labels:
-                    throw ParameterError(output +
+                    throw ParameterError(output.text +
                                          ": label maps of a periodic cell are not available; write "
                                          "the spheres, or fog: of the solid beside voids");
                 case OutputKind::contour:
                 case OutputKind::levelSets:
                 case OutputKind::fog:
                     if (makesVoids) break;
-                    throw ParameterError(output +
+                    throw ParameterError(output.text +
                                          ": a periodic cell without voids has no surface; write "
                                          "the spheres");
                 default:
@@ -78,9 +78,9 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
         throw ParameterError(
             "`images` are those of a periodic cell, and there is none; leave them out");
     labelGridOf(settings, sources);
-    for (const std::string& output : settings.outputs)
-        if (sources.size() == 1 && !hasPack && targetOf(output).labels == "parts")
-            throw ParameterError(output + ": there is one part alone; leave it out");
+    for (const OutputTarget& output : settings.outputs)
+        if (sources.size() == 1 && !hasPack && output.labels == "parts")
+            throw ParameterError(output.text + ": there is one part alone; leave it out");
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
@@ -334,7 +334,8 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.levelSets = run.partLevelSets.empty() ? run.voids.levelSets() : run.partLevelSets;
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&
-        std::any_of(outputs.begin(), outputs.end(), usesLevelSets))
+        std::any_of(outputs.begin(), outputs.end(),
+                    [](const OutputTarget& output) { return output.usesLevelSets(); }))
         write.levelSets = {run.built.mesh->grid()};
     if constexpr (Dim == 2)
         write.frame = run.domain().bounds();
@@ -350,25 +351,24 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
 
 /// Removes those outputs that an interrupted run has not made: voids and what they leave.
 template <int Dim>
-void leaveOutIncomplete(const Run<Dim>& run, std::vector<std::string>& outputs) {
+void leaveOutIncomplete(const Run<Dim>& run, std::vector<OutputTarget>& outputs) {
     if (!run.partRuns.empty()) {
         // Parts may be missing, and voids of those that are there.
-        outputs.erase(std::remove_if(outputs.begin(), outputs.end(),
-                                     [](const std::string& output) {
-                                         return targetOf(output).labels == "solid";
-                                     }),
-                      outputs.end());
+        outputs.erase(
+            std::remove_if(outputs.begin(), outputs.end(),
+                           [](const OutputTarget& output) { return output.labels == "solid"; }),
+            outputs.end());
         return;
     }
     if (!run.cuts() || !run.voids.levelSets().empty()) return;
-    const auto isMissing = [&](const std::string& output) {
-        const OutputKind kind = targetOf(output).kind;
+    const auto isMissing = [&](const OutputTarget& output) {
+        const OutputKind kind = output.kind;
         const bool missing = kind == OutputKind::contour || kind == OutputKind::levelSets ||
                              kind == OutputKind::fog ||
-                             (kind == OutputKind::labels && targetOf(output).labels == "solid") ||
+                             (kind == OutputKind::labels && output.labels == "solid") ||
                              (kind == OutputKind::voidList && run.voids.list.empty());
         if (missing)
-            run.callbacks.warn(output +
+            run.callbacks.warn(output.text +
                                ": is not written; the run was interrupted before its "
                                "voids were complete");
         return missing;
@@ -382,11 +382,11 @@ void write(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     Report& report = run.report;
     report.seconds.measure += run.clock.lap();
-    std::vector<std::string> outputs = settings.outputs;
+    std::vector<OutputTarget> outputs = settings.outputs;
     if (report.interrupted) {
         if (report.count == 0) return;
         leaveOutIncomplete(run, outputs);
-        std::transform(outputs.begin(), outputs.end(), outputs.begin(), interruptedName);
+        for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
     report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run), run)
                                : writeOutputs(outputs, outputsOf(run), run.callbacks);

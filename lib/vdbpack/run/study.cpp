@@ -26,9 +26,9 @@ void requireSeedInNames(const RunSettings& settings) {
     const auto shared = [](const std::string& name) {
         return !name.empty() && withSeed(name, 1) == name;
     };
-    for (const std::string& name : settings.outputs)
-        if (shared(name))
-            throw ParameterError(name + ": each seed would replace it; name it with {seed}");
+    for (const OutputTarget& output : settings.outputs)
+        if (shared(output.text))
+            throw ParameterError(output.text + ": each seed would replace it; name it with {seed}");
     if (shared(settings.reportFile))
         throw ParameterError("`reportFile` " + settings.reportFile +
                              ": each seed would replace it; name it with {seed}, or set "
