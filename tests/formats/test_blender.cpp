@@ -8,7 +8,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/write_blender.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>

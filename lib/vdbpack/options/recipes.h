@@ -6,6 +6,7 @@
 #include "vdbpack/core/units.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_recipe.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
@@ -22,20 +23,6 @@ namespace vdbpack {
 
 struct Image;
 class VdbGrid;
-
-/// Properties of spheres from the grey values of images.
-struct GreyRecipe {
-    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
-    std::vector<std::string> samples;
-    /// "SLOPE,INTERCEPT": density of each sphere, kg/m³, from the only sample; with "NAME=" before
-    /// it, from a column of that name. Empty: none.
-    std::string calibration;
-    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³. Empty: none.
-    std::string modulus;
-    int classes = 10;  ///< of density, for programs that know materials by number
-
-    bool empty() const { return samples.empty() && calibration.empty() && modulus.empty(); }
-};
 
 /// Base of all recipes. A command passes over what it has no use for.
 struct RunSettings {

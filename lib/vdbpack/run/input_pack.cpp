@@ -5,7 +5,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/grey_values.h"
 
 #include <fmt/format.h>
 

@@ -5,7 +5,7 @@
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 
 namespace vdbpack {
 

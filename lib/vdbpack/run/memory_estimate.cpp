@@ -5,7 +5,7 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/view.h"
 

@@ -1,7 +1,7 @@
 // Estimates of the memory and the disk space that a run will take.
 #pragma once
 
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/options/recipes.h"
 #include "vdbpack/run/void_plan.h"
 

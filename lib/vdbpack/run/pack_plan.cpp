@@ -1,7 +1,7 @@
 #include "vdbpack/run/pack_plan.h"
 
 #include "vdbpack/run/kept_count.h"
-#include "vdbpack/run/label_stage.h"
+#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/run/void_stage.h"
 #include "vdbpack/voids/shell_field.h"
 

@@ -4,10 +4,10 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/size_stage.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/options/recipes.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/voids/scalar_field.h"
 #include "vdbpack/voids/void_recipe.h"
 

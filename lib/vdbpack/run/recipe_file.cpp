@@ -1,7 +1,7 @@
 #include "vdbpack/run/recipe_file.h"
 
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/recipe.h"
 
 #include <fmt/format.h>

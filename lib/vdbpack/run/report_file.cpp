@@ -6,7 +6,7 @@
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/report/report_page.h"
 #include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

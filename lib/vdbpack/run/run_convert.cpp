@@ -6,10 +6,10 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/run/input_pack.h"
-#include "vdbpack/run/preview_stage.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/formats/sphere_density.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/image/image_file.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -4,7 +4,7 @@
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/bond_order.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/solid_stage.h"

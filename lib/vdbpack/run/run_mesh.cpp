@@ -5,7 +5,7 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

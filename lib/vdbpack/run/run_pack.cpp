@@ -9,7 +9,7 @@
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"

@@ -8,9 +8,9 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/verify/overlap.h"
 
 #include <fmt/format.h>

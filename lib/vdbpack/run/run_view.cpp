@@ -6,7 +6,7 @@
 #include "vdbpack/report/markup.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/input_pack.h"
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/report_file.h"
 
 #include <fmt/format.h>

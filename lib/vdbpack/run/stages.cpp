@@ -5,15 +5,15 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/run/densify_stage.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>

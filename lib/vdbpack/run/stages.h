@@ -15,9 +15,9 @@
 #include "vdbpack/core/progress.h"
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
 

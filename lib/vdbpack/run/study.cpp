@@ -3,7 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/run_each.h"
 
 #include <fmt/format.h>

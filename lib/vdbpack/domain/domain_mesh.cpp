@@ -4,7 +4,7 @@
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/mesh/repair/mesh_repair.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 
 #include <fmt/format.h>
 

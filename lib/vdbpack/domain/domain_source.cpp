@@ -1,4 +1,4 @@
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/clipped_domain.h"
@@ -7,12 +7,12 @@
 #include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/measure/depth.h"
+#include "vdbpack/domain/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_sides.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
@@ -13,7 +13,7 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>

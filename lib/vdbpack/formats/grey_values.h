@@ -1,10 +1,9 @@
-// Private to runs: grey values of images as properties of spheres.
+// Grey values of images as properties of spheres.
 #pragma once
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
-#include "vdbpack/run/domain_source.h"
-#include "vdbpack/options/recipes.h"
+#include "vdbpack/domain/domain_source.h"
 
 #include <cstdint>
 #include <map>
@@ -12,6 +11,20 @@
 #include <vector>
 
 namespace vdbpack {
+
+/// Properties of spheres from the grey values of images.
+struct GreyRecipe {
+    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
+    std::vector<std::string> samples;
+    /// "SLOPE,INTERCEPT": density of each sphere, kg/m³, from the only sample; with "NAME=" before
+    /// it, from a column of that name. Empty: none.
+    std::string calibration;
+    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³. Empty: none.
+    std::string modulus;
+    int classes = 10;  ///< of density, for programs that know materials by number
+
+    bool empty() const { return samples.empty() && calibration.empty() && modulus.empty(); }
+};
 
 /// Refuses, before the work, samples that are malformed, have the name of another column, or name
 /// no image, and what is malformed or lacks its column otherwise.

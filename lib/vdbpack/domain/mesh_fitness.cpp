@@ -1,4 +1,4 @@
-#include "vdbpack/run/mesh_fitness.h"
+#include "vdbpack/domain/mesh_fitness.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"

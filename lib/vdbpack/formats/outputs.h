@@ -8,7 +8,7 @@
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/run/label_stage.h"
+#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <optional>

@@ -1,4 +1,4 @@
-#include "vdbpack/run/label_stage.h"
+#include "vdbpack/formats/label_outputs.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"

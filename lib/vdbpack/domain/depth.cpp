@@ -1,4 +1,4 @@
-#include "vdbpack/measure/depth.h"
+#include "vdbpack/domain/depth.h"
 
 #include "vdbpack/measure/sampling.h"
 

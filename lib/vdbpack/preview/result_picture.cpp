@@ -1,10 +1,10 @@
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/preview/result_picture.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/drawn_wall.h"
+#include "vdbpack/preview/drawn_wall.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/view.h"
 

@@ -1,4 +1,4 @@
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/sphere_density.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"

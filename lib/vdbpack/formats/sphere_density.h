@@ -1,4 +1,4 @@
-// Private to runs: the density of spheres in the files of DEM programs.
+// The density of spheres in the files of DEM programs.
 #pragma once
 
 #include "vdbpack/core/pack.h"

@@ -1,4 +1,4 @@
-#include "vdbpack/run/drawn_wall.h"
+#include "vdbpack/preview/drawn_wall.h"
 
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/mesh/made_mesh.h"

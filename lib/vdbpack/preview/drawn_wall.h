@@ -1,9 +1,9 @@
-// Private to runs: the wall of a domain as pictures and views show it.
+// The wall of a domain as pictures and views show it.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/preview/preview.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/void_stage.h"
 
 namespace vdbpack {

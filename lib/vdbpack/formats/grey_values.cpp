@@ -1,4 +1,4 @@
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/grey_values.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/materials.h"
@@ -6,7 +6,7 @@
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 

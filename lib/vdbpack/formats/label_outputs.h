@@ -1,11 +1,11 @@
-// Private to runs: spheres and solids as label maps.
+// Spheres and solids as label maps.
 #pragma once
 
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/label_map.h"
 #include "vdbpack/options/recipes.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 
 #include <functional>
 #include <memory>

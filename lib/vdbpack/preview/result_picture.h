@@ -1,8 +1,8 @@
-// Private to runs: pictures of their results.
+// Pictures of their results.
 #pragma once
 
 #include "vdbpack/preview/preview.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
 
