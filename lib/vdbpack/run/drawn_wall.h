@@ -4,7 +4,7 @@
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 namespace vdbpack {
 

@@ -2,7 +2,7 @@
 
 #include "vdbpack/run/kept_count.h"
 #include "vdbpack/run/label_stage.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "vdbpack/preview/preview_recipe.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <optional>
 #include <string>

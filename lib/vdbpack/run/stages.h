@@ -19,7 +19,7 @@
 #include "vdbpack/run/memory_estimate.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <cstdint>
 #include <map>
