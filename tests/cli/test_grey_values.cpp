@@ -237,7 +237,7 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     DensifyRecipe densify;
     densify.pack = file;
     densify.domain.source = "ball:8";
-    densify.fraction = 0.6;
+    densify.densify.fraction = 0.6;
     const RunResult dense = runDensify(densify);
     const auto& more = std::get<Pack<3>>(dense.pack);
     REQUIRE(more.spheres.size() > pack.spheres.size());

@@ -1,6 +1,6 @@
 #include "vdbpack/domain/depth.h"
 
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <tbb/parallel_for.h>
 

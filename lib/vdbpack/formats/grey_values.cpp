@@ -1,12 +1,12 @@
 #include "vdbpack/formats/grey_values.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 
@@ -226,15 +226,11 @@ std::vector<std::string> columnsOfNumbers(const PackAttributes& pack) {
     return names;
 }
 
-std::vector<std::string> checkGrey(const RunSettings& settings,
+std::vector<std::string> checkGrey(const GreyRecipe& recipe, const std::string& density,
                                    const std::vector<std::string>* columns) {
-    const GreyRecipe& recipe = settings.grey;
     if (recipe.classes < 1 || recipe.classes > kMostClasses)
         throw ParameterError(fmt::format("`grey.classes` {}: from 1 to {} classes of density",
                                          recipe.classes, kMostClasses));
-    if (settings.ranks && !recipe.empty())
-        throw ParameterError(
-            "`samples`: are not taken over several processes; take them from a file");
     auto files = checkSamples(recipe.samples);
     if (!recipe.calibration.empty()) {
         const std::string column = parsedCalibration(recipe).column;
@@ -248,7 +244,7 @@ std::vector<std::string> checkGrey(const RunSettings& settings,
                             "{}{}, and add those of `samples`",
                             recipe.calibration, quotedExcerpt(column), fmt::join(*columns, ", "),
                             columns->empty() ? "none" : ""));
-        if (!settings.density.empty())
+        if (!density.empty())
             throw ParameterError(
                 "`density` and `calibration`: spheres have one density; leave "
                 "one of them out");

@@ -28,9 +28,10 @@ struct GreyRecipe {
 
 /// Refuses, before the work, samples that are malformed, have the name of another column, or name
 /// no image, and what is malformed or lacks its column otherwise.
+/// @param density  that is set beside, as `particleDensity` takes it; empty: none.
 /// @param columns  of numbers that spheres have before; null: unknown.
 /// @return the images. @throws ParameterError, IoError
-std::vector<std::string> checkGrey(const RunSettings& settings,
+std::vector<std::string> checkGrey(const GreyRecipe& recipe, const std::string& density,
                                    const std::vector<std::string>* columns = nullptr);
 /// The names of the columns of numbers of a pack.
 std::vector<std::string> columnsOfNumbers(const PackAttributes& pack);

@@ -18,11 +18,11 @@ namespace vdbpack {
 namespace {
 
 /// The first output that is a label map; null: none.
-const OutputTarget* labelOutput(const RunSettings& settings) {
-    const auto found =
-        std::find_if(settings.outputs.begin(), settings.outputs.end(),
-                     [](const OutputTarget& output) { return output.kind == OutputKind::labels; });
-    return found == settings.outputs.end() ? nullptr : &*found;
+const OutputTarget* labelOutput(const std::vector<OutputTarget>& outputs) {
+    const auto found = std::find_if(outputs.begin(), outputs.end(), [](const OutputTarget& output) {
+        return output.kind == OutputKind::labels;
+    });
+    return found == outputs.end() ? nullptr : &*found;
 }
 
 /// Whether the spacing of a domain's recipe is that of label maps, not of its image.
@@ -67,25 +67,26 @@ SolidTest solidTest(const std::shared_ptr<const VdbGrid>& levelSet) {
     };
 }
 
-std::optional<ImageGrid> labelGridOf(const RunSettings& settings,
-                                     const std::vector<const DomainSource*>& sources) {
-    const OutputTarget* output = labelOutput(settings);
+std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
+                                     const std::vector<const DomainSource*>& sources,
+                                     double limit) {
+    const OutputTarget* output = labelOutput(outputs);
     if (!output) return std::nullopt;
     if (sources.empty() || sources.front()->dim() != 3)
         throw ParameterError(output->text +
                              ": label maps need a domain of space; set `domain`, or leave it out");
     const ImageGrid grid = chosenGrid(output->text, sources);
     const double bytes = 5 * static_cast<double>(grid.voxels());
-    if (residentMemory() + bytes > memoryLimit(settings.memoryLimit))
+    if (residentMemory() + bytes > memoryLimit(limit))
         throw ResourceError(fmt::format(
             "{}: {} x {} x {} voxels take {}, more than there is; make `voxelSpacing` larger",
             output->text, grid.size[0], grid.size[1], grid.size[2], bytesText(bytes)));
     return grid;
 }
 
-void warnOfUnusedSpacing(const RunSettings& settings, const DomainSource& source,
+void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainSource& source,
                          const Callbacks& callbacks) {
-    if (labelOutput(settings)) return;
+    if (labelOutput(outputs)) return;
     if (!isForLabels(source)) return;
     callbacks.warn("`voxelSpacing` " + source.recipe().voxelSpacing +
                    " has no effect: " + source.recipe().source +

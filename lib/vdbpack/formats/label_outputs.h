@@ -1,11 +1,10 @@
 // Spheres and solids as label maps.
 #pragma once
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/label_map.h"
-#include "vdbpack/options/recipes.h"
-#include "vdbpack/domain/domain_source.h"
 
 #include <functional>
 #include <memory>
@@ -32,11 +31,13 @@ struct LabelSource {
 /// they come from, in its own voxels or in those that `voxelSpacing` says; else voxels along the
 /// axes. Nothing if there are none.
 /// @throws ParameterError where nothing says how large voxels are, ResourceError
-std::optional<ImageGrid> labelGridOf(const RunSettings& settings,
-                                     const std::vector<const DomainSource*>& sources);
+/// @param memoryLimit  bytes, as that of a run.
+std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
+                                     const std::vector<const DomainSource*>& sources,
+                                     double memoryLimit);
 
 /// Warns of a `voxelSpacing` that nothing is made with.
-void warnOfUnusedSpacing(const RunSettings& settings, const DomainSource& source,
+void warnOfUnusedSpacing(const std::vector<OutputTarget>& outputs, const DomainSource& source,
                          const Callbacks& callbacks);
 
 /// Writes one label map.

@@ -3,7 +3,7 @@
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
 #include <tbb/enumerable_thread_specific.h>

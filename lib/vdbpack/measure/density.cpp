@@ -2,7 +2,7 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
 #include <tbb/blocked_range.h>

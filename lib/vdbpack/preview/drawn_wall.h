@@ -1,10 +1,10 @@
 // The wall of a domain as pictures and views show it.
 #pragma once
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/preview/preview.h"
-#include "vdbpack/domain/domain_source.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 namespace vdbpack {
 

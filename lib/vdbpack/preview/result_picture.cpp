@@ -5,13 +5,10 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/preview/drawn_wall.h"
-#include "vdbpack/run/report_file.h"
-#include "vdbpack/view/view.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -20,8 +17,6 @@ namespace vdbpack {
 namespace {
 
 constexpr int kPageWidth = 960, kPageHeight = 720;
-/// Distances along the longer side of a domain of the plane, for the outline of a view.
-constexpr int kViewedDistances = 480;
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
              const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
@@ -119,30 +114,6 @@ PagePicture drawPreview(const PreviewOptions& recipe, const std::string& reportF
 }
 
 template <int Dim>
-void addView(const PreviewOptions& recipe, const DomainSource* source,
-             const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
-             bool large, PagePicture& picture) {
-    ViewScene<Dim> scene;
-    scene.pack = &pack;
-    std::optional<WallMesh> mesh;
-    std::optional<PlaneField> field;
-    if constexpr (Dim == 3) {
-        if (source) scene.wall = mesh.emplace(*source, built, wall).get();
-    } else if (source) {
-        scene.field = &field.emplace(planeField(*built.plane, nullptr, kViewedDistances));
-        scene.bounds = built.plane->bounds();
-    }
-    ViewOptions options;
-    options.color = recipe.color;
-    options.column = recipe.column;
-    options.cut = recipe.cut;
-    options.large = large;
-    ViewMarkup view = viewOf(scene, options);
-    picture.viewStyle = std::move(view.style);
-    picture.view = std::move(view.body);
-}
-
-template <int Dim>
 PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
                      const DomainSource* source, const DomainSource::Built& built,
                      const Callbacks& callbacks) {
@@ -179,10 +150,6 @@ bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Tria
 
 template void checkPreview<2>(const PreviewOptions&, const Domain<2>&, const Pack<2>*);
 template void checkPreview<3>(const PreviewOptions&, const Domain<3>&, const Pack<3>*);
-template void addView<2>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,
-                         const Pack<2>&, const TriangleMesh*, bool, PagePicture&);
-template void addView<3>(const PreviewOptions&, const DomainSource*, const DomainSource::Built&,
-                         const Pack<3>&, const TriangleMesh*, bool, PagePicture&);
 template PagePicture drawPack<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
                                  const DomainSource*, const DomainSource::Built&, const Callbacks&);
 template PagePicture drawPack<3>(const PreviewOptions&, const std::string&, const Pack<3>&,

@@ -1,10 +1,10 @@
 // Pictures of their results.
 #pragma once
 
-#include "vdbpack/preview/preview.h"
 #include "vdbpack/domain/domain_source.h"
-#include "vdbpack/run/run.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/preview/preview.h"
+#include "vdbpack/report/page_frame.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <optional>
 #include <string>
@@ -30,14 +30,6 @@ PagePicture drawPreview(const PreviewOptions& recipe, const std::string& reportF
                         const DomainSource& source, const DomainSource::Built& built,
                         const MadeVoids<Dim>& made, const Pack<Dim>* pack,
                         const Callbacks& callbacks, const TriangleMesh* wall = nullptr);
-
-/// Adds a view of a pack, with the colors and the cut of the picture at first.
-/// @param source  of its domain, whose wall is shown as well; null: none. @param built from it
-/// @param wall    of it, if known already. @param large  whether it fills the window
-template <int Dim>
-void addView(const PreviewOptions& recipe, const DomainSource* source,
-             const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
-             bool large, PagePicture& picture);
 
 /// Draws a pack that was read, for a page unless `recipe` names a file, which is then written.
 /// Without Embree, a page has no picture of spheres.

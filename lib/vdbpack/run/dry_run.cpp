@@ -8,8 +8,8 @@
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
-#include "vdbpack/run/structure_fit.h"
 #include "vdbpack/run/structure_sample.h"
+#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>

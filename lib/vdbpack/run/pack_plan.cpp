@@ -1,8 +1,8 @@
 #include "vdbpack/run/pack_plan.h"
 
-#include "vdbpack/run/kept_count.h"
 #include "vdbpack/formats/label_outputs.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/run/kept_count.h"
+#include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <algorithm>
@@ -67,7 +67,7 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source) {
     if (recipe.packing.maxCount > 0)
         e.count = std::min(e.count, static_cast<double>(recipe.packing.maxCount));
     e.voids = planVoids(recipe.voids, e, requested.largest() * radii.scale);
-    if (const auto labels = labelGridOf(recipe, {&source}))
+    if (const auto labels = labelGridOf(recipe.outputs, {&source}, recipe.memoryLimit))
         e.labelVoxels = static_cast<double>(labels->voxels());
     return {std::move(requested), radii, e};
 }

@@ -8,9 +8,6 @@
 
 namespace vdbpack {
 
-/// Whether a report is a page for the browser, which shows more of a pack than each run measures.
-bool isPage(const std::string& reportFile);
-
 /// What a page shows of a pack beside its report.
 struct PageDetails {
     Structure structure;

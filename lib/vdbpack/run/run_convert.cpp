@@ -2,14 +2,14 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/formats/grey_values.h"
-#include "vdbpack/run/input_pack.h"
 #include "vdbpack/preview/result_picture.h"
-#include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/run/input_pack.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -90,7 +90,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
             have.labels.solids.push_back(solidTest(built.space));
             warnOfUnusedSpacing(recipe, *source, callbacks);
         }
-        have.labels.grid = labelGridOf(recipe, sources);
+        have.labels.grid = labelGridOf(recipe.outputs, sources, recipe.memoryLimit);
         have.labels.space = recipe.domain.space;
     }
     callbacks.stopIfCancelled();

@@ -2,18 +2,19 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/intersection_domain.h"
-#include "vdbpack/formats/output_target.h"
-#include "vdbpack/measure/contacts.h"
-#include "vdbpack/run/densify_stage.h"
 #include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/output_target.h"
+#include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/measure/contacts.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/run/densify_stage.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/formats/sphere_density.h"
+#include "vdbpack/view/pack_view.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>
@@ -39,7 +40,10 @@ constexpr double kLeastBvtv = 1e-6;
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
-    for (auto& file : checkGrey(settings)) all.push_back(std::move(file));
+    if (settings.ranks && !settings.grey.empty())
+        throw ParameterError(
+            "`samples`: are not taken over several processes; take them from a file");
+    for (auto& file : checkGrey(settings.grey, settings.density)) all.push_back(std::move(file));
     requireVoidFields(voids);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
@@ -77,14 +81,14 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
                                         [](const DomainSource* s) { return s->isPeriodic(); }))
         throw ParameterError(
             "`images` are those of a periodic cell, and there is none; leave them out");
-    labelGridOf(settings, sources);
+    labelGridOf(settings.outputs, sources, settings.memoryLimit);
     for (const OutputTarget& output : settings.outputs)
         if (sources.size() == 1 && !hasPack && output.labels == "parts")
             throw ParameterError(output.text + ": there is one part alone; leave it out");
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
-    if (sources.size() == 1) warnOfUnusedSpacing(settings, *sources.front(), callbacks);
+    if (sources.size() == 1) warnOfUnusedSpacing(settings.outputs, *sources.front(), callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -304,7 +308,7 @@ LabelSource labelsOf(const Run<3>& run) {
         sources.push_back(&part->source);
         labels.solids.push_back(solidOf(*part));
     }
-    labels.grid = labelGridOf(run.settings, sources);
+    labels.grid = labelGridOf(run.settings.outputs, sources, run.settings.memoryLimit);
     for (const DomainSource* source : sources)
         if (source->recipe().space == ImageSpace::ras) labels.space = ImageSpace::ras;
     return labels;

@@ -13,13 +13,13 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
-#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <cstdint>
 #include <map>

@@ -4,8 +4,8 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/run/structure_fit.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
+#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/tile_lattice.h"
 #include "vdbpack/voids/void_list.h"
 

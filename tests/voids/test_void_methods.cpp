@@ -1,12 +1,12 @@
 // Whole runs with voids: pack, voids and carve.
 #include "cli/recipes.h"
-#include "cli/void_recipes.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 #include "voids/stamping.h"
+#include "voids/void_recipes.h"
 
 #include "vdbpack/core/ellipsoid.h"
 #include "vdbpack/core/error.h"

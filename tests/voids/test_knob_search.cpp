@@ -1,5 +1,5 @@
 // The search that fits foams, on functions whose solution is known.
-#include "vdbpack/run/knob_search.h"
+#include "vdbpack/voids/knob_search.h"
 
 #include <catch2/catch.hpp>
 

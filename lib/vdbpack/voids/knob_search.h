@@ -1,4 +1,4 @@
-// Private to runs: a least-squares search in few dimensions with costly, noisy measurements.
+// Private to voids: a least-squares search in few dimensions with costly, noisy measurements.
 #pragma once
 
 #include <cstddef>

@@ -1,14 +1,14 @@
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/measure/morphometry/trabeculae.h"
 #include "vdbpack/pack/largest_ball.h"
-#include "vdbpack/run/structure_fit.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/shell_field.h"
 #include "vdbpack/voids/solve_target.h"
+#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>

@@ -1,4 +1,4 @@
-// Private to runs: voids, from the request to the cut.
+// Private to voids: voids, from the request to the cut.
 #pragma once
 
 #include "vdbpack/core/pack.h"
@@ -6,11 +6,11 @@
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/field/solid.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/report/report.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_field.h"
 #include "vdbpack/voids/void_recipe.h"
+#include "vdbpack/voids/void_report.h"
 
 #include <functional>
 #include <memory>

@@ -1,10 +1,10 @@
-#include "vdbpack/run/structure_fit.h"
+#include "vdbpack/voids/structure_fit.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/measure/morphometry/morphometry.h"
-#include "vdbpack/run/knob_search.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/knob_search.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "vdbpack/run/knob_search.h"
+#include "vdbpack/voids/knob_search.h"
 
 #include <algorithm>
 #include <cmath>

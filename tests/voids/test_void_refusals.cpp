@@ -1,8 +1,8 @@
 // Requests for voids that cannot be met, and leave nothing behind.
-#include "cli/void_recipes.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
+#include "voids/void_recipes.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/run/run.h"

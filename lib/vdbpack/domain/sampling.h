@@ -1,4 +1,4 @@
-// Private to measure: sample points of a domain.
+// Sample points of a domain.
 #pragma once
 
 #include "vdbpack/core/rng.h"

@@ -1,6 +1,5 @@
 // Shells whose thickness varies.
 #include "cli/recipes.h"
-#include "cli/void_recipes.h"
 #include "support/cube.h"
 #include "support/generators.h"
 #include "support/mesh_file.h"
@@ -9,6 +8,7 @@
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 #include "voids/stamping.h"
+#include "voids/void_recipes.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"

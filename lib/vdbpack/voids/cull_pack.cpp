@@ -2,8 +2,8 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/measure/attached.h"
-#include "vdbpack/run/void_stage.h"
 #include "vdbpack/voids/cull.h"
+#include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/solve_target.h"
 #include "vdbpack/voids/thinning.h"
 

@@ -1,9 +1,9 @@
-// Private to runs: a foam with the thickness, spacing, anisotropy and connectivity asked for.
+// Private to voids: a foam with the thickness, spacing, anisotropy and connectivity asked for.
 #pragma once
 
-#include "vdbpack/report/report.h"
 #include "vdbpack/voids/void_families.h"
 #include "vdbpack/voids/void_recipe.h"
+#include "vdbpack/voids/void_report.h"
 
 #include <optional>
 #include <vector>
