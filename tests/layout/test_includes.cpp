@@ -21,9 +21,10 @@ namespace fs = std::filesystem;
 
 /// A file may include its own room and those before it. mesh/repair comes after field, whose
 /// lattice it contours; vdbpack.h, at the root, is for users alone.
-const std::vector<std::string> kRooms{
-    "core",    "io",      "mesh",  "verify",  "image",  "field",   "mesh/repair", "domain",  "pack",
-    "densify", "measure", "voids", "formats", "report", "preview", "view",        "options", "run"};
+const std::vector<std::string> kRooms{"core",    "io",          "mesh",    "verify", "image",
+                                      "field",   "mesh/repair", "domain",  "pack",   "densify",
+                                      "measure", "voids",       "formats", "report", "preview",
+                                      "view",    "distributed", "options", "run"};
 
 /// The files that `verify` may include besides its own: plain values and triangles, nothing that
 /// finds, places or accepts spheres.

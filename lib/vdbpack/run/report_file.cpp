@@ -5,8 +5,8 @@
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/jobs.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/report/report_page.h"
-#include "vdbpack/run/measure_stage.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,18 +1,20 @@
 #include "vdbpack/run/stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/distributed/rank_measures.h"
+#include "vdbpack/distributed/rank_outputs.h"
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/options/recipe_file.h"
 #include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/densify_stage.h"
 #include "vdbpack/run/image_domain.h"
-#include "vdbpack/run/measure_stage.h"
 #include "vdbpack/run/pack_warnings.h"
 #include "vdbpack/run/rank_stages.h"
-#include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/view/pack_view.h"
 #include "vdbpack/voids/shell_field.h"
@@ -221,12 +223,22 @@ void takeRegionsBack(PackAttributes& pack) {
 
 }  // namespace
 
+namespace {
+
+/// What this rank has of the pack.
+template <int Dim>
+RankPack<Dim> rankPack(Run<Dim>& run) {
+    return {run.ranks(), run.pack, run.filled(), run.fixed};
+}
+
+}  // namespace
+
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made) {
     if (run.cuts()) {
         // Compared with the requested sizes before any sphere is removed.
         if (run.ranks())
-            compareSizes(run);
+            compareSizes(rankPack(run), *run.sizes, run.local, run.report);
         else if (run.hasPack && run.sizes)
             measureSizes(run.pack, *run.sizes, run.report, run.local, &run.filled());
         if (!made) run.unlessInterrupted([&] { run.voids = makeVoids(run.voidSetting()); });
@@ -273,11 +285,17 @@ void measureStage(Run<Dim>& run) {
     }
     if (run.labelled > 0) takeRegionsBack(run.pack);
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
-    if (run.ranks())
-        measureOverRanks(run);
-    else
+    if (run.ranks()) {
+        run.spans = rowSpans(*run.ranks(), run.pack.order, run.fixed, run.pieces);
+        std::vector<const DomainSource*> walls{&run.filledSource()};
+        if (run.solid) walls.push_back(&run.source);
+        run.named = measureOverRanks(rankPack(run), rowsOf(run), walls, tolerance, run.report);
+        if (run.sizes && !run.cuts())
+            compareSizes(rankPack(run), *run.sizes, run.local, run.report);
+    } else {
         measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
                     tolerance, run.report, run.callbacks, run.local);
+    }
     if (run.solid && !run.ranks()) {
         // The contour of a level set may leave the domain by its error; no sphere does.
         const ProtrusionCheck wall = run.source.protrusion(run.pack.spheres);
@@ -392,7 +410,10 @@ void write(Run<Dim>& run) {
         leaveOutIncomplete(run, outputs);
         for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
-    report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run), run)
+    report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run),
+                                                PackShare<Dim>{run.ranks(), run.pack, run.spans,
+                                                               run.pieces.size() + 1},
+                                                run.callbacks)
                                : writeOutputs(outputs, outputsOf(run), run.callbacks);
     if (!report.files.empty() && run.isFirst())
         leaveRecipe(settings.optionsText, outputs, report, run.callbacks);

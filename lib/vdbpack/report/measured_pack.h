@@ -1,11 +1,11 @@
-// Private to runs: the measures of a pack.
+// The measures of a pack that every report has.
 #pragma once
 
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/measure/structure.h"
 #include "vdbpack/pack/local_sizes.h"
 #include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/domain/domain_source.h"
 
 namespace vdbpack {
 

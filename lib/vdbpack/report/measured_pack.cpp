@@ -1,4 +1,4 @@
-#include "vdbpack/run/measure_stage.h"
+#include "vdbpack/report/measured_pack.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/core_volume.h"

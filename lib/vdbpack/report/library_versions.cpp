@@ -1,4 +1,4 @@
-#include "vdbpack/run/library_versions.h"
+#include "vdbpack/report/library_versions.h"
 
 #include "vdbpack/field/vdb_init.h"
 

@@ -1,8 +1,7 @@
-#include "vdbpack/run/recipe_file.h"
+#include "vdbpack/options/recipe_file.h"
 
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/formats/outputs.h"
-#include "vdbpack/run/recipe.h"
+#include "vdbpack/options/recipes.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
