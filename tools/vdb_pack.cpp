@@ -9,7 +9,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"

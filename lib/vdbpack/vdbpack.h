@@ -57,7 +57,7 @@
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/report/report_page.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/library_versions.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"

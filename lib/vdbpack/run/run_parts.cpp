@@ -254,7 +254,6 @@ public:
         if (!shared_[k] || k == first_ || found_.empty()) return;
         part.radius = found_;
         part.targetCount = 0;
-        part.radiusFactor = 1;
         part.weightBy = WeightBy::count;
     }
     void take(const SizeDistribution& sizes, std::size_t k) {

@@ -16,7 +16,7 @@
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
 #include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/memory_estimate.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/void_stage.h"
