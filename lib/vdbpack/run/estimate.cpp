@@ -165,8 +165,11 @@ double frontFraction(const PackRecipe& recipe, int dim, double mean, double ball
            std::max(0.0, 1 - half * wall);
 }
 
-/// Seconds of one processor (AMD EPYC, GCC 12), linear in what was measured to matter: from the
-/// packs above, 24 densified ones and 29 with voids, each with one thread.
+/// Seconds of one processor (AMD EPYC, GCC 12, `--threads 1`), linear in what was measured to
+/// matter in the packs above: triangles and voxels of the field in mandible, hip, femur and
+/// skull_seg3d (42,000 to 625,000 triangles, 0.1 to 15 million voxels), spheres and wall in these
+/// with 2,000 to 690,000 spheres; radii up to eight times the mean in box:60,60,60; 24 densified
+/// packs, 29 with voids. assets/guides/reliability.md compares estimates with runs.
 /// @param mean, largest  radii, mm.
 /// @param dense          how much of what densifying can add is asked for; 0: nothing.
 Report::Seconds secondsOf(const Extent& e, const PackRecipe& recipe, double mean, double largest,

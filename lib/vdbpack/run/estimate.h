@@ -18,7 +18,7 @@ struct VoidExtent {
     double half = 0;       ///< mean half-axis b
     double wall = 0;       ///< area (2D: length) of their walls outside of other voids
     double voxelSize = 0;  ///< of their level sets
-    double reach = 0;      ///< as that of StampOptions
+    double reach = 0;      ///< as `StampOptions::reach`
     double left = 1;       ///< share of the domain that lies outside of all voids
     bool foam = false;     ///< made from a pack of as many spheres
 };
@@ -26,7 +26,7 @@ struct VoidExtent {
 /// What is known of a run, or expected. Lengths in mm.
 struct Extent {
     int dim = 3;
-    double count = 0;         ///< spheres before voids are cut, with those of an input pack
+    double count = 0;         ///< spheres before voids are cut, with the spheres of an input pack
     double kept = 1;          ///< share of them that voids leave
     bool searching = false;   ///< for a target count: two packs are held at a time
     bool densifying = false;  ///< spheres are moved, and further ones added

@@ -20,9 +20,9 @@ namespace vdbpack {
 
 namespace {
 
-// Bytes of memory, from peaks of whole runs (GNU time, GCC 12): box:150 with 3,840,375 spheres 530
-// MiB, hip.ply with 1,000,676 found by a target count 430 MiB, mandible.ply in voxels of 0.07 mm
-// (338 million) 3180 MiB, box:180 densified to 237,621 spheres 142 MiB.
+// Bytes of memory, from peaks of whole runs (GNU time, GCC 12): ball:5 67 MB, box:150 with
+// 3,840,375 spheres 530 MiB, hip.ply with 1,000,676 found by a target count 430 MiB, mandible.ply
+// in voxels of 0.07 mm (338 million) 3180 MiB, box:180 densified to 237,621 spheres 142 MiB.
 constexpr double kProgram = 67e6, kTriangle = 730, kDrawnSphere = 75, kImageVoxel = 23;
 /// A voxel while the field is built, or copied to be cut or written; half of that stays. In a
 /// narrow band of our own that is not.
