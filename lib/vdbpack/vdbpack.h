@@ -58,7 +58,7 @@
 #include "vdbpack/preview/preview.h"
 #include "vdbpack/report/library_versions.h"
 #include "vdbpack/report/report_page.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_mesh.h"

@@ -49,7 +49,6 @@ struct PackRecipe : RunSettings {
     DomainRecipe domain;
     /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
     std::string radius;
-    double radiusFactor = 1;  ///< on all radii
     /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
     /// none.
     std::string sizeField;

@@ -182,10 +182,6 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
         readFactors(recipe)};
     if (!recipe.shellRadius.empty())
         r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
-    if (recipe.radiusFactor != 1) {
-        r.sizes = r.sizes.scaled(recipe.radiusFactor);
-        if (r.shellSizes) r.shellSizes = r.shellSizes->scaled(recipe.radiusFactor);
-    }
     requireRatio(r.sizes, r.sizes);
     if (r.shellSizes) {
         requireRatio(*r.shellSizes, r.sizes);

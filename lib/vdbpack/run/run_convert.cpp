@@ -88,7 +88,7 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         if (source) {
             sources.push_back(&*source);
             have.labels.solids.push_back(solidTest(built.space));
-            warnOfUnusedSpacing(recipe, *source, callbacks);
+            warnOfUnusedSpacing(recipe.outputs, *source, callbacks);
         }
         have.labels.grid = labelGridOf(recipe.outputs, sources, recipe.memoryLimit);
         have.labels.space = recipe.domain.space;

@@ -17,7 +17,7 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
-#include "vdbpack/run/memory_estimate.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/make_voids.h"
 
