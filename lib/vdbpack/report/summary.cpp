@@ -1,5 +1,5 @@
 #include "vdbpack/core/symmetric.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
 

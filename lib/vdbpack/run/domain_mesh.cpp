@@ -3,7 +3,7 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/run/domain_source.h"
 
 #include <fmt/format.h>

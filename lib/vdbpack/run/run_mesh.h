@@ -3,7 +3,7 @@
 
 #include "vdbpack/core/progress.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/run/domain_source.h"
 #include "vdbpack/run/mesh_fitness.h"
 #include "vdbpack/run/settings.h"

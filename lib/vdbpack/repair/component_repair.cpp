@@ -1,13 +1,13 @@
-#include "vdbpack/mesh/repair/component_repair.h"
+#include "vdbpack/repair/component_repair.h"
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/sheets.h"
-#include "vdbpack/mesh/repair/solid_relations.h"
 #include "vdbpack/mesh/welding.h"
+#include "vdbpack/repair/facing.h"
+#include "vdbpack/repair/sheets.h"
+#include "vdbpack/repair/solid_relations.h"
 
 #include <algorithm>
 #include <cmath>

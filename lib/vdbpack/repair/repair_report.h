@@ -2,7 +2,7 @@
 #pragma once
 
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/repair_changes.h"
+#include "vdbpack/repair/repair_changes.h"
 
 #include <nlohmann/json_fwd.hpp>
 

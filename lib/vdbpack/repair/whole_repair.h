@@ -2,9 +2,9 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/repair_report.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/repair/facing.h"
+#include "vdbpack/repair/repair_report.h"
 
 namespace vdbpack {
 

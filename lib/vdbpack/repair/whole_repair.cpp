@@ -1,12 +1,12 @@
-#include "vdbpack/mesh/repair/whole_repair.h"
+#include "vdbpack/repair/whole_repair.h"
 
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/hole_filling.h"
-#include "vdbpack/mesh/repair/resurface.h"
-#include "vdbpack/mesh/repair/sheets.h"
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/facing.h"
+#include "vdbpack/repair/hole_filling.h"
+#include "vdbpack/repair/resurface.h"
+#include "vdbpack/repair/sheets.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <tbb/parallel_for.h>
 

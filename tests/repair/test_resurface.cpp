@@ -3,9 +3,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/mesh/repair/marching_cubes.h"
-#include "vdbpack/mesh/repair/resurface.h"
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/marching_cubes.h"
+#include "vdbpack/repair/resurface.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/solid_relations.h"
+#include "vdbpack/repair/solid_relations.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include "vdbpack/core/sphere.h"
 

@@ -1,9 +1,9 @@
 #include "support/generators.h"
 #include "support/sound_mesh.h"
 
-#include "vdbpack/mesh/repair/mesh_repair.h"
-#include "vdbpack/mesh/repair/solid_relations.h"
 #include "vdbpack/mesh/welding.h"
+#include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/repair/solid_relations.h"
 
 #include <catch2/catch.hpp>
 

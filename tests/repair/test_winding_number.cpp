@@ -1,7 +1,7 @@
 #include "support/generators.h"
 #include "support/random_point.h"
 
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <catch2/catch.hpp>
 

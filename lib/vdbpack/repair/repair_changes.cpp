@@ -1,9 +1,9 @@
-#include "vdbpack/mesh/repair/repair_changes.h"
+#include "vdbpack/repair/repair_changes.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/sheets.h"
+#include "vdbpack/repair/facing.h"
+#include "vdbpack/repair/sheets.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/lattice_crossings.h"
+#include "vdbpack/repair/lattice_crossings.h"
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/mesh/vertical_line.h"

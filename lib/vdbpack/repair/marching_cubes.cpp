@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/marching_cubes.h"
+#include "vdbpack/repair/marching_cubes.h"
 
 namespace vdbpack {
 

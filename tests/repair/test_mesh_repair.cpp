@@ -3,10 +3,10 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/mesh/repair/facing.h"
-#include "vdbpack/mesh/repair/hole_filling.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
-#include "vdbpack/mesh/repair/sheets.h"
+#include "vdbpack/repair/facing.h"
+#include "vdbpack/repair/hole_filling.h"
+#include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/repair/sheets.h"
 
 #include <catch2/catch.hpp>
 

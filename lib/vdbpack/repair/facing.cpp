@@ -1,8 +1,8 @@
-#include "vdbpack/mesh/repair/facing.h"
+#include "vdbpack/repair/facing.h"
 
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <algorithm>
 #include <cmath>

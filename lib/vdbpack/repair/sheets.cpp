@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/sheets.h"
+#include "vdbpack/repair/sheets.h"
 
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/sphere.h"

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/repair_report.h"
+#include "vdbpack/repair/repair_report.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -1,10 +1,10 @@
-#include "vdbpack/mesh/repair/resurface.h"
+#include "vdbpack/repair/resurface.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/winding_lattice.h"
-#include "vdbpack/mesh/repair/lattice_crossings.h"
-#include "vdbpack/mesh/repair/marching_cubes.h"
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/lattice_crossings.h"
+#include "vdbpack/repair/marching_cubes.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <fmt/format.h>
 #include <tbb/parallel_for.h>

@@ -1,7 +1,7 @@
 // Private to repair: each surface component is repaired on its own.
 #pragma once
 
-#include "vdbpack/mesh/repair/whole_repair.h"
+#include "vdbpack/repair/whole_repair.h"
 
 namespace vdbpack {
 

@@ -1,10 +1,10 @@
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/mesh/mesh_shells.h"
-#include "vdbpack/mesh/repair/component_repair.h"
-#include "vdbpack/mesh/repair/whole_repair.h"
-#include "vdbpack/mesh/repair/winding_number.h"
+#include "vdbpack/repair/component_repair.h"
+#include "vdbpack/repair/whole_repair.h"
+#include "vdbpack/repair/winding_number.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/hole_filling.h"
+#include "vdbpack/repair/hole_filling.h"
 
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/mesh/edge_table.h"

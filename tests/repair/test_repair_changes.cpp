@@ -1,6 +1,6 @@
 #include "support/generators.h"
 
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
