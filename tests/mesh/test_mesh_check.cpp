@@ -53,6 +53,8 @@ TEST_CASE("a mesh folded flat is reported to enclose nothing", "[mesh]") {
 TEST_CASE("an empty mesh has a health report", "[mesh]") {
     const auto health = checkMesh({});
     CHECK(health.triangles == 0);
+    CHECK(health.shells == 0);
+    CHECK(health.enclosedVolume == 0);
     CHECK(health.bounds.empty());
     CHECK(toJson(health)["bounds"].is_null());
     CHECK(!toText(health).empty());
