@@ -1,5 +1,6 @@
 #include "support/generators.h"
 #include "support/random_point.h"
+#include "support/triangle_oracle.h"
 
 #include "vdbpack/repair/winding_number.h"
 
@@ -15,14 +16,8 @@ namespace {
 /// Solid angles of all triangles, one by one, over 4 pi.
 double sumOfAll(const TriangleMesh& mesh, const Vec<3>& x) {
     double sum = 0;
-    for (const auto& t : mesh.triangles) {
-        const Vec<3> a = mesh.vertices[t[0]] - x;
-        const Vec<3> b = mesh.vertices[t[1]] - x;
-        const Vec<3> c = mesh.vertices[t[2]] - x;
-        const double la = length(a), lb = length(b), lc = length(c);
-        sum += 2 * std::atan2(dot(a, cross(b, c)),
-                              la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-    }
+    for (const auto& t : mesh.triangles)
+        sum += test::solidAngle(x, mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]);
     return sum / (4 * kPi);
 }
 
