@@ -22,6 +22,13 @@ double volumeOf(const TriangleMesh& mesh) {
     return checkMesh(mesh).enclosedVolume;
 }
 
+/// Common volume of balls of radii R and r at a distance d (Weisstein, "Sphere-Sphere
+/// Intersection").
+double lensVolume(double R, double r, double d) {
+    return kPi * std::pow(R + r - d, 2) *
+           (d * d + 2 * d * r - 3 * r * r + 2 * d * R + 6 * r * R - 3 * R * R) / (12 * d);
+}
+
 /// Without, or with turned, a random share of the triangles.
 TriangleMesh damaged(const TriangleMesh& mesh, double share, bool turn, std::uint64_t seed) {
     RandomStream random(seed, 7);
@@ -112,12 +119,8 @@ TEST_CASE("pieces that cut through each other become one", "[repair]") {
     requireSound(repaired.mesh);
     CHECK(repaired.report.method == RepairReport::Method::resurfaced);
     CHECK(checkMesh(repaired.mesh).shells == 1);
-    // Two balls less their lens (Weisstein, "Sphere-Sphere Intersection").
-    const double R = 10, r = 6, d = 9;
-    const double lens = kPi * std::pow(R + r - d, 2) *
-                        (d * d + 2 * d * r - 3 * r * r + 2 * d * R + 6 * r * R - 3 * R * R) /
-                        (12 * d);
-    const double both = 4.0 / 3 * kPi * (R * R * R + r * r * r) - lens;
+    const double lens = lensVolume(10, 6, 9);
+    const double both = Measure<3>::ball(10) + Measure<3>::ball(6) - lens;
     CHECK(volumeOf(repaired.mesh) == Approx(both).epsilon(0.01));
     CHECK(repaired.report.overlapVolume == Approx(lens).epsilon(0.1));
 }
@@ -147,6 +150,10 @@ TEST_CASE("a wall inside a solid is taken out", "[repair]") {
     const auto repaired = repairMesh(mesh, options);
     CHECK(repaired.report.method == RepairReport::Method::triangles);
     CHECK(repaired.report.dropped == 12);
+    CHECK(repaired.report.changes->removed == 1);
+    CHECK(repaired.report.changes->removedVolume == Approx(8));
+    CHECK_THAT(repairWarnings(repaired.report, "bone.stl").front(),
+               Catch::Matchers::Contains("removed 1 surface component"));
     CHECK(repaired.mesh.triangles.size() == test::ballMesh(10, 3).triangles.size());
     CHECK(volumeOf(repaired.mesh) == Approx(volumeOf(test::ballMesh(10, 3))).epsilon(1e-12));
 }
@@ -233,9 +240,5 @@ TEST_CASE("the inside of one mesh without that of another", "[repair]") {
     const auto inner = test::ballMesh(6, 4, {{7, 0, 0}});  // pokes out
     const auto cut = subtractMesh(outer, inner);
     requireSound(cut.mesh);
-    const double R = 10, r = 6, d = 7;
-    const double lens = kPi * std::pow(R + r - d, 2) *
-                        (d * d + 2 * d * r - 3 * r * r + 2 * d * R + 6 * r * R - 3 * R * R) /
-                        (12 * d);
-    CHECK(volumeOf(cut.mesh) == Approx(4.0 / 3 * kPi * R * R * R - lens).epsilon(0.01));
+    CHECK(volumeOf(cut.mesh) == Approx(Measure<3>::ball(10) - lensVolume(10, 6, 7)).epsilon(0.01));
 }

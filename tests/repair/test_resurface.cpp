@@ -85,17 +85,6 @@ TEST_CASE("a surface rebuilt lies on the old one", "[repair][resurface]") {
     }
 }
 
-TEST_CASE("overlapping pieces become one", "[repair][resurface]") {
-    // Two boxes that share a corner region; the union has a known volume.
-    const auto mesh = test::merged(test::boxMesh({{0, 0, 0}}, {{4, 4, 4}}),
-                                   test::boxMesh({{2, 2, 2}}, {{6, 6, 6}}));
-    const auto made = resurfaced(mesh, 0.1);
-    requireSound(made.mesh);
-    const MeshHealth health = checkMesh(made.mesh);
-    CHECK(health.shells == 1);
-    CHECK(health.signedVolume == Approx(64 + 64 - 8).epsilon(0.003));
-}
-
 TEST_CASE("a cavity stays where its wall faces into it", "[repair][resurface]") {
     const auto mesh = test::merged(test::ballMesh(10, 4), test::flipped(test::ballMesh(5, 4)));
     const auto made = resurfaced(mesh, 0.4);

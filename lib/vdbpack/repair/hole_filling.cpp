@@ -177,17 +177,12 @@ HoleFilling fillHoles(TriangleMesh& mesh) {
             if (rim.size() != 2) ++result.left;
             continue;
         }
-        double around = 0;
-        for (std::size_t i = 0; i < rim.size(); ++i)
-            around += length(mesh.vertices[rim[(i + 1) % rim.size()]] - mesh.vertices[rim[i]]);
         for (const Triangle& t : leastArea(mesh.vertices, rim)) {
             mesh.triangles.push_back(t);
-            ++result.triangles;
             const Vec<3>& a = mesh.vertices[t[0]];
             result.area += 0.5 * length(cross(mesh.vertices[t[1]] - a, mesh.vertices[t[2]] - a));
         }
         ++result.filled;
-        result.largest = std::max(result.largest, around);
     }
     return result;
 }

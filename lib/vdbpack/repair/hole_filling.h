@@ -8,11 +8,9 @@
 namespace vdbpack {
 
 struct HoleFilling {
-    std::size_t filled = 0;     ///< number of filled holes
-    std::size_t triangles = 0;  ///< added
-    double area = 0;            ///< of the added triangles, mm²
-    double largest = 0;         ///< longest boundary of a filled hole, mm
-    std::size_t left = 0;       ///< holes not filled: more than 1000 edges, or a tangled boundary
+    std::size_t filled = 0;  ///< number of filled holes
+    double area = 0;         ///< of the added triangles, mm²
+    std::size_t left = 0;    ///< holes not filled: more than 1000 edges, or a tangled boundary
 };
 
 /// Adds triangles that close the holes of a consistently oriented mesh (facing.h).

@@ -1,6 +1,7 @@
 #include "vdbpack/repair/mesh_repair.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/repair/component_repair.h"
 #include "vdbpack/repair/whole_repair.h"
@@ -45,11 +46,9 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options,
     return {std::move(done.mesh), std::move(done.report)};
 }
 
-TriangleMesh joinedAsCavity(TriangleMesh outer, const TriangleMesh& inner) {
-    const auto shift = static_cast<std::uint32_t>(outer.vertices.size());
-    outer.vertices.insert(outer.vertices.end(), inner.vertices.begin(), inner.vertices.end());
-    for (const auto& t : inner.triangles)
-        outer.triangles.push_back({t[0] + shift, t[2] + shift, t[1] + shift});
+TriangleMesh joinedAsCavity(TriangleMesh outer, TriangleMesh inner) {
+    for (auto& t : inner.triangles) std::swap(t[1], t[2]);
+    append(outer, inner);
     return outer;
 }
 

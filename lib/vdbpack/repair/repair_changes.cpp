@@ -1,18 +1,15 @@
 #include "vdbpack/repair/repair_changes.h"
 
-#include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/mesh/triangle_tree.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/sheets.h"
-
-#include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unordered_map>
+#include <set>
 #include <utility>
 
 namespace vdbpack {
@@ -45,68 +42,47 @@ struct Split {
         const auto& shells = analysis.shells.shells;
         for (std::size_t s = 0; s < shells.size(); ++s)
             ++(closed[s] == 0 ? t.fragments : isSolid(s) ? t.components : t.cavities);
-        t.holes = analysis.health.leak ? analysis.health.leak->loops : 0;
+        const auto& leak = analysis.health.leak;
+        t.holes = leak ? static_cast<std::int64_t>(leak->loops) : 0;
         t.eulerNumber = analysis.health.eulerNumber;
-        t.handles = (2 * static_cast<std::int64_t>(shells.size()) -
-                     static_cast<std::int64_t>(t.holes) - t.eulerNumber) /
-                    2;
+        t.handles = (2 * static_cast<std::int64_t>(shells.size()) - t.holes - t.eulerNumber) / 2;
         return t;
     }
 };
 
-/// The vertices of a surface in cubic cells, each with its component.
-class VertexCells {
+/// Looks up vertices of a surface.
+class VertexSearch {
 public:
-    VertexCells(const Split& surface, double reach) : reach_(reach) {
-        const auto& mesh = surface.mesh;
-        std::vector<char> known(mesh.vertices.size(), 0);
-        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-            for (const std::uint32_t v : mesh.triangles[i]) {
-                if (known[v] != 0) continue;
-                known[v] = 1;
-                cells_[keyOf(mesh.vertices[v], 0, 0, 0)].push_back(
-                    {mesh.vertices[v], surface.analysis.shells.shellOfTriangle[i]});
-            }
-    }
+    VertexSearch(const Split& surface, double reach)
+        : surface_(surface),
+          reach_(reach),
+          tree_(surface.mesh.triangles.size(), [&](std::size_t i) {
+              const auto& t = surface.mesh.triangles[i];
+              const auto& v = surface.mesh.vertices;
+              return TriangleTree::Corners{v[t[0]], v[t[1]], v[t[2]]};
+          }) {}
 
     /// The components of the nearest vertices within reach of `x`: several where they touch.
-    std::vector<std::uint32_t> nearest(const Vec<3>& x) const {
+    std::set<std::uint32_t> nearest(const Vec<3>& x) const {
         double least = reach_ * reach_;
-        std::vector<std::pair<double, std::uint32_t>> found;
-        for (int i = -1; i <= 1; ++i)
-            for (int j = -1; j <= 1; ++j)
-                for (int k = -1; k <= 1; ++k) {
-                    const auto cell = cells_.find(keyOf(x, i, j, k));
-                    if (cell == cells_.end()) continue;
-                    for (const Entry& entry : cell->second) {
-                        const double d = squaredLength(entry.at - x);
-                        if (d > least) continue;
-                        least = d;
-                        found.emplace_back(d, entry.shell);
-                    }
-                }
-        std::vector<std::uint32_t> shells;
-        for (const auto& [d, shell] : found)
-            if (d <= least && std::find(shells.begin(), shells.end(), shell) == shells.end())
-                shells.push_back(shell);
+        std::set<std::uint32_t> shells;
+        tree_.visitNear(x, least, [&](std::uint32_t triangle) {
+            for (const std::uint32_t v : surface_.mesh.triangles[triangle]) {
+                const double square = squaredLength(surface_.mesh.vertices[v] - x);
+                if (square > least) continue;
+                if (square < least) shells.clear();
+                least = square;
+                shells.insert(surface_.analysis.shells.shellOfTriangle[triangle]);
+            }
+            return false;
+        });
         return shells;
     }
 
 private:
-    struct Entry {
-        Vec<3> at;
-        std::uint32_t shell;
-    };
-    std::uint64_t keyOf(const Vec<3>& x, int i, int j, int k) const {
-        const int aside[3] = {i, j, k};
-        std::uint64_t key = 0;
-        for (int d = 0; d < 3; ++d)
-            key = mix64(key ^ static_cast<std::uint64_t>(
-                                  static_cast<std::int64_t>(std::floor(x[d] / reach_)) + aside[d]));
-        return key;
-    }
+    const Split& surface_;
     double reach_;
-    std::unordered_map<std::uint64_t, std::vector<Entry>> cells_;
+    TriangleTree tree_;
 };
 
 constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
@@ -114,7 +90,7 @@ constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
 /// [s]: the component of `after` that component s of `before` has become; `kNone`: it is gone.
 std::vector<std::uint32_t> successors(const Split& before, const Split& after, double reach) {
     const double size = length(before.analysis.health.bounds.size());
-    const VertexCells cells(after, std::max(reach, kRounding * size));
+    const VertexSearch vertices(after, std::max(reach, kRounding * size));
     const auto& shells = before.analysis.shells;
     struct Votes {
         std::size_t corners = 0;
@@ -129,7 +105,7 @@ std::vector<std::uint32_t> successors(const Split& before, const Split& after, d
         if (seen[s]++ % step != 0) continue;
         for (const std::uint32_t v : before.mesh.triangles[i]) {
             ++votes[s].corners;
-            for (const std::uint32_t shell : cells.nearest(before.mesh.vertices[v]))
+            for (const std::uint32_t shell : vertices.nearest(before.mesh.vertices[v]))
                 ++votes[s].of[shell];
         }
     }
@@ -156,12 +132,6 @@ std::vector<Box<3>> boundsOf(const Split& surface) {
 
 }  // namespace
 
-std::size_t RepairChanges::fusedComponents() const {
-    std::size_t n = 0;
-    for (const Fused& f : fused) n += f.components;
-    return n;
-}
-
 SurfaceTopology topologyOf(const TriangleMesh& mesh) {
     return Split(mesh).topology();
 }
@@ -174,7 +144,12 @@ RepairChanges compareSurfaces(const TriangleMesh& before, const TriangleMesh& af
     const auto successor = successors(old, now, reach);
     const std::vector<Box<3>> bounds = boundsOf(old);
     const auto& shells = old.analysis.shells.shells;
-    std::map<std::uint32_t, RepairChanges::Fused> parts;
+    struct Fused {
+        std::size_t components = 0;
+        double volume = 0;  // of the second largest component
+        Vec<3> at;
+    };
+    std::map<std::uint32_t, Fused> parts;
     // By falling volume, so that the second of several is the second largest.
     for (std::size_t s = 0; s < shells.size(); ++s) {
         if (successor[s] == kNone) {
@@ -191,52 +166,15 @@ RepairChanges compareSurfaces(const TriangleMesh& before, const TriangleMesh& af
             part.at = bounds[s].center();
         }
     }
-    for (const auto& [shell, part] : parts)
-        if (part.components > 1) changes.fused.push_back(part);
-    std::stable_sort(changes.fused.begin(), changes.fused.end(),
-                     [](const auto& a, const auto& b) { return a.volume > b.volume; });
+    for (const auto& [shell, part] : parts) {
+        if (part.components < 2) continue;
+        ++changes.fusedInto;
+        changes.fusedComponents += part.components;
+        if (part.volume <= changes.fusedVolume) continue;
+        changes.fusedVolume = part.volume;
+        changes.fusedAt = part.at;
+    }
     return changes;
-}
-
-namespace {
-
-nlohmann::json json(const SurfaceTopology& t) {
-    return {{"components", t.components}, {"cavities", t.cavities}, {"fragments", t.fragments},
-            {"holes", t.holes},           {"handles", t.handles},   {"eulerNumber", t.eulerNumber}};
-}
-
-}  // namespace
-
-nlohmann::json toJson(const RepairChanges& changes) {
-    nlohmann::json fused = nlohmann::json::array();
-    for (const auto& f : changes.fused)
-        fused.push_back({{"components", f.components},
-                         {"volume", f.volume},
-                         {"at", {f.at[0], f.at[1], f.at[2]}}});
-    return {{"before", json(changes.before)},
-            {"after", json(changes.after)},
-            {"fused", fused},
-            {"fusedComponents", changes.fusedComponents()},
-            {"removed", changes.removed},
-            {"removedVolume", changes.removedVolume},
-            {"fragmentsRemoved", changes.fragmentsRemoved}};
-}
-
-std::string describe(const RepairChanges& changes) {
-    std::string text;
-    const auto add = [&](const char* name, auto before, auto after) {
-        if (before != after)
-            text += fmt::format("{}{} {}, then {}", text.empty() ? "" : "; ", name, before, after);
-    };
-    const SurfaceTopology& a = changes.before;
-    const SurfaceTopology& b = changes.after;
-    add("components", a.components, b.components);
-    add("cavities", a.cavities, b.cavities);
-    add("open fragments", a.fragments, b.fragments);
-    add("holes", a.holes, b.holes);
-    add("handles", a.handles, b.handles);
-    add("Euler number", a.eulerNumber, b.eulerNumber);
-    return text;
 }
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-// What a repair did to a mesh: data, JSON, text, warnings.
+// What a repair did to a mesh: data, and from one list of facts JSON, text and warnings.
 #pragma once
 
 #include "vdbpack/mesh/mesh_check.h"
@@ -48,11 +48,12 @@ struct RepairReport {
     std::optional<RepairChanges> changes;
 };
 
-/// All members by name; `before` as in mesh_check.h.
+/// All facts by name; `before` as in mesh_check.h.
 nlohmann::json toJson(const RepairReport& report);
 
-/// What was done, in one line, such as "413 triangles flipped, 12 holes filled (35 mm²)".
-std::string describe(const RepairReport& report);
+/// What was done and found, a line a fact, such as "413 triangles flipped"; without what the
+/// warnings say.
+std::vector<std::string> repairLines(const RepairReport& report);
 
 /// What a user must know of a repair, a message each: ambiguous volume, components that were fused
 /// or removed, holes that were closed, a topology that changed. @param name  of the mesh.

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kLeaf = 8;
 /// About the number of triangles of a surface whose sides are tested against the other.
 constexpr std::size_t kSamples = 2000;
 /// Surfaces closer than this share of their size touch: rounding to 32 bits.
@@ -94,12 +92,13 @@ Sides sidesIn(const TriangleMesh& mesh, const MeshSides& other, const Box<3>& bo
 }  // namespace
 
 Solid::Solid(TriangleMesh mesh)
-    : mesh_(std::move(mesh)), bounds_(mesh_.bounds()), sides_(mesh_, true) {
-    order_.resize(mesh_.triangles.size());
-    std::iota(order_.begin(), order_.end(), std::uint32_t{0});
-    nodes_.push_back({{}, 0, static_cast<std::uint32_t>(order_.size())});
-    for (std::uint32_t n = 0; n < nodes_.size(); ++n) build(n);
-}
+    : mesh_(std::move(mesh)),
+      bounds_(mesh_.bounds()),
+      sides_(mesh_, true),
+      tree_(mesh_.triangles.size(), [&](std::size_t i) {
+          const Corners t = cornersOf(mesh_, static_cast<std::uint32_t>(i));
+          return TriangleTree::Corners{t.a, t.b, t.c};
+      }) {}
 
 Box<3> Solid::boxOf(std::uint32_t triangle) const {
     Box<3> box;
@@ -107,60 +106,20 @@ Box<3> Solid::boxOf(std::uint32_t triangle) const {
     return box;
 }
 
-void Solid::build(std::uint32_t node) {
-    const auto [begin, end] = std::pair(nodes_[node].begin, nodes_[node].end);
-    Box<3> box, centers;
-    for (std::uint32_t i = begin; i < end; ++i) {
-        const Box<3> own = boxOf(order_[i]);
-        box.add(own.lo);
-        box.add(own.hi);
-        centers.add(own.center());
-    }
-    nodes_[node].box = box;
-    if (end - begin <= kLeaf) return;
-    const Vec<3> size = centers.size();
-    const auto axis =
-        static_cast<int>(std::max_element(size.c.begin(), size.c.end()) - size.c.begin());
-    const std::uint32_t middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](std::uint32_t i, std::uint32_t k) {
-                         const double x = boxOf(i).center()[axis], y = boxOf(k).center()[axis];
-                         return x != y ? x < y : i < k;
-                     });
-    nodes_[node].children = static_cast<std::uint32_t>(nodes_.size());
-    nodes_.push_back({{}, begin, middle});
-    nodes_.push_back({{}, middle, end});
-}
-
-template <typename F>
-bool Solid::anyIn(const Box<3>& box, F&& f) const {
-    std::vector<std::uint32_t> waiting{0};
-    while (!waiting.empty()) {
-        const Node& node = nodes_[waiting.back()];
-        waiting.pop_back();
-        if (!meet(node.box, box)) continue;
-        if (node.children > 0) {
-            waiting.push_back(node.children);
-            waiting.push_back(node.children + 1);
-            continue;
-        }
-        for (std::uint32_t i = node.begin; i < node.end; ++i)
-            if (meet(boxOf(order_[i]), box) && f(order_[i])) return true;
-    }
-    return false;
-}
-
 bool Solid::pierce(const Solid& small, const Solid& large, double tolerance) {
     for (std::uint32_t i = 0; i < small.mesh_.triangles.size(); ++i) {
         const Box<3> box = small.boxOf(i);
         if (!meet(box, large.bounds_)) continue;
         const Corners own = cornersOf(small.mesh_, i);
-        if (large.anyIn(box, [&](std::uint32_t k) {
-                const Corners other = cornersOf(large.mesh_, k);
-                return anyEdgePasses(own, other, large.sides_, tolerance) ||
-                       anyEdgePasses(other, own, small.sides_, tolerance);
-            }))
-            return true;
+        bool any = false;
+        large.tree_.visitNear(box.center(), 0.25 * squaredLength(box.size()), [&](std::uint32_t k) {
+            if (!meet(large.boxOf(k), box)) return false;
+            const Corners other = cornersOf(large.mesh_, k);
+            any = anyEdgePasses(own, other, large.sides_, tolerance) ||
+                  anyEdgePasses(other, own, small.sides_, tolerance);
+            return any;
+        });
+        if (any) return true;
     }
     return false;
 }

@@ -3,10 +3,9 @@
 
 #include "vdbpack/mesh/mesh_sides.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/mesh/triangle_tree.h"
 
-#include <array>
 #include <cstdint>
-#include <vector>
 
 namespace vdbpack {
 
@@ -30,24 +29,14 @@ public:
     friend SolidRelation relationOf(const Solid& a, const Solid& b);
 
 private:
-    struct Node {
-        Box<3> box;
-        std::uint32_t begin = 0, end = 0;  ///< of order_
-        std::uint32_t children = 0;        ///< first of two neighbors; 0: a leaf
-    };
-    void build(std::uint32_t node);
     Box<3> boxOf(std::uint32_t triangle) const;
-    /// Calls `f(triangle)` for the triangles whose boxes meet `box`, until it returns true.
-    template <typename F>
-    bool anyIn(const Box<3>& box, F&& f) const;
     /// Whether an edge of one surface passes through a triangle of the other.
     static bool pierce(const Solid& small, const Solid& large, double tolerance);
 
     TriangleMesh mesh_;
     Box<3> bounds_;
     MeshSides sides_;
-    std::vector<std::uint32_t> order_;  ///< triangles, near ones together
-    std::vector<Node> nodes_;
+    TriangleTree tree_;
 };
 
 SolidRelation relationOf(const Solid& a, const Solid& b);
