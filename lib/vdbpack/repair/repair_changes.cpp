@@ -1,7 +1,7 @@
 #include "vdbpack/repair/repair_changes.h"
 
+#include "vdbpack/core/rng.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/triangle_tree.h"
 #include "vdbpack/repair/facing.h"
 #include "vdbpack/repair/sheets.h"
 
@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <set>
+#include <unordered_map>
 #include <utility>
 
 namespace vdbpack {
@@ -50,39 +50,59 @@ struct Split {
     }
 };
 
-/// Looks up vertices of a surface.
-class VertexSearch {
+/// The vertices of a surface in cubic cells, each with its component.
+class VertexCells {
 public:
-    VertexSearch(const Split& surface, double reach)
-        : surface_(surface),
-          reach_(reach),
-          tree_(surface.mesh.triangles.size(), [&](std::size_t i) {
-              const auto& t = surface.mesh.triangles[i];
-              const auto& v = surface.mesh.vertices;
-              return TriangleTree::Corners{v[t[0]], v[t[1]], v[t[2]]};
-          }) {}
+    VertexCells(const Split& surface, double reach) : reach_(reach) {
+        const auto& mesh = surface.mesh;
+        std::vector<char> known(mesh.vertices.size(), 0);
+        for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+            for (const std::uint32_t v : mesh.triangles[i]) {
+                if (known[v] != 0) continue;
+                known[v] = 1;
+                cells_[keyOf(mesh.vertices[v], 0, 0, 0)].push_back(
+                    {mesh.vertices[v], surface.analysis.shells.shellOfTriangle[i]});
+            }
+    }
 
     /// The components of the nearest vertices within reach of `x`: several where they touch.
-    std::set<std::uint32_t> nearest(const Vec<3>& x) const {
+    std::vector<std::uint32_t> nearest(const Vec<3>& x) const {
         double least = reach_ * reach_;
-        std::set<std::uint32_t> shells;
-        tree_.visitNear(x, least, [&](std::uint32_t triangle) {
-            for (const std::uint32_t v : surface_.mesh.triangles[triangle]) {
-                const double square = squaredLength(surface_.mesh.vertices[v] - x);
-                if (square > least) continue;
-                if (square < least) shells.clear();
-                least = square;
-                shells.insert(surface_.analysis.shells.shellOfTriangle[triangle]);
-            }
-            return false;
-        });
+        std::vector<std::pair<double, std::uint32_t>> found;
+        for (int i = -1; i <= 1; ++i)
+            for (int j = -1; j <= 1; ++j)
+                for (int k = -1; k <= 1; ++k) {
+                    const auto cell = cells_.find(keyOf(x, i, j, k));
+                    if (cell == cells_.end()) continue;
+                    for (const Entry& entry : cell->second) {
+                        const double d = squaredLength(entry.at - x);
+                        if (d > least) continue;
+                        least = d;
+                        found.emplace_back(d, entry.shell);
+                    }
+                }
+        std::vector<std::uint32_t> shells;
+        for (const auto& [d, shell] : found)
+            if (d <= least && std::find(shells.begin(), shells.end(), shell) == shells.end())
+                shells.push_back(shell);
         return shells;
     }
 
 private:
-    const Split& surface_;
+    struct Entry {
+        Vec<3> at;
+        std::uint32_t shell;
+    };
+    std::uint64_t keyOf(const Vec<3>& x, int i, int j, int k) const {
+        const int aside[3] = {i, j, k};
+        std::uint64_t key = 0;
+        for (int d = 0; d < 3; ++d)
+            key = mix64(key ^ static_cast<std::uint64_t>(
+                                  static_cast<std::int64_t>(std::floor(x[d] / reach_)) + aside[d]));
+        return key;
+    }
     double reach_;
-    TriangleTree tree_;
+    std::unordered_map<std::uint64_t, std::vector<Entry>> cells_;
 };
 
 constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
@@ -90,7 +110,7 @@ constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
 /// [s]: the component of `after` that component s of `before` has become; `kNone`: it is gone.
 std::vector<std::uint32_t> successors(const Split& before, const Split& after, double reach) {
     const double size = length(before.analysis.health.bounds.size());
-    const VertexSearch vertices(after, std::max(reach, kRounding * size));
+    const VertexCells cells(after, std::max(reach, kRounding * size));
     const auto& shells = before.analysis.shells;
     struct Votes {
         std::size_t corners = 0;
@@ -105,7 +125,7 @@ std::vector<std::uint32_t> successors(const Split& before, const Split& after, d
         if (seen[s]++ % step != 0) continue;
         for (const std::uint32_t v : before.mesh.triangles[i]) {
             ++votes[s].corners;
-            for (const std::uint32_t shell : vertices.nearest(before.mesh.vertices[v]))
+            for (const std::uint32_t shell : cells.nearest(before.mesh.vertices[v]))
                 ++votes[s].of[shell];
         }
     }
