@@ -1,10 +1,10 @@
 // The mesh of a domain: read, repaired, its shells chosen.
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/mesh_sides.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
-#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <fmt/format.h>
 
@@ -25,15 +25,15 @@ TriangleMesh readOne(const DomainRecipe& recipe, const std::string& file,
     MeshReadOptions options;
     options.unit = recipe.unit;
     options.scale = recipe.scale;
-    MeshFileFacts facts;
+    CrossedFaces crossed;
     TriangleMesh mesh = recipe.mesh && file == recipe.source
                             ? scaledMesh(*recipe.mesh, recipe.scale * millimetersPer(recipe.unit))
-                            : readMesh(file, options, &facts);
-    if (facts.crossedFaces > 0)
+                            : readMesh(file, options, &crossed);
+    if (crossed.count > 0)
         callbacks.warn(fmt::format(
             "{}: the outlines of {} faces cross themselves, first at ({:.6g}, {:.6g}, {:.6g}). "
             "Their triangles overlap: export the mesh as triangles",
-            file, facts.crossedFaces, facts.crossedAt[0], facts.crossedAt[1], facts.crossedAt[2]));
+            file, crossed.count, crossed.firstAt[0], crossed.firstAt[1], crossed.firstAt[2]));
     if (!recipe.repair) return mesh;
     RepairOptions repair = repairOptions(recipe);
     repair.name = file;

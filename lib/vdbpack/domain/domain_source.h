@@ -7,8 +7,8 @@
 #include "vdbpack/domain/domain_recipe.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/image/image_grid.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/repair/mesh_repair.h"
 #include "vdbpack/verify/verify.h"
 
 #include <algorithm>

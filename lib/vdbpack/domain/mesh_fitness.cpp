@@ -4,7 +4,7 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/domain/mesh_requirements.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
-#include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/repair_report.h"
 #include "vdbpack/domain/domain_source.h"
+#include "vdbpack/mesh/mesh_check.h"
+#include "vdbpack/repair/repair_report.h"
 
 #include <nlohmann/json_fwd.hpp>
 

@@ -3,9 +3,9 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/formats/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -60,18 +60,8 @@ std::string row(const char* name, const std::string& value) {
 
 /// What a repair did, or would do.
 std::string repairRows(const RepairReport& r) {
-    std::string text = row("repair", describe(r));
-    if (r.changes && r.changes->before != r.changes->after)
-        text += row("before and after", describe(*r.changes));
-    text +=
-        row("ambiguous volume", fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume",
-                                            r.doubtfulVolume, 100 * r.doubtfulVolume / r.volume));
-    if (r.overlapVolume > 0)
-        text += row("overlapping volume",
-                    fmt::format("{:.4g} mm³, enclosed more than once", r.overlapVolume));
-    if (r.invertedVolume > 0)
-        text +=
-            row("inverted volume", fmt::format("{:.4g} mm³, treated as outside", r.invertedVolume));
+    std::string text;
+    for (const auto& line : repairLines(r)) text += row(text.empty() ? "repair" : "", line);
     return text;
 }
 

@@ -24,9 +24,8 @@ public:
             readFaces(piece, "Polys", "NumberOfPolys");
             readFaces(piece, "Strips", "NumberOfStrips");
         }
-        if (reader_.facts.faces == 0)
+        if (reader_.mesh.triangles.empty())
             xml_.fail("holds points without polygons; a closed surface is needed");
-        reader_.facts.vertices = reader_.mesh.vertices.size();
     }
 
 private:
@@ -52,8 +51,6 @@ private:
             xml_.fail("a piece has no points with three coordinates");
         reader_.checkVertexTotal(first_ + count);
         const std::vector<char> bytes = xml_.arrays().numbers(array, count);
-        reader_.facts.singlePrecision |=
-            array.format != VtkArray::Format::ascii && array.type == NumberType::f32;
         reader_.mesh.vertices.reserve(first_ + count);
         const std::size_t size = bytesOf(array.type);
         const char* at = bytes.data();
@@ -108,7 +105,6 @@ private:
             addFace(corners, begin, end, *name == 'S', i);
             begin = end;
         }
-        reader_.facts.faces += count;
     }
 
     void addFace(const Numbers& corners, std::int64_t begin, std::int64_t end, bool strip,
@@ -140,7 +136,6 @@ private:
 }  // namespace
 
 void readVtpMesh(MeshReader& reader) {
-    reader.facts.format = "VTK polygon data (XML)";
     VtpMesh(reader).read();
 }
 
