@@ -20,7 +20,7 @@ using namespace vdbpack::test;
 
 namespace {
 
-const char* const kFormats[] = {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "usda", "lammps"};
+const char* const kFormats[] = {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps"};
 
 std::string prefixed(const std::string& format, const std::string& path) {
     return format + ":" + path;
@@ -75,7 +75,6 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[format
         readable += file.isReadable() ? 1 : 0;
     }
     if (file.format == "ply" || file.format == "npz") REQUIRE(readable == 0);
-    if (file.format == "usda") REQUIRE(readable == 1);  // without its last line break
     if (file.format == "vtp") REQUIRE(readable == 1);
     if (file.format == "vdb") REQUIRE(readable < 260);
 }
@@ -107,7 +106,7 @@ TEST_CASE("one format under the name of another is refused", "[formats]") {
 TEST_CASE("a folder or a missing file is an IoError in every format", "[formats]") {
     const TemporaryFolder scratch;
     for (const std::string format :
-         {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "usda", "usdz", "lammps", "dump"}) {
+         {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps", "dump"}) {
         CAPTURE(format);
         REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file(""))), IoError);
         REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file("none"))), IoError);
@@ -120,7 +119,7 @@ TEST_CASE("an empty file is an error, except a list that may be empty", "[format
     for (const std::string content : {"", "\n", "\n\n \n", "\xef\xbb\xbf"}) {
         putContent(path, content);
         for (const std::string format :
-             {"vdb", "vtp", "csv", "ply", "xyz", "npz", "usda", "usdz", "lammps", "dump"}) {
+             {"vdb", "vtp", "csv", "ply", "xyz", "npz", "lammps", "dump"}) {
             CAPTURE(format, content);
             REQUIRE_THROWS_AS(readPack(prefixed(format, path)), InputError);
         }

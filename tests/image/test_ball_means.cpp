@@ -20,7 +20,7 @@ TEST_CASE("grey values of spheres are the means over their voxels", "[image][lon
     const auto made = Voxels<std::int16_t>::of(grid, valueAt);
     Image image;
     image.grid = grid;
-    image.type = VoxelType::int16;
+    image.type = NumberType::i16;
     image.slope = 0.5;
     image.intercept = -100;
     image.bytes.reset(static_cast<std::byte*>(std::malloc(2 * made.values.size())));

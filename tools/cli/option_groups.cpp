@@ -35,12 +35,8 @@ const char* const kOutputHelp =
 const char* const kReportHelp = "write the report as JSON, or as a page for the browser";
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, .usda, .usdz, YADE text "
-    "(yade:FILE.txt), "
-    "LAMMPS or "
-    "LIGGGHTS data "
-    "or "
-    "dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    "LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
 namespace {
 

@@ -310,9 +310,7 @@ CLI::App* addCommand(CLI::App& app, ConvertRecipe& job, PrintOptions& print) {
     addUnit(*command, "--out-unit", job.outUnit, "unit of what is written");
     addImages(*command, job.images);
     addUnit(*command, "--unit", job.domain.unit, "unit of the domain's file");
-    command
-        ->add_option("--grid", job.packGrid,
-                     "point grid (or level set) to take from a .vdb, Points prim from a .usda")
+    command->add_option("--grid", job.packGrid, "point grid (or level set) to take from a .vdb")
         ->option_text("NAME [first]")
         ->group("Domain");
     command

@@ -25,6 +25,7 @@ public:
     PackView(const Pack<Dim>& pack, Unit unit)
         : size_(pack.spheres.size()),
           unit_(unit),
+          dim_(Dim),
           height_(fromMillimeters(pack.sliceHeight, unit)),
           attributes_(&pack) {
         if constexpr (Dim == 2)
@@ -43,7 +44,7 @@ public:
     std::size_t size() const { return size_; }
     Unit unit() const { return unit_; }
     /// 2 for circles.
-    int dim() const { return circles_ != nullptr ? 2 : 3; }
+    int dim() const { return dim_; }
 
     std::array<double, 3> position(std::size_t i) const {
         if (circles_ != nullptr)
@@ -82,6 +83,12 @@ public:
     const std::vector<Column>& columns() const { return attributes_->columns; }
 
     const PackAttributes& attributes() const { return *attributes_; }
+    /// Calls `use` with the pack itself, whose lengths are mm.
+    template <class Use>
+    auto withPack(const Use& use) const {
+        return dim_ == 2 ? use(static_cast<const Pack<2>&>(*attributes_))
+                         : use(static_cast<const Pack<3>&>(*attributes_));
+    }
 
     /// For each attribute that has values, except the id: calls `numbers(name, values)` or
     /// `texts(name, values)`. The vectors are those of the pack; `value` converts their numbers.
@@ -109,6 +116,7 @@ public:
 private:
     std::size_t size_ = 0;
     Unit unit_ = Unit::millimeter;
+    int dim_ = 3;
     double height_ = 0;
     PeriodicCell<3> cell_;
     const Sphere<2>* circles_ = nullptr;

@@ -20,14 +20,6 @@ namespace vdbpack {
 
 namespace {
 
-/// The unit that a comment of the header names, or else `unit`.
-Unit unitOf(const InputFile& file, const PlyHeader& header, Unit unit) {
-    for (const auto& comment : header.comments)
-        if (!parseUnitComment(comment, unit))
-            file.fail("unknown unit in '" + comment.substr(0, 80) + "'; correct the header");
-    return unit;
-}
-
 /// The next bytes of a binary body. @throws InputError at the end of the file
 const char* take(InputFile& file, std::size_t bytes) {
     const std::uint64_t at = file.offset();
@@ -115,7 +107,7 @@ void readAsciiVertices(InputFile& file, const PlyHeader& header, const PlyElemen
             ++column;
             ++word;
         }
-        if (!builder.problem().empty()) builder.failRow(where());
+        builder.checkRow(where);
     }
 }
 
@@ -137,7 +129,7 @@ void readBinaryVertices(InputFile& file, const PlyElement& vertex, bool swap,
             if (!sound) builder.failCell(where(), column, "out of range");
             ++column;
         }
-        if (!builder.problem().empty()) builder.failRow(where());
+        builder.checkRow(where);
     }
 }
 
@@ -155,7 +147,9 @@ Pack<3> readPly(const std::string& path, const PackReadOptions& options) {
     std::vector<std::string> names;
     for (const auto& p : vertex->properties)
         if (!p.isList) names.push_back(p.name);
-    PackBuilder builder(path, names, unitOf(file, header, options.unit));
+    Unit unit = options.unit;
+    for (const auto& comment : header.comments) unit = unitIn(comment, unit, file);
+    PackBuilder builder(path, names, unit);
     const std::uint64_t count = vertex->count;
 
     if (header.format == PlyFormat::ascii) {

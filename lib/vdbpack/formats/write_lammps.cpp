@@ -9,6 +9,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/measure/contacts.h"
 
 #include <fmt/format.h>
 
@@ -212,8 +213,11 @@ PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options, c
     return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
 }
 
-void writeLammps(const PackView& pack, const PackWriteOptions& options,
-                 const std::vector<Contact>* bonds, OutputFile& out) {
+namespace {
+
+/// @param bonds  null: atoms alone.
+void writeAtoms(const PackView& pack, const PackWriteOptions& options,
+                const std::vector<Contact>* bonds, OutputFile& out) {
     const auto atoms = std::make_shared<Atoms>(pack, options, nullptr);
     const std::size_t count = bonds ? bonds->size() : 0;
     const PackTextRows rows =
@@ -229,6 +233,19 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
         appendNumber(text += ' ', atoms->ids((*bonds)[b].j));
         text += '\n';
     });
+}
+
+}  // namespace
+
+void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    writeAtoms(pack, options, nullptr, out);
+}
+
+void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    const auto bonds = pack.withPack([&options](const auto& own) {
+        return listContacts(own.spheres, options.contactTolerance, own.cell);
+    });
+    writeAtoms(pack, options, &bonds, out);
 }
 
 }  // namespace vdbpack

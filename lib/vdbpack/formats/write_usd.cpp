@@ -2,7 +2,7 @@
 //
 // Sources: UsdGeom's schemas (widths of Points are diameters); the grammar of text files in
 // pxr/usd/sdf/textFileFormatParser.h; the specification of USDZ. `points` and `widths` are floats
-// by schema, but written with the digits of doubles: others round them, `readUsd` need not.
+// by schema, and written with the digits of doubles: programs round them.
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -21,7 +21,6 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -53,16 +52,10 @@ std::string quoted(std::string_view text) {
 }
 
 /// A name that every version of USD accepts.
-std::string identifierOf(std::string_view name) {
-    std::string identifier;
-    for (const char c : name) {
-        const bool fits =
-            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
-        identifier += fits ? c : '_';
-    }
-    if (identifier.empty() || (identifier[0] >= '0' && identifier[0] <= '9'))
-        identifier.insert(0, 1, '_');
-    return identifier;
+std::string usdName(std::string_view name) {
+    const std::string identifier = identifierOf(name);
+    const bool begins = !identifier.empty() && (identifier[0] < '0' || identifier[0] > '9');
+    return begins ? identifier : '_' + identifier;
 }
 
 void appendTriple(std::string& text, const std::array<double, 3>& numbers) {
@@ -151,7 +144,7 @@ private:
         note(kUnitKey, unitName(options_.unit));
         if (pack_.cell().any()) note(kCellKey, cellText(pack_.cell()));
         header += "    }\n    defaultPrim = \"pack\"\n    metersPerUnit = ";
-        appendShortest(header, metersPer(options_.unit));
+        appendShortest(header, millimetersPer(options_.unit) / 1000);
         sink_(header + "\n    upAxis = \"Z\"\n)\n\n");
     }
 
@@ -216,9 +209,7 @@ private:
     }
 
     void primvar(const char* type, std::string_view name, std::size_t count, const Append& append) {
-        std::string identifier = identifierOf(name);
-        for (int k = 2; !used_.insert(lowered(identifier)).second; ++k)
-            identifier = fmt::format("{}_{}", identifierOf(name), k);
+        const std::string identifier = unique_(usdName(name));
         std::string metadata = kPerSphere;
         if (identifier != name)
             metadata = fmt::format("            displayName = {}\n", quoted(name)) + metadata;
@@ -252,7 +243,7 @@ private:
             box.hi[d] = static_cast<double>(rounded(exact.hi[d]));
         }
         sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
-                          identifierOf(options_.surfaceName), extentText(box)));
+                          usdName(options_.surfaceName), extentText(box)));
         const std::size_t n = mesh.triangles.size();
         array("int[] faceVertexCounts", n, [](std::string& text, std::size_t) { text += '3'; });
         array("int[] faceVertexIndices", n, [&mesh](std::string& text, std::size_t i) {
@@ -282,8 +273,7 @@ private:
     Sink sink_;
     Box<3> spheres_;
     std::array<double, 3> origin_{};
-    /// Names that primvars have, and those of which the reader has better.
-    std::set<std::string> used_ = {"displaycolor", "displayopacity", "x", "y", "z", "radius"};
+    UniqueNames unique_{"displaycolor", "displayopacity"};
 };
 
 }  // namespace

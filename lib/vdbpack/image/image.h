@@ -2,6 +2,7 @@
 #pragma once
 
 #include "vdbpack/image/image_grid.h"
+#include "vdbpack/io/byte_order.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -11,12 +12,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
-
-std::size_t bytesOf(VoxelType type);
-/// Such as "uint8".
-const char* nameOf(VoxelType type);
 
 /// A name that a file gives to a label.
 struct LabelName {
@@ -33,7 +28,7 @@ struct FreeBytes {
 struct Image {
     ImageGrid grid;
     std::size_t layers = 1;  ///< values of each voxel, one after another: overlapping segmentations
-    VoxelType type = VoxelType::uint8;
+    NumberType type = NumberType::u8;  ///< no integer of 64 bits
     /// Of all values in this machine's order; allocated by malloc.
     std::unique_ptr<std::byte[], FreeBytes> bytes;
     double slope = 1, intercept = 0;  ///< value = slope * number + intercept
@@ -47,21 +42,21 @@ struct Image {
     decltype(auto) visit(const Work& work) const {
         const std::byte* const data = bytes.get();
         switch (type) {
-            case VoxelType::int8:
+            case NumberType::i8:
                 return work(reinterpret_cast<const std::int8_t*>(data));
-            case VoxelType::uint16:
+            case NumberType::u16:
                 return work(reinterpret_cast<const std::uint16_t*>(data));
-            case VoxelType::int16:
+            case NumberType::i16:
                 return work(reinterpret_cast<const std::int16_t*>(data));
-            case VoxelType::uint32:
+            case NumberType::u32:
                 return work(reinterpret_cast<const std::uint32_t*>(data));
-            case VoxelType::int32:
+            case NumberType::i32:
                 return work(reinterpret_cast<const std::int32_t*>(data));
-            case VoxelType::float32:
+            case NumberType::f32:
                 return work(reinterpret_cast<const float*>(data));
-            case VoxelType::float64:
+            case NumberType::f64:
                 return work(reinterpret_cast<const double*>(data));
-            case VoxelType::uint8:
+            default:
                 break;
         }
         return work(reinterpret_cast<const std::uint8_t*>(data));

@@ -88,38 +88,12 @@ Io opened(const std::string& path) {
     });
 }
 
-VoxelType typeOf(const itk::ImageIOBase& io, const std::string& path) {
-    using Type = itk::IOComponentEnum;
-    const bool longs = sizeof(long) == 4;
-    switch (io.GetComponentType()) {
-        case Type::UCHAR:
-            return VoxelType::uint8;
-        case Type::CHAR:
-            return VoxelType::int8;
-        case Type::USHORT:
-            return VoxelType::uint16;
-        case Type::SHORT:
-            return VoxelType::int16;
-        case Type::UINT:
-            return VoxelType::uint32;
-        case Type::INT:
-            return VoxelType::int32;
-        case Type::ULONG:
-            if (longs) return VoxelType::uint32;
-            break;
-        case Type::LONG:
-            if (longs) return VoxelType::int32;
-            break;
-        case Type::FLOAT:
-            return VoxelType::float32;
-        case Type::DOUBLE:
-            return VoxelType::float64;
-        default:
-            break;
-    }
-    throw InputError(fmt::format(
-        "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
-        path, itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())));
+NumberType typeOf(const itk::ImageIOBase& io, const std::string& path) {
+    // Such as "unsigned_char".
+    const std::string name = itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType());
+    const bool real = name == "float" || name == "double";
+    const char* const kind = real ? "float" : startsWith(name, "unsigned") ? "uint" : "int";
+    return voxelType(fmt::format("{}{}", kind, 8 * io.GetComponentSize()), path);
 }
 
 /// The grid that an io reports, with one slice if it is flat.
@@ -140,13 +114,6 @@ ImageGrid gridOf(const itk::ImageIOBase& io, const std::string& path) {
             grid.step[d].c[row] = row < direction.size() ? direction[row] * io.GetSpacing(d) : 0;
     }
     return grid;
-}
-
-std::uint64_t sizeOf(const std::string& path) {
-    std::error_code failed;
-    const auto size = std::filesystem::file_size(path, failed);
-    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
-    return size;
 }
 
 void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
@@ -216,7 +183,7 @@ struct Slice {
 /// different types, as DICOM with different scales may be, as floats.
 Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std::string& path,
              const ImageReadOptions& options) {
-    VoxelType type = typeOf(*slices.front().io, slices.front().file);
+    NumberType type = typeOf(*slices.front().io, slices.front().file);
     std::uint64_t bytes = 0;
     bool alike = true;
     for (const Slice& slice : slices) {
@@ -227,7 +194,7 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
                              ": has several values at each pixel, such as colors; "
                              "convert it to one");
     }
-    if (!alike) type = VoxelType::float32;
+    if (!alike) type = NumberType::f32;
     Image image = allocatedImage(path, grid, 1, type, bytes);
     const std::size_t pixels = grid.size[0] * grid.size[1];
     for (std::size_t z = 0; z < slices.size(); ++z) {

@@ -25,19 +25,16 @@ namespace {
 
 // Source: the format as MetaIO reads it, https://itk.org/Wiki/ITK/MetaIO/Documentation.
 
-VoxelType typeOf(const TextHeader& header, const std::string& path) {
-    constexpr std::pair<const char*, VoxelType> kTypes[] = {
-        {"MET_UCHAR", VoxelType::uint8},   {"MET_CHAR", VoxelType::int8},
-        {"MET_USHORT", VoxelType::uint16}, {"MET_SHORT", VoxelType::int16},
-        {"MET_UINT", VoxelType::uint32},   {"MET_INT", VoxelType::int32},
-        {"MET_FLOAT", VoxelType::float32}, {"MET_DOUBLE", VoxelType::float64}};
+NumberType typeOf(const TextHeader& header, const std::string& path) {
+    constexpr std::pair<const char*, NumberType> kTypes[] = {
+        {"MET_UCHAR", NumberType::u8},   {"MET_CHAR", NumberType::i8},
+        {"MET_USHORT", NumberType::u16}, {"MET_SHORT", NumberType::i16},
+        {"MET_UINT", NumberType::u32},   {"MET_INT", NumberType::i32},
+        {"MET_FLOAT", NumberType::f32},  {"MET_DOUBLE", NumberType::f64}};
     const std::string name = header.value("elementtype");
     for (const auto& [known, type] : kTypes)
         if (name == known) return type;
-    throw InputError(
-        fmt::format("{}: its voxels are of type {}; convert it to integers of at most "
-                    "32 bits or to floats",
-                    path, quotedExcerpt(name)));
+    return voxelType(name, path);
 }
 
 /// The finite numbers of the first of some keys that the header has. @param count  how many

@@ -29,6 +29,9 @@ public:
     /// @throws InputError if the file ends before, IoError if reading fails.
     void readAt(std::uint64_t offset, void* target, std::size_t bytes) const;
 
+    /// The unsigned number in at most 8 bytes from `offset` on. @throws as `readAt`
+    std::uint64_t numberAt(std::uint64_t offset, std::size_t bytes, bool bigEndian) const;
+
     /// Offset of the next byte that has not been taken.
     std::uint64_t offset() const { return bufferOffset_ + at_; }
     std::uint64_t remaining() const { return size_ - offset(); }
