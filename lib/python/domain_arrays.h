@@ -84,7 +84,7 @@ inline std::shared_ptr<const Image> imageOf(const py::array& values, const Doubl
         const py::array_t<T, py::array::f_style | py::array::forcecast> packed(values);
         const std::size_t bytes = sizeof(T) * image->grid.voxels();
         image->type = voxels;
-        image->bytes.reset(static_cast<std::byte*>(std::malloc(bytes)));
+        image->bytes = voxelMemory(bytes);
         if (!image->bytes) throw ResourceError("image: no memory for a copy of it");
         std::memcpy(image->bytes.get(), packed.data(), bytes);
     };

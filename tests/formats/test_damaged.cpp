@@ -53,7 +53,13 @@ struct WrittenPack {
     std::string whole;
 
     explicit WrittenPack(std::string formatName) : format(std::move(formatName)) {
-        writePack(smallPack(), prefixed(format, path), {});
+        if (format == "dump")  // is not written
+            putContent(path,
+                       "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp "
+                       "ff\n-1 1\n-1 1\n-1 1\nITEM: ATOMS id type x y z radius\n7 1 1 2 3 0.5\n4 "
+                       "3 4 5 -6 1\n");
+        else
+            writePack(smallPack(), prefixed(format, path), {});
         whole = contentOf(path);
     }
     bool isReadable() const { return reads(prefixed(format, path)); }
@@ -80,13 +86,16 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[format
 }
 
 TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
-    const WrittenPack file(GENERATE(from_range(std::begin(kFormats), std::end(kFormats))));
+    const WrittenPack file(GENERATE(as<std::string>{}, "vdb", "vtp", "csv", "ply", "yade", "xyz",
+                                    "npz", "lammps", "dump"));
     CAPTURE(file.format);
     RandomStream random(22, 1);
     for (int trial = 0; trial < 500; ++trial) {
         CAPTURE(trial);
         putContent(file.path, withFlippedBits(file.whole, 1 + trial % 4, random));
-        CHECK_NOTHROW(file.isReadable());
+        if (!file.isReadable() || file.format != "npz") continue;
+        // Names and sizes of the directory bear no checksum; numbers do.
+        CHECK(readPack("npz:" + file.path).spheres == smallPack().spheres);
     }
 }
 

@@ -107,7 +107,7 @@ private:
     void append(const Piece& piece, PackBuilder& builder, bool only) {
         std::vector<VtkArray> arrays = {piece.positions};
         arrays.insert(arrays.end(), piece.attributes.begin(), piece.attributes.end());
-        std::vector<std::vector<char>> numbers(arrays.size());
+        std::vector<VtkNumbers> numbers(arrays.size());
         std::vector<std::vector<std::string>> texts(arrays.size());
         std::vector<PackBuilder::Put> puts;
         for (std::size_t k = 0; k < arrays.size(); ++k) {
@@ -121,11 +121,11 @@ private:
                 continue;
             }
             numbers[k] = xml_.arrays().numbers(array, piece.points);
-            const std::size_t size = bytesOf(array.type);
+            const std::size_t size = bytesOf(numbers[k].type);
             for (std::size_t c = 0; c < array.components; ++c)
-                puts.push_back(builder.numbersFrom(numbers[k].data() + c * size,
-                                                   array.components * size, array.type,
-                                                   xml_.arrays().swap()));
+                puts.push_back(builder.numbersFrom(numbers[k].bytes.data() + c * size,
+                                                   array.components * size, numbers[k].type,
+                                                   numbers[k].swap));
         }
         requireMemoryToRead(xml_.path(), builder.bytesOf(piece.points), memoryLimit_);
         if (only) builder.reserve(static_cast<std::size_t>(piece.points));

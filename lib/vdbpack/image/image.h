@@ -4,6 +4,7 @@
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/io/byte_order.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -20,23 +21,29 @@ struct LabelName {
     std::size_t layer = 0;
 };
 
-struct FreeBytes {
-    void operator()(std::byte* bytes) const { std::free(bytes); }
-};
+/// Memory for voxels, by malloc as niftilib allocates; null where there is not enough.
+inline std::shared_ptr<std::byte[]> voxelMemory(std::size_t bytes) {
+    return {static_cast<std::byte*>(std::malloc(std::max<std::size_t>(bytes, 1))), std::free};
+}
 
 /// Values at the voxels of a grid, as a file has them.
 struct Image {
     ImageGrid grid;
     std::size_t layers = 1;  ///< values of each voxel, one after another: overlapping segmentations
     NumberType type = NumberType::u8;  ///< no integer of 64 bits
-    /// Of all values in this machine's order; allocated by malloc.
-    std::unique_ptr<std::byte[], FreeBytes> bytes;
+    /// Of all values in this machine's order; copies of an image share them.
+    std::shared_ptr<std::byte[]> bytes;
     double slope = 1, intercept = 0;  ///< value = slope * number + intercept
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
     bool isSpaced = true;             ///< the file states the distances of its voxels
 
     std::size_t values() const { return grid.voxels() * layers; }
+    /// What a number of the file stands for.
+    template <class T>
+    double value(T number) const {
+        return slope * static_cast<double>(number) + intercept;
+    }
     /// Calls `work(numbers)` with the array in its own type.
     template <class Work>
     decltype(auto) visit(const Work& work) const {
@@ -62,8 +69,5 @@ struct Image {
         return work(reinterpret_cast<const std::uint8_t*>(data));
     }
 };
-
-/// Images are not copied by accident. @throws ResourceError
-Image copyOf(const Image& image);
 
 }  // namespace vdbpack

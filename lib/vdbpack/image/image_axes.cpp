@@ -119,7 +119,7 @@ Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t
     image.layers = layers;
     image.type = type;
     // Not set to 0: pages that a truncated file does not fill are never used.
-    image.bytes.reset(static_cast<std::byte*>(std::malloc(static_cast<std::size_t>(count))));
+    image.bytes = voxelMemory(static_cast<std::size_t>(count));
     if (!image.bytes)
         throw ResourceError(
             fmt::format("{}: its {} x {} x {} voxels take {:.3g} GB of memory, "

@@ -224,6 +224,17 @@ void requireAlike(const Slice& slice, const Slice& first) {
                         first.grid.size[0], first.grid.size[1]));
 }
 
+std::vector<Slice> openedSlices(const std::vector<std::string>& files,
+                                const ImageReadOptions& options) {
+    std::vector<Slice> slices;
+    for (const std::string& file : files) {
+        options.callbacks.stopIfCancelled();
+        const Io io = opened(file);
+        slices.push_back({file, io, gridOf(*io, file)});
+    }
+    return slices;
+}
+
 /// The slices of the one series in a folder.
 std::vector<std::string> slicesIn(const std::string& folder, const ImageReadOptions& options) {
     std::map<std::string, std::vector<std::string>> series;
@@ -254,13 +265,7 @@ std::vector<std::string> slicesIn(const std::string& folder, const ImageReadOpti
 Image readDicomFolder(const std::string& folder, const ImageReadOptions& options) {
     const std::vector<std::string> files = slicesIn(folder, options);
     if (files.size() == 1) return readByItk(files.front(), options);
-    std::vector<Slice> slices;
-    for (const std::string& file : files) {
-        options.callbacks.stopIfCancelled();
-        Slice slice{file, opened(file), {}, 0};
-        slice.grid = gridOf(*slice.io, file);
-        slices.push_back(std::move(slice));
-    }
+    std::vector<Slice> slices = openedSlices(files, options);
     const Slice& any = slices.front();
     const Vec<3> across = normalized(cross(any.grid.step[0], any.grid.step[1]));
     for (Slice& slice : slices) {
@@ -302,15 +307,12 @@ Image readDicomFolder(const std::string& folder, const ImageReadOptions& options
 }
 
 Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions& options) {
-    std::vector<Slice> slices;
-    for (const std::string& file : files) {
-        options.callbacks.stopIfCancelled();
-        Slice slice{file, opened(file), {}, 0};
-        slice.grid = gridOf(*slice.io, file);
+    const std::vector<Slice> slices = openedSlices(files, options);
+    for (const Slice& slice : slices) {
         if (slice.grid.size[2] != 1)
-            throw InputError(file + ": has several pages; give it alone, or files of one slice");
-        slices.push_back(std::move(slice));
-        requireAlike(slices.back(), slices.front());
+            throw InputError(slice.file +
+                             ": has several pages; give it alone, or files of one slice");
+        requireAlike(slice, slices.front());
     }
     ImageGrid grid = slices.front().grid;
     grid.size[2] = slices.size();

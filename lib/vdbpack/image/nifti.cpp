@@ -106,7 +106,7 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
     callbacks.stopIfCancelled();
     if (nifti_image_load(nifti.get()) != 0 || !nifti->data)
         throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
-    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)));
+    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)), std::free);
     if (nifti->scl_slope != 0 && std::isfinite(nifti->scl_slope) &&
         std::isfinite(nifti->scl_inter)) {
         image.slope = nifti->scl_slope;

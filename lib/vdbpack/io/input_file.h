@@ -25,6 +25,8 @@ public:
     /// Bytes in the file when it was opened; later ones are not read.
     std::uint64_t size() const { return size_; }
 
+    /// Whether it is a pipe, whose bytes `peek` gives.
+    bool inMemory() const { return inMemory_; }
     /// Fills `bytes` at `target` with the file's content from `offset` on.
     /// @throws InputError if the file ends before, IoError if reading fails.
     void readAt(std::uint64_t offset, void* target, std::size_t bytes) const;
