@@ -115,9 +115,7 @@ TEST_CASE("PLY keeps every digit, far from the origin too", "[formats]") {
     pack.id.resize(pack.spheres.size());
     for (std::size_t i = 0; i < pack.id.size(); ++i)
         pack.id[i] = static_cast<std::int64_t>(3 * i + 1);
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file("p.ply"), {});
-    const auto read = readPack(scratch.file("p.ply"));
+    const auto read = readBack(pack, "p.ply");
     REQUIRE(read.id == pack.id);
     REQUIRE((read.spheres == pack.spheres));
 }
@@ -127,14 +125,12 @@ TEST_CASE("the unit that was written is the unit that is read", "[formats]") {
     const auto unit = GENERATE(Unit::meter, Unit::centimeter, Unit::millimeter, Unit::micrometer);
     CAPTURE(file, unitName(unit));
     const auto pack = latticePack<3>(500, {{-120, 30, 1000}}, 40, 5);
-    const TemporaryFolder scratch;
     PackWriteOptions options;
     options.unit = unit;
-    writePack(pack, inFolder(scratch, file), options);
     PackReadOptions reading;
     // Only .csv has no place for its unit; the others must not listen to a wrong one.
     reading.unit = file == "p.csv" ? unit : Unit::centimeter;
-    const auto read = readPack(inFolder(scratch, file), reading);
+    const auto read = readBack(pack, file, options, reading);
     REQUIRE(read.spheres.size() == pack.spheres.size());
     const double tolerance = 1e-6;
     for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
@@ -151,9 +147,7 @@ TEST_CASE("a pack without attributes or without spheres survives every format", 
     CAPTURE(file, count);
     Pack<3> pack;
     pack.spheres = latticePack<3>(count, {}, 4, 6).spheres;
-    const TemporaryFolder scratch;
-    writePack(pack, inFolder(scratch, file), {});
-    const auto read = readPack(inFolder(scratch, file));
+    const auto read = readBack(pack, file);
     REQUIRE(read.spheres.size() == count);
     requireSameAttributes(read, pack);
     REQUIRE(read.columns.empty());
@@ -172,9 +166,7 @@ TEST_CASE("names and texts of columns come back whatever they hold", "[formats]"
         pack.columns.push_back({name, {}, odd});
         pack.columns.push_back({"number " + name, {1, 2, 3, 4, 5}, {}});
     }
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file(file), PackWriteOptions{});
-    const auto read = readPack(scratch.file(file));
+    const auto read = readBack(pack, file);
     // OpenVDB allows letters, digits and _ in names.
     requireSameColumns(read, pack, file != "p.vdb");
 }

@@ -31,13 +31,10 @@ TEST_CASE("files keep the periodic cell of a pack", "[formats][periodic]") {
         GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.xyz", "p.data", "yade:p.txt");
     const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
     CAPTURE(axes, file);
-    const TemporaryFolder folder;
-    const std::string name = inFolder(folder, file);
     const Pack<3> pack = packIn(axes);
     PackWriteOptions write;
     write.unit = unit;
-    writePack(pack, name, write);
-    const Pack<3> back = readPack(name);
+    const Pack<3> back = readBack(pack, file, write);
     CHECK(back.spheres.size() == 2);
     CHECK(back.cell.wraps == pack.cell.wraps);
     for (int d = 0; d < 3; ++d) {

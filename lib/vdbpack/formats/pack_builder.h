@@ -32,13 +32,10 @@ public:
     PackBuilder(const PackBuilder&) = delete;
     PackBuilder& operator=(const PackBuilder&) = delete;
 
-    std::size_t columns() const { return columns_.size(); }
     const std::vector<std::string>& names() const { return names_; }
     Unit unit() const { return unit_; }
     std::size_t rows() const { return pack_.spheres.size(); }
-    /// Whether the column holds whole numbers: set those with the integer form of `set`.
-    bool isWhole(std::size_t column) const;
-    /// Whether the column is none of those that the pack knows by name.
+    /// Whether the column is a further one: a pack does not know it by name.
     bool isFurther(std::size_t column) const {
         return std::holds_alternative<Numbers>(columns_[column]) || isText(column);
     }
@@ -94,6 +91,7 @@ private:
     using Target = std::variant<Numbers, Texts, SphereNumber, std::vector<std::int32_t>*,
                                 std::vector<std::int64_t>*, std::vector<float>*>;
 
+    bool isWhole(std::size_t column) const;
     /// Calls `use` with the vector of each column that has one.
     template <class Use>
     void forEachColumn(const Use& use) const;

@@ -24,7 +24,7 @@ struct TriangleMesh;
 /// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
-/// Density of the spheres where none is given, kg/m³: that of water.
+/// Density of the spheres where none is given, kg/m³: water.
 inline constexpr double kDefaultDensity = 1000;
 
 struct PackWriteOptions {
@@ -41,7 +41,7 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density_kg_m3`, or of `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    /// The same by material (`Materials::withoutClass`); for those that are not in it the above.
+    /// The same by material (`Materials::withoutClass`); `particleDensity` for other materials.
     std::map<std::int32_t, double> materialDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
@@ -63,10 +63,10 @@ struct PackWriteOptions {
 /// .usda and .usdz, which holds one, have every column, under names with letters, digits and '_'
 /// (the original names are recorded); programs round their positions and diameters to floats,
 /// about an origin near the spheres. They are not read back.
-/// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
-/// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
-/// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a
-/// picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
+/// .vdb keeps positions to 2^-26 of a voxel (in mm the positions of a packer exactly) and radii as
+/// float; points are stored by position, and `readPack` returns them sorted by id. .ply (double
+/// positions, radius, id) and YADE (positions, radius, material) hold no further attributes. .svg
+/// is a picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
 /// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
 /// 2D: z = `sliceHeight`.
 ///
@@ -110,7 +110,7 @@ struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
     /// .vdb: the point grid; empty: the first one.
     std::string gridName;
-    /// Bytes that the process may hold while it reads; 0: those it holds and those that are free.
+    /// Bytes that the process may hold while it reads; 0: what it holds and what is free.
     double memoryLimit = 0;
 };
 

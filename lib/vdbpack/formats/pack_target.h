@@ -41,9 +41,9 @@ struct PackTarget {
     Read read;    ///< null: the format is not read
 };
 
-/// @param dim  as for `checkPackFormat`. @throws ParameterError as that.
+/// @param dim  as for `checkPackFormat`. @throws ParameterError as `checkPackFormat`.
 PackTarget targetToWrite(const std::string& file, int dim);
-/// @throws ParameterError for a format that is not read, with the list of those that are.
+/// @throws ParameterError for a format that is not read, with the list of formats that are read.
 PackTarget targetToRead(const std::string& file);
 
 }  // namespace vdbpack

@@ -29,7 +29,7 @@ std::string cellText(const PeriodicCell<3>& cell);
 /// The cell in such a text. @param unit  of the text. @throws InputError if it holds none.
 PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& where);
 
-/// Makes names different from each other and from those that are there, by a number at the end.
+/// Makes names different from each other and from names that are taken, by a number at the end.
 class UniqueNames {
 public:
     explicit UniqueNames(std::initializer_list<std::string> taken = {}) : taken_(taken) {}

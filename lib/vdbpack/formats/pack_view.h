@@ -91,7 +91,8 @@ public:
     }
 
     /// For each attribute that has values, except the id: calls `numbers(name, values)` or
-    /// `texts(name, values)`. The vectors are those of the pack; `value` converts their numbers.
+    /// `texts(name, values)`. The vectors are in the units of the pack; `value` converts their
+    /// numbers.
     template <class Numbers, class Texts>
     void forEachAttribute(const Numbers& numbers, const Texts& texts) const {
         forEachAttributeButId(*attributes_, [&](std::string_view name, const auto& values) {

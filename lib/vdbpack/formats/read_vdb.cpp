@@ -87,6 +87,15 @@ Put putNumber(const points::AttributeArray& array) {
     };
 }
 
+/// Of an array of one of some types; empty for one of another.
+template <typename... T>
+Put putAnyOf(const points::AttributeArray& array) {
+    const std::string type = array.valueType();
+    Put put;
+    ((type == openvdb::typeNameAsString<T>() && (put = putNumber<T>(array), true)) || ...);
+    return put;
+}
+
 template <typename V>
 Put putComponent(const points::AttributeArray& array, int component) {
     auto handle = std::make_shared<points::AttributeHandle<V>>(array);
@@ -115,13 +124,10 @@ Put putOf(const points::AttributeArray& array, const openvdb::MetaMap& meta, int
             return true;
         };
     }
-    if (type == openvdb::typeNameAsString<float>()) return putNumber<float>(array);
-    if (type == openvdb::typeNameAsString<double>()) return putNumber<double>(array);
-    if (type == openvdb::typeNameAsString<std::int8_t>()) return putNumber<std::int8_t>(array);
-    if (type == openvdb::typeNameAsString<std::int16_t>()) return putNumber<std::int16_t>(array);
-    if (type == openvdb::typeNameAsString<std::int32_t>()) return putNumber<std::int32_t>(array);
-    if (type == openvdb::typeNameAsString<std::int64_t>()) return putNumber<std::int64_t>(array);
-    if (type == openvdb::typeNameAsString<bool>()) return putNumber<bool>(array);
+    if (Put put =
+            putAnyOf<float, double, std::int8_t, std::int16_t, std::int32_t, std::int64_t, bool>(
+                array))
+        return put;
     if (type == openvdb::typeNameAsString<openvdb::Vec3f>())
         return putComponent<openvdb::Vec3f>(array, component);
     if (type == openvdb::typeNameAsString<openvdb::Vec3d>())

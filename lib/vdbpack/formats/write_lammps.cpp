@@ -97,28 +97,20 @@ private:
     std::int64_t count_ = 1;
 };
 
-/// The unit of density that goes with a unit of length: how many make 1 kg/m³, and its name.
+/// The unit of density that goes with a unit of length: how many kg/m³ make one, a whole number, so
+/// that the best double results as for lengths; and its name.
 struct DensityUnit {
-    double factor;
+    double size;
     const char* name;
 };
 DensityUnit densityUnit(Unit unit) {
-    switch (unit) {
-        case Unit::meter:
-            return {1, "kg/m3"};  // units si
-        case Unit::centimeter:
-            return {1e-3, "g/cm3"};  // units cgs
-        case Unit::millimeter:
-            return {1e-12, "t/mm3"};  // with s: forces in N, pressures in MPa
-        case Unit::micrometer:
-            return {1e-3, "pg/um3"};  // units micro
-    }
-    return {1, "kg/m3"};
-}
-
-/// The best double for `density` in that unit: divided by a whole number, as lengths are.
-double densityIn(double density, Unit unit) {
-    return density / std::round(1 / densityUnit(unit).factor);
+    constexpr DensityUnit kUnits[] = {
+        {1, "kg/m3"},     // m: units si
+        {1e3, "g/cm3"},   // cm: units cgs
+        {1e12, "t/mm3"},  // mm: with s, forces in N and pressures in MPa
+        {1e3, "pg/um3"},  // um: units micro
+    };
+    return kUnits[static_cast<std::size_t>(unit)];
 }
 
 /// The density of each atom, in the unit that is written.
@@ -129,7 +121,7 @@ public:
           unit_(options.unit) {}
     double operator()(std::size_t i) const {
         return areGiven() ? densities_.unconverted()->numbers[i]
-                          : densityIn(densities_.of(i), unit_);
+                          : densities_.of(i) / densityUnit(unit_).size;
     }
     /// Those of an input file, which are kept as they are.
     bool areGiven() const { return densities_.unconverted() != nullptr; }

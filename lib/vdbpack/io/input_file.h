@@ -40,7 +40,7 @@ public:
     /// Up to `bytes` from the offset on, which is not moved; fewer at the end of the file. Valid
     /// until the next call of this, `take` or `nextLine`.
     std::string_view peek(std::size_t bytes);
-    /// Takes `bytes`, valid as long as those of `peek`; nullptr if the file ends before.
+    /// Takes `bytes`, valid as long as the bytes of `peek`; nullptr if the file ends before.
     const char* take(std::size_t bytes);
     /// Takes the byte order mark of UTF-8 if it comes next.
     void skipByteOrderMark();

@@ -29,7 +29,7 @@ struct VtkArray {
 struct VtkNumbers {
     std::vector<char> bytes;
     NumberType type;
-    bool swap;  ///< the byte order is not that of the host
+    bool swap;  ///< the byte order differs from the host's
 
     /// Number `i`, as `loadNumber` hands it to `use`.
     template <class Use>
@@ -40,7 +40,7 @@ struct VtkNumbers {
 
 /// How the arrays of a file are stored, as the file's root says.
 struct VtkEncoding {
-    bool swap = false;        ///< the byte order is not that of the host
+    bool swap = false;        ///< the byte order differs from the host's
     bool wideHeader = false;  ///< sizes have 64 bits rather than 32
     std::string compressor;   ///< empty: none
 };
