@@ -102,8 +102,9 @@ PackTarget targetToRead(const std::string& file) {
     if (t.read == nullptr)
         throw ParameterError(
             file +
-            ": this format is written but not read; write the pack as .vtp or .csv, too, or export "
-            "the spheres so from the program that made the file. To read a pack, " +
+            ": this format is written but not read; write the pack as .vtp or .csv beside it, or "
+            "export the spheres as one of these from the program that made the file. To read a "
+            "pack, " +
             kRead);
     return t;
 }

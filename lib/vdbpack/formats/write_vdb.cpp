@@ -71,12 +71,10 @@ bool survives(const PackView& pack, double voxel) {
 /// Edge of a voxel in the unit that is written.
 double chooseVoxel(const PackView& pack, double wanted) {
     if (pack.size() == 0) return 1;
-    Box<3> bounds;
+    const Box<3> bounds = pack.boundsOfCenters();
     double filled = 0;
     double largest = 0;
     for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        bounds.add({{p[0], p[1], p[2]}});
         const double r = pack.radius(i);
         filled += pack.dim() == 2 ? Measure<2>::ball(r) : Measure<3>::ball(r);
         largest = std::max(largest, r);
