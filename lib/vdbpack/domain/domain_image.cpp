@@ -65,7 +65,7 @@ Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
     ImageReadOptions options;
     options.callbacks = callbacks;
     if (!recipe.voxelSpacing.empty()) options.spacing = parseVoxelSpacing(recipe.voxelSpacing);
-    Image image = recipe.image ? copyOf(*recipe.image) : readImage(recipe.source, options);
+    Image image = recipe.image ? *recipe.image : readImage(recipe.source, options);
     const double scale = recipe.scale * millimetersPer(recipe.unit);
     image.grid.origin *= scale;
     for (Vec<3>& step : image.grid.step) step *= scale;

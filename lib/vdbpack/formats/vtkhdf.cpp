@@ -113,17 +113,10 @@ std::vector<NumberColumn> numberColumns(const PackView& pack) {
     return columns;
 }
 
-const char* vtkNameOf(NumberType type) {
-    switch (type) {
-        case NumberType::i32:
-            return "Int32";
-        case NumberType::i64:
-            return "Int64";
-        case NumberType::f32:
-            return "Float32";
-        default:
-            return "Float64";
-    }
+std::string vtkNameOf(NumberType type) {
+    std::string name = nameOf(type);
+    name[0] = isReal(type) ? 'F' : 'I';
+    return name;
 }
 
 std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn>& columns) {

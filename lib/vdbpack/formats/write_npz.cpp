@@ -70,22 +70,14 @@ std::string bytesOfAll(std::size_t n, const Get& get) {
 /// The characters of UTF-8; bytes that are no UTF-8 stand for themselves.
 std::vector<std::uint32_t> codePoints(std::string_view text) {
     std::vector<std::uint32_t> points;
-    for (std::size_t i = 0; i < text.size();) {
-        const auto byte = static_cast<unsigned char>(text[i]);
-        const std::size_t more = byte >= 0xf0 && byte < 0xf8   ? 3
-                                 : byte >= 0xe0 && byte < 0xf0 ? 2
-                                 : byte >= 0xc0 && byte < 0xe0 ? 1
-                                                               : 0;
-        std::uint32_t point = more == 0 ? byte : byte & (0x3fu >> more);
-        std::size_t k = 1;
-        for (; k <= more && i + k < text.size(); ++k) {
-            const auto next = static_cast<unsigned char>(text[i + k]);
-            if ((next & 0xc0) != 0x80) break;
-            point = point << 6 | (next & 0x3fu);
-        }
-        const bool sound = k == more + 1 && point <= 0x10ffff;
-        points.push_back(sound ? point : byte);
-        i += sound ? more + 1 : 1;
+    while (!text.empty()) {
+        const std::size_t bytes = std::max<std::size_t>(utf8Bytes(text), 1);
+        std::uint32_t point = static_cast<unsigned char>(text.front());
+        if (bytes > 1) point &= 0x7fu >> bytes;
+        for (std::size_t k = 1; k < bytes; ++k)
+            point = point << 6 | (static_cast<unsigned char>(text[k]) & 0x3fu);
+        points.push_back(point);
+        text.remove_prefix(bytes);
     }
     return points;
 }

@@ -21,7 +21,6 @@
 #include <limits>
 #include <memory>
 #include <numeric>
-#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -72,12 +71,10 @@ bool survives(const PackView& pack, double voxel) {
 /// Edge of a voxel in the unit that is written.
 double chooseVoxel(const PackView& pack, double wanted) {
     if (pack.size() == 0) return 1;
-    Box<3> bounds;
+    const Box<3> bounds = pack.boundsOfCenters();
     double filled = 0;
     double largest = 0;
     for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        bounds.add({{p[0], p[1], p[2]}});
         const double r = pack.radius(i);
         filled += pack.dim() == 2 ? Measure<2>::ball(r) : Measure<3>::ball(r);
         largest = std::max(largest, r);
@@ -111,27 +108,6 @@ double chooseVoxel(const PackView& pack, double wanted) {
         voxel *= 2;
     return voxel;
 }
-
-/// Makes names of attributes that OpenVDB accepts and that are unique.
-class AttributeNames {
-public:
-    std::string unique(std::string_view name) {
-        std::string clean;
-        for (const char c : name) {
-            const bool valid = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                               (c >= '0' && c <= '9') || c == '_';
-            clean += valid ? c : '_';
-        }
-        if (clean.empty()) clean = "column";
-        std::string candidate = clean;
-        for (int n = 2; !used_.insert(candidate).second; ++n)
-            candidate = fmt::format("{}_{}", clean, n);
-        return candidate;
-    }
-
-private:
-    std::set<std::string> used_;
-};
 
 /// An attribute of the point grid: its type, and a function that fills the array of a leaf with the
 /// values of the listed spheres.
@@ -207,26 +183,29 @@ Attribute textAttribute(const std::string& name, const std::vector<std::string>&
 }
 
 std::vector<Attribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
-    AttributeNames names;
     std::vector<Attribute> list;
-    names.unique("P");
-    list.push_back(attribute<float>(names.unique("pscale"),
-                                    [&pack](std::size_t i) { return pack.radius(i); }));
-    list.push_back(wholeAttribute(names.unique("id"), pack.size(),
-                                  [&pack](std::size_t i) { return pack.id(i); }));
+    UniqueNames unique{"p"};
+    // Names that OpenVDB accepts.
+    const auto named = [&unique](std::string_view name) {
+        return unique(name.empty() ? "column" : identifierOf(name));
+    };
+    list.push_back(
+        attribute<float>(named("pscale"), [&pack](std::size_t i) { return pack.radius(i); }));
+    list.push_back(
+        wholeAttribute(named("id"), pack.size(), [&pack](std::size_t i) { return pack.id(i); }));
     pack.forEachAttribute(
         [&](std::string_view name, const auto& numbers) {
             using T = ValueOf<decltype(numbers)>;
             const auto get = [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); };
             if constexpr (std::is_integral_v<T>)
-                list.push_back(wholeAttribute(names.unique(name), pack.size(), get));
+                list.push_back(wholeAttribute(named(name), pack.size(), get));
             else if constexpr (std::is_same_v<T, float>)
-                list.push_back(attribute<float>(names.unique(name), get));
+                list.push_back(attribute<float>(named(name), get));
             else
-                list.push_back(columnAttribute(names.unique(name), numbers));
+                list.push_back(columnAttribute(named(name), numbers));
         },
         [&](std::string_view name, const auto& texts) {
-            list.push_back(textAttribute(names.unique(name), texts, table));
+            list.push_back(textAttribute(named(name), texts, table));
         });
     return list;
 }
@@ -400,6 +379,12 @@ void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile&
     if (pack.cell().any())
         grid->insertMeta(kCellKey, openvdb::StringMetadata(cellText(pack.cell())));
     writeGrids(options, {grid}, out);
+}
+
+void writePoints(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    PackWriteOptions alone = options;
+    alone.levelSets.clear();
+    writeVdb(pack, alone, out);
 }
 
 }  // namespace vdbpack

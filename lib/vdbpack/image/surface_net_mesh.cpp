@@ -83,18 +83,9 @@ DisjointSets joinedCorners(const SurfaceNet& net, const std::vector<std::uint32_
     }
 }
 
-}  // namespace
-
-TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
-                       const std::function<bool(std::uint16_t)>& inside) {
-    std::vector<std::uint32_t> faces;
-    for (std::size_t f = 0; f < net.faces.size(); ++f)
-        if (inside(net.faces[f].below) != inside(net.faces[f].above))
-            faces.push_back(static_cast<std::uint32_t>(f));
-    if (faces.size() >= kNone / 4)
-        throw ResourceError(
-            "the surface of a label has more than 1,000,000,000 faces; give a "
-            "coarser image");
+/// The sides of faces, in the order that `joinedCorners` takes.
+std::vector<Side> sidesOf(const SurfaceNet& net, const std::vector<std::uint32_t>& faces,
+                          const std::function<bool(std::uint16_t)>& inside) {
     std::vector<Side> sides(4 * faces.size());
     tbb::parallel_for(
         tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& block) {
@@ -125,6 +116,22 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     tbb::parallel_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
         return std::tie(a.edge, a.insideVoxel, a.face) < std::tie(b.edge, b.insideVoxel, b.face);
     });
+    return sides;
+}
+
+}  // namespace
+
+TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
+                       const std::function<bool(std::uint16_t)>& inside) {
+    std::vector<std::uint32_t> faces;
+    for (std::size_t f = 0; f < net.faces.size(); ++f)
+        if (inside(net.faces[f].below) != inside(net.faces[f].above))
+            faces.push_back(static_cast<std::uint32_t>(f));
+    if (faces.size() >= kNone / 4)
+        throw ResourceError(
+            "the surface of a label has more than 1,000,000,000 faces; give a "
+            "coarser image");
+    std::vector<Side> sides = sidesOf(net, faces, inside);
     DisjointSets corners = joinedCorners(net, faces, sides);
     sides = {};
     TriangleMesh mesh;

@@ -12,9 +12,8 @@
 namespace vdbpack {
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, .usda, .usdz, YADE text "
-    "(yade:FILE.txt), LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from "
-    "any program";
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    "LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
 namespace {
 
