@@ -20,8 +20,9 @@ namespace vdbpack {
 namespace {
 
 constexpr int kPageWidth = 960, kPageHeight = 720;
-/// Distances along the longer side of a domain of the plane, for the outline of a view.
-constexpr int kViewedDistances = 480;
+/// Of a view: distances along the longer side of a domain of the plane, for its outline, and voxels
+/// along the diagonal of a domain of space whose wall has no triangles or too many.
+constexpr int kViewedDistances = 480, kViewedVoxels = 120;
 
 Picture draw(const PreviewOptions& options, const DomainSource& source,
              const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
@@ -133,16 +134,20 @@ void addView(const PreviewRecipe& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture) {
     ViewScene<Dim> scene;
+    ViewOptions options;
     scene.pack = &pack;
     std::optional<WallMesh> mesh;
     std::optional<PlaneField> field;
     if constexpr (Dim == 3) {
-        if (source) scene.wall = mesh.emplace(*source, built, wall).get();
+        if (source) {
+            mesh.emplace(*source, built, wall, options.mostTriangles, kViewedVoxels);
+            scene.wall = mesh->get();
+            scene.wallVoxel = mesh->voxelSize();
+        }
     } else if (source) {
         scene.field = &field.emplace(planeField(*built.plane, nullptr, kViewedDistances));
         scene.bounds = built.plane->bounds();
     }
-    ViewOptions options;
     options.color = recipe.color;
     options.column = recipe.column;
     options.cut = recipe.cut;
