@@ -78,7 +78,8 @@ class View {
     this.camera = new Camera(scene, this.canvas);
     this.cut = new Cut(scene, this.camera, facts.cut);
     this.chosen = -1;
-    this.budget = 300000;
+    this.budget = 100000;
+    this.down = new Map();  // fingers on the canvas, and where they were last
     figure.classList.add('viewing');
     this.root.hidden = false;
     this.part('.view-color').replaceChildren(...this.properties.map(p => new Option(p.name)));
@@ -255,12 +256,14 @@ class View {
     on('.view-axis', 'change', list => { cut.axis = list.value; });
     on('.view-at', 'input', slider => cut.move(Number(slider.value)));
     on('.view-other', 'change', box => { cut.other = box.checked; });
-    canvas.addEventListener('keydown', event => this.key(event));
-    canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
-    canvas.addEventListener('contextmenu', event => event.preventDefault());
-    canvas.addEventListener('webglcontextlost',
-                            () => giveWay(this.figure, 'the graphics device was lost'));
-    new Fingers(this);
+    const listeners = {
+      keydown: this.key, wheel: this.wheel, pointerdown: this.press, pointermove: this.drag,
+      pointerup: this.release, pointercancel: this.release,
+      contextmenu: event => event.preventDefault(),
+      webglcontextlost: () => giveWay(this.figure, 'the graphics device was lost')
+    };
+    for (const [name, use] of Object.entries(listeners))
+      canvas.addEventListener(name, event => use.call(this, event), {passive: false});
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.resize());
   }
@@ -329,53 +332,45 @@ class View {
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     });
   }
-}
 
-/** Mouse, pen and fingers on the canvas: one turns or moves, two move and zoom, a click chooses. */
-class Fingers {
-  constructor(view) {
-    this.view = view;
-    this.down = new Map();
-    const {canvas} = view;
-    canvas.addEventListener('pointerdown', event => this.press(event));
-    canvas.addEventListener('pointermove', event => this.drag(event));
-    for (const end of ['pointerup', 'pointercancel'])
-      canvas.addEventListener(end, event => this.release(event));
-  }
+  // Mouse, pen and fingers on the canvas: one turns or moves, two move and zoom, a click chooses
+
   press(event) {
-    this.view.canvas.focus({preventScroll: true});
-    this.view.canvas.setPointerCapture(event.pointerId);
+    this.canvas.focus({preventScroll: true});
+    this.canvas.setPointerCapture(event.pointerId);
     this.down.set(event.pointerId, [event.clientX, event.clientY]);
-    this.start = [event.clientX, event.clientY];
+    this.pressed = [event.clientX, event.clientY];
     this.isClick = this.down.size === 1 && event.button === 0;
     event.preventDefault();
   }
+  /** The distance between two fingers. */
   spread() {
     const [a, b] = [...this.down.values()];
     return Math.hypot(a[0] - b[0], a[1] - b[1]);
   }
   drag(event) {
-    const last = this.down.get(event.pointerId), {view, start} = this;
+    const {canvas, down, pressed} = this, last = down.get(event.pointerId);
     if (!last) return;
-    if (Math.hypot(event.clientX - start[0], event.clientY - start[1]) > CLICK) this.isClick = false;
+    if (Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > CLICK)
+      this.isClick = false;
     if (this.isClick) return;
-    const half = Math.max(view.canvas.clientWidth, view.canvas.clientHeight) / 2;
+    const half = Math.max(canvas.clientWidth, canvas.clientHeight) / 2;
     const dx = (event.clientX - last[0]) / half, dy = (event.clientY - last[1]) / half;
-    const before = this.down.size > 1 ? this.spread() : 0;
-    this.down.set(event.pointerId, [event.clientX, event.clientY]);
+    const before = down.size > 1 ? this.spread() : 0;
+    down.set(event.pointerId, [event.clientX, event.clientY]);
     if (before > 0) {
-      view.move(dx / 2, dy / 2);
-      view.zoom(this.spread() / before, ...view.shares(event));
-    } else if (view.scene.plane || event.shiftKey || (event.buttons & 6) !== 0) {
-      view.move(dx, dy);
+      this.move(dx / 2, dy / 2);
+      this.zoom(this.spread() / before, ...this.shares(event));
+    } else if (this.scene.plane || event.shiftKey || (event.buttons & 6) !== 0) {
+      this.move(dx, dy);
     } else {
-      view.turn(Math.PI / 2 * dx, Math.PI / 2 * dy);
+      this.turn(Math.PI / 2 * dx, Math.PI / 2 * dy);
     }
   }
   release(event) {
     if (!this.down.delete(event.pointerId) || !this.isClick || event.type !== 'pointerup') return;
-    const box = this.view.canvas.getBoundingClientRect();
-    this.view.choose(this.view.at(event.clientX - box.left, event.clientY - box.top));
+    const box = this.canvas.getBoundingClientRect();
+    this.choose(this.at(event.clientX - box.left, event.clientY - box.top));
     this.isClick = false;
   }
 }
