@@ -14,33 +14,28 @@ namespace vdbpack {
 
 namespace {
 
-/// Voxels along the diagonal of a domain without triangles, for the surface that is drawn.
-constexpr double kSurfaceVoxels = 300;
 /// Distances beyond the bounds of a plane domain.
 constexpr int kRim = 4;
 
 }  // namespace
 
 WallMesh::WallMesh(const DomainSource& source, const DomainSource::Built& built,
-                   const TriangleMesh* known) {
-    if (known) {
-        mesh_ = known;
-        return;
-    }
+                   const TriangleMesh* known, std::size_t mostTriangles, double voxels) {
     const bool whole = source.recipe().clips.empty();
-    if (whole && built.mesh) {
-        mesh_ = &built.mesh->wall();
-        return;
-    }
+    mesh_ = known ? known : whole && built.mesh ? &built.mesh->wall() : nullptr;
+    if (mesh_ && mesh_->triangles.size() <= mostTriangles) return;
     const Domain<3>& domain = *built.space;
     const Box<3> bounds = domain.bounds();
     // Of a periodic cell the picture shows its box.
-    made_ = whole && (domain.facts().kind == "box" || domain.cell().any())
-                ? boxMesh(bounds)
-                : levelSetMesh(*surfaceLevelSet(domain, length(bounds.size()) / kSurfaceVoxels),
-                               source.recipe().source);
+    if (whole && (domain.facts().kind == "box" || domain.cell().any())) {
+        made_ = boxMesh(bounds);
+    } else {
+        voxelSize_ = length(bounds.size()) / voxels;
+        made_ = levelSetMesh(*surfaceLevelSet(domain, voxelSize_), source.recipe().source);
+    }
     mesh_ = &made_;
 }
+
 PlaneField planeField(const Domain<2>& domain, const StampedVoids<2>* voids, int columns) {
     const Box<2> bounds = domain.bounds();
     PlaneField field;

@@ -10,8 +10,9 @@ namespace vdbpack {
 
 namespace {
 
-/// Distances along the longer side of a domain of the plane, for the outline of a view.
-constexpr int kViewedDistances = 480;
+/// Distances along the longer side of a domain of the plane, for its outline, and voxels along the
+/// diagonal of a domain of space whose wall has no triangles or too many.
+constexpr int kViewedDistances = 480, kViewedVoxels = 120;
 
 }  // namespace
 
@@ -19,21 +20,22 @@ template <int Dim>
 void addView(const PreviewOptions& recipe, const DomainSource* source,
              const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
              bool large, PagePicture& picture) {
+    ViewOptions options{recipe};
+    options.large = large;
     ViewScene<Dim> scene;
     scene.pack = &pack;
     std::optional<WallMesh> mesh;
     std::optional<PlaneField> field;
     if constexpr (Dim == 3) {
-        if (source) scene.wall = mesh.emplace(*source, built, wall).get();
+        if (source) {
+            mesh.emplace(*source, built, wall, options.mostTriangles, kViewedVoxels);
+            scene.wall = mesh->get();
+            scene.wallVoxel = mesh->voxelSize();
+        }
     } else if (source) {
         scene.field = &field.emplace(planeField(*built.plane, nullptr, kViewedDistances));
         scene.bounds = built.plane->bounds();
     }
-    ViewOptions options;
-    options.color = recipe.color;
-    options.column = recipe.column;
-    options.cut = recipe.cut;
-    options.large = large;
     ViewMarkup view = viewOf(scene, options);
     picture.viewStyle = std::move(view.style);
     picture.view = std::move(view.body);
