@@ -1,4 +1,5 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/field/either_grid.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/voxel_image.h"
@@ -32,10 +33,6 @@ CoordBBox insideBounds(const FloatGrid& grid) {
         box.expand(part);
     }
     return box;
-}
-
-Vec<3> toVec(const openvdb::Vec3d& v) {
-    return {{v[0], v[1], v[2]}};
 }
 
 /// Reads the values of one image row by row.

@@ -13,15 +13,15 @@ namespace vdbpack {
 namespace {
 
 using openvdb::Coord;
-using Grid = EitherGrid<openvdb::FloatGrid, openvdb::DoubleGrid>;
+using Scalars = EitherGrid<openvdb::FloatGrid, openvdb::DoubleGrid>;
 
-Grid readFirst(const std::string& path) {
+Scalars readFirst(const std::string& path) {
     openvdb::io::File file(path);
     file.open(/*delayLoad=*/false);
     std::string all;
     const auto headers = file.readAllGridMetadata();
     for (const auto& header : *headers) {
-        if (Grid::isOne(*header)) return Grid(file.readGrid(header->getName()));
+        if (Scalars::isOne(*header)) return Scalars(file.readGrid(header->getName()));
         all += fmt::format("{}'{}' ({})", all.empty() ? "" : ", ", header->getName(),
                            header->valueType());
     }
@@ -33,7 +33,7 @@ Grid readFirst(const std::string& path) {
 }  // namespace
 
 struct ScalarGrid::Impl {
-    std::optional<Grid> grid;
+    std::optional<Scalars> grid;
     double scale = 1;
     Box<3> bounds;
     std::vector<std::pair<Vec<3>, double>> samples;
@@ -48,7 +48,7 @@ void ScalarGrid::Impl::read(const std::string& file,
                             const std::function<std::string(double)>& fault) {
     grid = readFirst(file);
     openvdb::CoordBBox voxels;
-    constexpr int kLeafSide = 8;
+    constexpr int kLeaf = 8;
     Coord leaf = Coord::max();
     grid->forEachOn([&](float value, const openvdb::CoordBBox& box, bool isTile) {
         const Coord at = box.min();
@@ -71,7 +71,7 @@ void ScalarGrid::Impl::read(const std::string& file,
             return;
         }
         // The first and the last of each leaf.
-        const Coord origin = at & ~(kLeafSide - 1);
+        const Coord origin = at & ~(kLeaf - 1);
         if (origin == leaf) samples.pop_back();
         if (origin != leaf) add(at);
         leaf = origin;

@@ -61,7 +61,7 @@ template <class Grid>
 void survey(const std::string& file, const Grid& grid, openvdb::CoordBBox& voxels,
             std::vector<Coord>& chosen) {
     const auto zero = openvdb::zeroVal<typename Grid::Value>();
-    constexpr int kLeafSide = 8;
+    constexpr int kLeaf = 8;
     Coord leaf = Coord::max();
     grid.forEachOn([&](const auto& value, const openvdb::CoordBBox& box, bool isTile) {
         const Coord at = box.min();
@@ -78,7 +78,7 @@ void survey(const std::string& file, const Grid& grid, openvdb::CoordBBox& voxel
                                     corner & 4 ? box.max().z() : box.min().z());
             return;
         }
-        const Coord origin = at & ~(kLeafSide - 1);
+        const Coord origin = at & ~(kLeaf - 1);
         if (origin != leaf) chosen.insert(chosen.end(), 2, at);
         leaf = origin;
         chosen.back() = at;

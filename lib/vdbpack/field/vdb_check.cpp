@@ -38,7 +38,7 @@ constexpr std::uint32_t kMultiPass = 224;  ///< point grids are read pass by pas
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  ///< flags of compression
 constexpr std::size_t kBloscHeader = 16;
 constexpr std::uint64_t kBloscPadding = 128;  ///< shorter arrays of points are filled up to this
-constexpr std::int32_t kFarthest = 1 << 30;   ///< voxel; indices stay inside 32 bits
+constexpr std::int32_t kFarthestVoxel = 1 << 30;   ///< voxel; indices stay inside 32 bits
 constexpr std::uint64_t kMostPerByte = 1032;  ///< bytes that one packed byte stands for
 constexpr std::uint64_t kMostPointsPerByte = 16;
 
@@ -241,7 +241,7 @@ private:
         std::array<std::int32_t, 3> origin{};
         for (auto& x : origin) {
             x = bytes_.get<std::int32_t>("the origin of a node");
-            if (x % kSide != 0 || x > kFarthest || x < -kFarthest)
+            if (x % kSide != 0 || x > kFarthestVoxel || x < -kFarthestVoxel)
                 bytes_.fail(fmt::format("a node at voxel {}", x));
         }
         if (!origins.insert(origin).second)

@@ -30,7 +30,7 @@ using Leaf = FloatGrid::TreeType::LeafNodeType;
 
 constexpr float kOutsideVoxels = 3;
 /// Error of distances of an exact band, voxels.
-constexpr double kRounding = 1e-5;
+constexpr double kDepthRounding = 1e-5;
 
 /// The band of a mesh that is not watertight: each level of shells takes off what the next one
 /// encloses, from the inside out.
@@ -120,7 +120,7 @@ VdbField::VdbField(const TriangleMesh& mesh, const MeshNesting& nesting, double 
             options.origin = impl_->origin;
             options.facing = nesting.facing.empty() ? nullptr : &nesting.facing;
             impl_->grid = narrowBand(mesh, voxelSize, inside, kOutsideVoxels, options, callbacks);
-            impl_->deepest = (insideVoxels - kRounding) * voxelSize;
+            impl_->deepest = (insideVoxels - kDepthRounding) * voxelSize;
         } else {
             impl_->grid = sealedBands({mesh, impl_->origin, voxelSize}, nesting.depthOfTriangle,
                                       inside, callbacks);
@@ -294,7 +294,7 @@ DepthRange VdbField::Sampler::depthRange(const Vec<3>& x) {
         return range;
     }
     // The distance changes by no more than the way.
-    const double slack = kRounding * h;
+    const double slack = kDepthRounding * h;
     for (int i = 0; i < 8; ++i) {
         double square = 0;
         for (int d = 0; d < 3; ++d) {

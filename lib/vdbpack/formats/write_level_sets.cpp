@@ -32,7 +32,7 @@ namespace {
 
 /// Writes to a given stream: OpenVDB's own classes open files themselves and do not notice a full
 /// disk.
-class Archive : public openvdb::io::Archive {
+class GridArchive : public openvdb::io::Archive {
 public:
     void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids) {
         setCompression(hasBloscCompression()
@@ -133,7 +133,7 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
     try {
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(out.temporaryPath(), std::ios::binary | std::ios::trunc);
-        Archive().writeTo(stream, grids);
+        GridArchive().writeTo(stream, grids);
         stream.close();
     } catch (const std::exception& e) {
         const int cause = errno;

@@ -135,14 +135,14 @@ private:
 
 /// An attribute of the point grid: its type, and a function that fills the array of a leaf with the
 /// values of the listed spheres.
-struct Attribute {
+struct PointAttribute {
     std::string name;
     openvdb::NamePair type;
     std::function<void(points::AttributeArray&, const std::vector<std::size_t>&)> fill;
 };
 
 template <typename T, typename Get>
-Attribute attribute(const std::string& name, const Get& get) {
+PointAttribute attribute(const std::string& name, const Get& get) {
     return {name, Plain<T>::attributeType(),
             [get](points::AttributeArray& array, const std::vector<std::size_t>& spheres) {
                 auto& typed = Plain<T>::cast(array);
@@ -156,7 +156,7 @@ Attribute attribute(const std::string& name, const Get& get) {
 
 /// Whole numbers as int32 where they fit, as viewers expect, else int64.
 template <typename Get>
-Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
+PointAttribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
     bool narrow = true;
     for (std::size_t i = 0; i < count && narrow; ++i) {
         const std::int64_t value = get(i);
@@ -168,7 +168,7 @@ Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& 
 }
 
 /// A further column of numbers in the smallest type that keeps every one.
-Attribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
+PointAttribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
     bool whole = true;
     bool single = true;
     for (const double value : numbers) {
@@ -189,8 +189,8 @@ Attribute columnAttribute(const std::string& name, const std::vector<double>& nu
 }
 
 /// Texts are stored as indices into a table in the metadata of the attributes.
-Attribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
-                        openvdb::MetaMap& table) {
+PointAttribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
+                             openvdb::MetaMap& table) {
     points::StringMetaInserter inserter(table);
     auto indices = std::make_shared<std::vector<openvdb::Index>>();
     indices->reserve(texts.size());
@@ -206,9 +206,9 @@ Attribute textAttribute(const std::string& name, const std::vector<std::string>&
             }};
 }
 
-std::vector<Attribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
+std::vector<PointAttribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
     AttributeNames names;
-    std::vector<Attribute> list;
+    std::vector<PointAttribute> list;
     names.unique("P");
     list.push_back(attribute<float>(names.unique("pscale"),
                                     [&pack](std::size_t i) { return pack.radius(i); }));
@@ -383,7 +383,7 @@ private:
     const PackView& pack_;
     const double voxel_;
     std::vector<Entry> entries_;  ///< by leaf, then by sphere
-    std::vector<Attribute> attributes_;
+    std::vector<PointAttribute> attributes_;
     points::AttributeSet::Descriptor::Ptr descriptor_;
     // Made by the library: a constructor here would compile all virtual functions of the tree.
     points::PointDataGrid::Ptr grid_ = openvdb::gridPtrCast<points::PointDataGrid>(

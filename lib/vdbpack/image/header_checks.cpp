@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -32,6 +33,11 @@ std::uint64_t numberAt(const InputFile& file, std::uint64_t offset, int count, b
 }
 
 }  // namespace
+
+bool isTiff(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".tif" || extension == ".tiff";
+}
 
 void checkTiffPages(const std::string& path) {
     constexpr std::size_t kMostPages = 65535;

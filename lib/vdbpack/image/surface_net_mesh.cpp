@@ -16,7 +16,7 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 /// One side of a face.
 struct Side {
@@ -91,7 +91,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     for (std::size_t f = 0; f < net.faces.size(); ++f)
         if (inside(net.faces[f].below) != inside(net.faces[f].above))
             faces.push_back(static_cast<std::uint32_t>(f));
-    if (faces.size() >= kNone / 4)
+    if (faces.size() >= kNoVertex / 4)
         throw ResourceError(
             "the surface of a label has more than 1,000,000,000 faces; give a "
             "coarser image");
@@ -128,7 +128,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     DisjointSets corners = joinedCorners(net, faces, sides);
     sides = {};
     TriangleMesh mesh;
-    std::vector<std::uint32_t> number(4 * faces.size(), kNone);
+    std::vector<std::uint32_t> number(4 * faces.size(), kNoVertex);
     mesh.triangles.resize(2 * faces.size());
     const bool mirrored = grid.signedVoxelVolume() < 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -136,7 +136,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
         std::array<std::uint32_t, 4> q;
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t root = corners.find(static_cast<std::uint32_t>(4 * f) + k);
-            if (number[root] == kNone) {
+            if (number[root] == kNoVertex) {
                 number[root] = static_cast<std::uint32_t>(mesh.vertices.size());
                 mesh.vertices.push_back(grid.at(net.vertices[face.vertices[k]]));
             }

@@ -14,8 +14,6 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint16_t kBeyond = LabelVoxels::kBeyond;
-
 /// Across the sides of a cell to -x, +x, -y, +y, -z, +z.
 using Neighbors = std::array<std::uint32_t, 6>;
 /// Such as the way from the middle of a cell to its vertex, along the axes; then the fourth number
@@ -319,7 +317,7 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     std::size_t labels = 1;
     for (const SurfaceNet::Face& face : net.faces)
         for (const std::uint16_t label : {face.below, face.above})
-            if (label != kBeyond) labels = std::max(labels, std::size_t{label} + 1);
+            if (label != LabelVoxels::kBeyond) labels = std::max(labels, std::size_t{label} + 1);
     for (int round = 0; round < kRounds; ++round) {
         std::vector<double> missing(labels);
         std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  // of labels that touch
@@ -330,9 +328,9 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
             double volume = -dot(middle, area) / 3;
             // The voxels of a label, counted along rows: from face to face.
             if (face.axis == 0) volume += static_cast<double>(net.cells[face.vertices[0]][0]) - 0.5;
-            if (face.below != kBeyond) missing[face.below] += volume;
-            if (face.above != kBeyond) missing[face.above] -= volume;
-            if (face.below == kBeyond || face.above == kBeyond) continue;
+            if (face.below != LabelVoxels::kBeyond) missing[face.below] += volume;
+            if (face.above != LabelVoxels::kBeyond) missing[face.above] -= volume;
+            if (face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond) continue;
             areas[std::minmax(face.below, face.above)] += length(area);
         }
         // The least movement that does so is a potential of the labels; that of the background is
@@ -355,9 +353,10 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
         std::vector<double> around(net.vertices.size());
         for (const SurfaceNet::Face& face : net.faces) {
             const Vec<3> area = areaOf(net, face);
-            const double by = face.below == kBeyond || face.above == kBeyond
-                                  ? 0
-                                  : potential[face.below] - potential[face.above];
+            const double by =
+                face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond
+                    ? 0
+                    : potential[face.below] - potential[face.above];
             for (const std::uint32_t v : face.vertices) {
                 shift[v] += by * area;
                 around[v] += length(area);
@@ -403,8 +402,10 @@ void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
                     for (std::size_t d = 0; d < 3; ++d) {
                         const std::size_t l = k | std::size_t{1} << d;
                         if (l == k || !(within[k] || within[l])) continue;
-                        const std::uint16_t a = within[k] ? voxels.labels[at[k]] : kBeyond;
-                        const std::uint16_t b = within[l] ? voxels.labels[at[l]] : kBeyond;
+                        const std::uint16_t a =
+                            within[k] ? voxels.labels[at[k]] : LabelVoxels::kBeyond;
+                        const std::uint16_t b =
+                            within[l] ? voxels.labels[at[l]] : LabelVoxels::kBeyond;
                         if (!SurfaceNet::isFace(a, b)) continue;
                         Vec<3> x;
                         for (std::size_t e = 0; e < 3; ++e)

@@ -20,7 +20,7 @@ namespace {
 /// Volumes are summed in whole parts of a cell, so that sums do not depend on the order.
 constexpr double kPart = 0x1p-40;
 /// Points by which a sphere that lies in several cells is shared out.
-constexpr int kPoints = 32;
+constexpr int kBallPoints = 32;
 
 /// Cubes (2D: squares) in the middle of a box, as many as fit.
 template <int Dim>
@@ -87,9 +87,9 @@ std::vector<std::uint64_t> coveredParts(const std::vector<Sphere<Dim>>& spheres,
                 continue;
             }
             Spread<Dim> spread(rows[i]);
-            for (int k = 0; k < kPoints; ++k)
+            for (int k = 0; k < kBallPoints; ++k)
                 add(grid.cellAt(s.center + ballPoint<Dim>(spread.next()) * s.radius),
-                    ball / kPoints);
+                    ball / kBallPoints);
         }
     });
     std::vector<std::uint64_t> all(covered.begin(), covered.end());

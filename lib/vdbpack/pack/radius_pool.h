@@ -11,6 +11,9 @@
 
 namespace vdbpack {
 
+/// 2^64 / golden ratio: the additive step that spreads draws most evenly over a distribution.
+inline constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
+
 /// Pending radii, sorted. Drawing until a radius fits would bias a pack towards small spheres; a
 /// pool keeps the distribution exact: all radii drawn are placed, except those pending at the end.
 ///

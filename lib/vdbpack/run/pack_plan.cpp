@@ -14,7 +14,7 @@ namespace vdbpack {
 namespace {
 
 /// Solid fraction of a front in space and in a plane.
-constexpr double kSolid = 0.65, kSolidInPlane = 0.85;
+constexpr double kSolidInSpace = 0.65, kSolidInPlane = 0.85;
 
 /// @param ball  mean volume (2D: area) of a sphere, mm^dim.
 FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
@@ -63,7 +63,7 @@ PackPlan planPack(const PackRecipe& recipe, const DomainSource& source) {
     const double ball = each * std::pow(1 + 0.5 * recipe.gap / requested.sizes.mean(), dim);
     const double filled = e.solid ? e.volume * radii.share : e.volume;
     e.count = e.searching ? requested.targetCount / (e.solid ? 1 : radii.share)
-                          : (dim == 3 ? kSolid : kSolidInPlane) * filled / ball;
+                          : (dim == 3 ? kSolidInSpace : kSolidInPlane) * filled / ball;
     if (recipe.maxCount > 0) e.count = std::min(e.count, static_cast<double>(recipe.maxCount));
     e.voids = planVoids(recipe.voids, e, requested.largest() * radii.scale);
     if (const auto labels = labelGridOf(recipe, {&source}))

@@ -26,7 +26,7 @@ namespace {
 
 using Blocks = tbb::blocked_range<std::size_t>;
 
-bool worse(const ProtrudingSphere& a, const ProtrudingSphere& b) {
+bool protrudesMore(const ProtrudingSphere& a, const ProtrudingSphere& b) {
     return std::make_tuple(-a.protrusion, a.i) < std::make_tuple(-b.protrusion, b.i);
 }
 
@@ -36,7 +36,7 @@ void note(ProtrusionCheck& check, std::size_t i, double protrusion) {
     if (!(protrusion > kVerifyTolerance)) return;
     ++check.spheres;
     if (protrusion > 1) ++check.centersOutside;
-    keepWorst(check.worst, ProtrudingSphere{i, protrusion}, worse);
+    keepWorst(check.worst, ProtrudingSphere{i, protrusion}, protrudesMore);
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
     a.spheres += b.spheres;
     a.centersOutside += b.centersOutside;
     a.closed = a.closed && b.closed;
-    for (const auto& w : b.worst) keepWorst(a.worst, w, worse);
+    for (const auto& w : b.worst) keepWorst(a.worst, w, protrudesMore);
     return a;
 }
 

@@ -20,7 +20,7 @@ namespace {
 
 /// Side of the cube in which the relation is measured, and of the windows, in mean cells.
 constexpr double kSampleSide = 6, kWindow = 3;
-constexpr int kRounds = 3;
+constexpr int kDilationRounds = 3;
 /// Voxels along a mean cell, in the plane and in space, in which BV/TV by place is measured; larger
 /// ones stay.
 constexpr std::array<double, 2> kMeasuredVoxels{60, 10};
@@ -99,10 +99,10 @@ struct Tally {
 
 /// Cells over the box around a domain, in which BV/TV is measured by points.
 template <int Dim>
-class Cells {
+class BvtvCells {
 public:
-    Cells(const VoidRegion<Dim>& region, double cell,
-          const std::function<double(const Vec<Dim>&)>& wanted)
+    BvtvCells(const VoidRegion<Dim>& region, double cell,
+              const std::function<double(const Vec<Dim>&)>& wanted)
         : region_(region), cell_(cell), box_(region.domain.bounds()) {
         std::size_t all = 1;
         for (int d = 0; d < Dim; ++d) {
@@ -248,7 +248,7 @@ std::vector<double> localDilation(const VoidRegion<Dim>& region,
     StampOptions<Dim> stamp = fine;
     stamp.voxelSize = std::max(fine.voxelSize, cell / kMeasuredVoxels[Dim - 2]);
     const Relation relation = measuredRelation(region.domain.bounds(), cell, voids, stamp, quiet);
-    Cells<Dim> cells(region, cell, wanted);
+    BvtvCells<Dim> cells(region, cell, wanted);
     callbacks.stopIfCancelled();
     // What is aimed at, as a logit, so that solid and voids are alike.
     std::vector<double> aims(voids.size()), factors(voids.size());
@@ -260,7 +260,7 @@ std::vector<double> localDilation(const VoidRegion<Dim>& region,
         });
     };
     forVoids([&](std::size_t i) { aims[i] = logit(wanted(voids[i].center)); });
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kDilationRounds; ++round) {
         cells.measure(*stampVoids(dilated(region, voids, 1, factors), region.domain, stamp, quiet));
         callbacks.stopIfCancelled();
         forVoids([&](std::size_t i) {

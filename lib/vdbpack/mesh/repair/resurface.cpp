@@ -169,16 +169,16 @@ private:
         cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 
         static const auto kLoops = makeCubeLoops();
-        struct Part {
+        struct Piece {
             std::vector<std::array<std::uint32_t, 3>> triangles;  // centers: kCenter + number
             std::vector<Vec<3>> centers;                          // in voxels
         };
         constexpr std::uint32_t kCenter = 1u << 31;
         constexpr std::size_t kChunk = 4096;
-        std::vector<Part> parts((cells.size() + kChunk - 1) / kChunk);
+        std::vector<Piece> parts((cells.size() + kChunk - 1) / kChunk);
         tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
             WindingLattice::Reader reader(lattice);
-            Part& part = parts[chunk];
+            Piece& part = parts[chunk];
             const std::size_t end = std::min(cells.size(), (chunk + 1) * kChunk);
             for (std::size_t i = chunk * kChunk; i < end; ++i) {
                 const VoxelIndex cell = edgeOf(cells[i]).first;
@@ -197,7 +197,7 @@ private:
             mesh.vertices.push_back(rounded(world(placeOf(v))));
             bridges += v.bridge;
         }
-        for (const Part& part : parts) {
+        for (const Piece& part : parts) {
             const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
             for (const Vec<3>& center : part.centers)
                 mesh.vertices.push_back(rounded(world(center)));

@@ -33,7 +33,7 @@ constexpr double kFolded = 1e-4;
 /// Components of a remeshed surface with a smaller volume are removed, in voxels.
 constexpr double kLeastComponent = 10;
 /// Volumes of components that are flat up to rounding, compared with the cube of the extent.
-constexpr double kFlat = 1e-15;
+constexpr double kFlatVolume = 1e-15;
 
 /// Which triangles of a mesh are buried: both their sides are inside, or both outside.
 struct Buried {
@@ -222,7 +222,7 @@ double repairVoxelSize(const TriangleMesh& mesh) {
     const double wanted = 0.3 * median(std::move(lengths));
     const double volume = analyzeShells(mesh).enclosedVolume();
     const double thickness = area > 0 ? 2 * std::fabs(volume) / area : 0;
-    const double finest = std::sqrt(2 * area / kMostTriangles);
+    const double finest = std::sqrt(2 * area / kMostRemeshed);
     double size = wanted;
     if (thickness > 0) size = std::min(size, 0.5 * thickness);
     return std::max(size, finest);
@@ -277,7 +277,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
             // Two layers that a filled hole left enclose nothing.
             if (changed)
                 dropSmallComponents(*walls,
-                                    kFlat * std::pow(length(report.before.bounds.size()), 3));
+                                    kFlatVolume * std::pow(length(report.before.bounds.size()), 3));
             result.mesh = changed ? std::move(*walls) : std::move(mesh);
         } else {
             report.dropped = 0;
