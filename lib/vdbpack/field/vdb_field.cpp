@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/lanes.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/band_width.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/narrow_band.h"
@@ -11,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <openvdb/tools/Composite.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -84,17 +84,15 @@ struct VdbField::Impl {
     double sumOverVoxels(const Share& share) const {
         const openvdb::tree::LeafManager<const FloatGrid::TreeType> leafs(grid->tree());
         std::vector<double> sums(leafs.leafCount());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 64),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  const float* const values = leafs.leaf(i).buffer().data();
-                                  std::array<double, kLanes> lanes{};
-                                  for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
-                                      for (std::size_t l = 0; l < kLanes; ++l)
-                                          lanes[l] += share(values[k + l]);
-                                  sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
-                              }
-                          });
+        parallelFor(IndexRange(0, sums.size(), 64), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const float* const values = leafs.leaf(i).buffer().data();
+                std::array<double, kLanes> lanes{};
+                for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
+                    for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += share(values[k + l]);
+                sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
+            }
+        });
         double total = 0;
         for (const double sum : sums) total += sum;
         forEachTile(grid->tree().root(), [&](float value, double voxels) {

@@ -1,5 +1,6 @@
 // OpenVDB files of level sets, as they are or as fog, and of the grids that other writers add.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/format_words.h"
@@ -12,7 +13,6 @@
 #include <openvdb/io/io.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tree/LeafManager.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -57,7 +57,7 @@ public:
         auto compression = openvdb::io::getStreamMetadataPtr(stream);
         std::array<std::string, kParts> parts;
         for (std::size_t first = 0; first < leaves.size(); first += kLeaves * kParts) {
-            tbb::parallel_for(std::size_t{0}, kParts, [&](std::size_t p) {
+            parallelFor(std::size_t{0}, kParts, [&](std::size_t p) {
                 const std::size_t from = std::min(first + p * kLeaves, leaves.size());
                 const std::size_t to = std::min(from + kLeaves, leaves.size());
                 std::ostringstream part;

@@ -1,6 +1,7 @@
 // OpenVDB files: spheres as a point grid, level sets beside them.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 #include <openvdb/points/AttributeArrayString.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -240,7 +240,7 @@ public:
         sortIntoLeaves();
         describeAttributes();
         addLeaves();
-        tbb::parallel_for(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
+        parallelFor(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
         grid_->setName("points");
         // A pure scale by a power of two: index and offset give back the position without
         // rounding.
@@ -285,7 +285,7 @@ private:
             }
         }
         entries_.resize(pack_.size());
-        tbb::parallel_for(std::size_t{0}, pack_.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, pack_.size(), [&](std::size_t i) {
             const auto v = voxelOf(i);
             std::uint64_t key = 0;
             for (std::size_t d = 0; d < 3; ++d)

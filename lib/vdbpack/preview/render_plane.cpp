@@ -1,5 +1,6 @@
 // Draws circles at true scale.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/scene.h"
@@ -7,7 +8,6 @@
 #include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +104,7 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
         return colors.color[i] * (found.rim < rim ? kCircleShade : 1);
     };
     StopRequest request(options.cancelled);
-    tbb::parallel_for(0, image.height, [&](int y) {
+    parallelFor(0, image.height, [&](int y) {
         request.stop();
         for (int x = 0; x < image.width; ++x) {
             Color sum;

@@ -10,7 +10,6 @@
 #include "vdbpack/verify/worst.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
@@ -23,8 +22,6 @@
 namespace vdbpack {
 
 namespace {
-
-using Blocks = tbb::blocked_range<std::size_t>;
 
 bool protrudesMore(const ProtrudingSphere& a, const ProtrudingSphere& b) {
     return std::make_tuple(-a.protrusion, a.i) < std::make_tuple(-b.protrusion, b.i);
@@ -145,8 +142,8 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
     // bit.
     constexpr std::size_t kBlock = 64 * WallTree<Dim>::kTogether;
     auto result = tbb::parallel_reduce(
-        Blocks(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
-        [&](const Blocks& blocks, ProtrusionCheck check) {
+        IndexRange(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
+        [&](const IndexRange& blocks, ProtrusionCheck check) {
             for (std::size_t b = blocks.begin(); b < blocks.end(); ++b) {
                 NearestPieces<Dim> nearest(tree);
                 const std::size_t end = std::min(spheres.size(), (b + 1) * kBlock);
@@ -222,8 +219,8 @@ ProtrusionCheck checkProtrusion(const std::vector<Sphere<Dim>>& spheres,
     requireVerifiable(spheres);
     requirePlanes(wall.clips);
     return tbb::parallel_reduce(
-        Blocks(0, spheres.size(), 4096), ProtrusionCheck{},
-        [&](const Blocks& block, ProtrusionCheck check) {
+        IndexRange(0, spheres.size(), 4096), ProtrusionCheck{},
+        [&](const IndexRange& block, ProtrusionCheck check) {
             for (std::size_t i = block.begin(); i < block.end(); ++i)
                 note(check, i,
                      (spheres[i].radius - wall.innerDistance(spheres[i].center)) /

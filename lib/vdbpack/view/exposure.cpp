@@ -1,8 +1,7 @@
 #include "vdbpack/view/exposure.h"
 
 #include "vdbpack/core/box.h"
-
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 #include <array>
@@ -85,7 +84,7 @@ public:
         const std::array<std::int64_t, 3> step{1, n_[0], n_[0] * n_[1]};
         for (std::size_t d = 0; d < 3; ++d) {
             const std::size_t a = (d + 1) % 3, b = (d + 2) % 3;
-            tbb::parallel_for(std::int64_t{0}, n_[b], [&](std::int64_t j) {
+            parallelFor(std::int64_t{0}, n_[b], [&](std::int64_t j) {
                 for (std::int64_t i = 0; i < n_[a]; ++i)
                     spreadLine(i * step[a] + j * step[b], step[d], n_[d], reach);
             });
@@ -165,7 +164,7 @@ std::vector<Exposure> exposureOf(const std::vector<Sphere<3>>& spheres) {
     cells.floodFromOutside();
     cells.spread(
         static_cast<std::int64_t>(std::ceil((kOpticalDepth * radius + pad) / cells.side())));
-    tbb::parallel_for(std::size_t{0}, spheres.size(), [&](std::size_t i) {
+    parallelFor(std::size_t{0}, spheres.size(), [&](std::size_t i) {
         const std::uint8_t near = cells.at(spheres[i].center);
         exposure[i] = (near & kNearOpen) != 0   ? Exposure::outer
                       : (near & kNearVoid) != 0 ? Exposure::inner

@@ -1,6 +1,7 @@
 #include "vdbpack/view/view_data.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/preview/scene.h"
 #include "vdbpack/preview/sphere_colors.h"
 #include "vdbpack/report/report.h"
@@ -10,7 +11,6 @@
 #include "vdbpack/view/shown_spheres.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -65,7 +65,7 @@ private:
 
     static Packed packed(const std::vector<Array>& arrays) {
         Packed all(arrays.size());
-        tbb::parallel_for(std::size_t{0}, arrays.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, arrays.size(), [&](std::size_t i) {
             all[i] = {&arrays[i], packedNumbers(arrays[i].numbers, arrays[i].planes)};
         });
         return all;

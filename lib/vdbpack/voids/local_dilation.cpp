@@ -1,11 +1,8 @@
 #include "vdbpack/voids/local_dilation.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/voids/dilated_pack.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -127,7 +124,7 @@ public:
 
     void measure(const StampedVoids<Dim>& voids) {
         using Sampler = typename StampedVoids<Dim>::Sampler;
-        tbb::enumerable_thread_specific<Sampler> samplers([&] { return Sampler(voids); });
+        PerThread<Sampler> samplers([&] { return Sampler(voids); });
         forEachCell([&](std::size_t i, const auto& isInside) {
             Sampler& distance = samplers.local();
             Tally tally;
@@ -206,19 +203,16 @@ private:
     /// Calls `visit(cell, whether a point lies in the part that may have voids)` in parallel.
     template <class Visit>
     void forEachCell(const Visit& visit) const {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, wanted_.size(), 16),
-                          [&](const auto& range) {
-                              const Domain<Dim>& envelope = region_.domain.envelope();
-                              const auto outer = envelope.sampler();
-                              const auto inner =
-                                  &envelope == &region_.domain ? nullptr : region_.domain.sampler();
-                              const auto isInside = [&](const Vec<Dim>& x) {
-                                  return region_.shell.isDeeper(x, -outer->signedDistance(x)) &&
-                                         (!inner || inner->signedDistance(x) < 0);
-                              };
-                              for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  visit(i, isInside);
-                          });
+        parallelFor(IndexRange(0, wanted_.size(), 16), [&](const auto& range) {
+            const Domain<Dim>& envelope = region_.domain.envelope();
+            const auto outer = envelope.sampler();
+            const auto inner = &envelope == &region_.domain ? nullptr : region_.domain.sampler();
+            const auto isInside = [&](const Vec<Dim>& x) {
+                return region_.shell.isDeeper(x, -outer->signedDistance(x)) &&
+                       (!inner || inner->signedDistance(x) < 0);
+            };
+            for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i, isInside);
+        });
     }
 
     const VoidRegion<Dim>& region_;
@@ -253,7 +247,7 @@ std::vector<double> localDilation(const VoidRegion<Dim>& region,
     // What is aimed at, as a logit, so that solid and voids are alike.
     std::vector<double> aims(voids.size()), factors(voids.size());
     const auto forVoids = [&](const auto& visit) {
-        tbb::parallel_for(std::size_t{0}, voids.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, voids.size(), [&](std::size_t i) {
             visit(i);
             const double factor = relation.factorFor(1 / (1 + std::exp(-aims[i])));
             factors[i] = factor < kLeastFactor ? 0 : factor;

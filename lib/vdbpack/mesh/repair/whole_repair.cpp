@@ -1,5 +1,6 @@
 #include "vdbpack/mesh/repair/whole_repair.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/mesh/repair/facing.h"
@@ -7,8 +8,6 @@
 #include "vdbpack/mesh/repair/resurface.h"
 #include "vdbpack/mesh/repair/sheets.h"
 #include "vdbpack/mesh/repair/winding_number.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -54,7 +53,7 @@ Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumb
         bool agrees = true;
     };
     std::vector<Sum> sums(n);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 256), [&](const auto& range) {
+    parallelFor(IndexRange(0, n, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
             const auto& t = filled.triangles[i];
             const Vec<3>& a = filled.vertices[t[0]];
@@ -148,7 +147,7 @@ double measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, doub
         count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(size[d] / step + 0.5));
     std::vector<std::array<std::uint64_t, 4>> sums(static_cast<std::size_t>(count[2]),
                                                    {{0, 0, 0, 0}});
-    tbb::parallel_for(0, count[2], [&](int k) {
+    parallelFor(0, count[2], [&](int k) {
         auto& sum = sums[static_cast<std::size_t>(k)];
         for (int j = 0; j < count[1]; ++j)
             for (int i = 0; i < count[0]; ++i) {
