@@ -1,4 +1,4 @@
-// Private to runs: which rows of the pack of all ranks are those of one.
+// Private to runs: which rows of the pack of all ranks belong to one.
 #pragma once
 
 #include "vdbpack/core/ranks.h"

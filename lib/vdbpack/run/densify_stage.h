@@ -17,7 +17,7 @@ namespace vdbpack {
 
 struct DensifySetting {
     double fraction = 0;                      ///< as that of DensifyOptions
-    const SizeDistribution* sizes = nullptr;  ///< of what is added; null: those of the pack
+    const SizeDistribution* sizes = nullptr;  ///< of what is added; null: sizes of the pack
     double gap = 0;                           ///< mm
     std::uint64_t seed = 1;
     bool mixSizes = false;   ///< as in DensifyOptions

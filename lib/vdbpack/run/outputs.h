@@ -87,10 +87,11 @@ struct RunOutputs {
 ///   "solid:" before it chooses;
 /// - "levelsets:FILE.vdb", the level sets alone; "fog:FILE.vdb", the inside of `solid`, or of
 ///   `surface`, as fog ("points:FILE.vdb", the points alone, is a pack);
-/// - "blender:FILE.py", a script with files beside it; its level sets are those of `volume`, if
+/// - "blender:FILE.py", a script with files beside it; its level sets are taken from `volume`, if
 ///   there is one.
 ///
-/// Where `options` has no level set, that of the domain is made: 256 voxels along its longest side.
+/// Where `options` has no level set, the level set of the domain is made: 256 voxels along its
+/// longest side.
 /// @return the files.
 /// @throws ParameterError (no such thing to write), IoError
 template <int Dim>

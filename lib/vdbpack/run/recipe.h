@@ -25,16 +25,16 @@ struct PackRecipe : RunSettings {
     /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
     /// none.
     std::string sizeField;
-    /// SPEC of the radii in the shell of `voids`, mm; empty: those of all.
+    /// SPEC of the radii in the shell of `voids`, mm; empty: radii of all.
     std::string shellRadius;
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
     std::int64_t maxCount = 0;            ///< stop at this many; 0: when full
     Effort effort = Effort::normal;
     Order order = Order::sweep;
-    double blockSide = 0;  ///< edge of a block, mm, as that of PackOptions; 0: chosen
+    double blockSide = 0;  ///< edge of a block, mm, as in PackOptions; 0: chosen
     double gap = 0;        ///< least distance between spheres and to the wall, mm
-    /// Solid fraction to reach by moving and adding spheres, as that of DensifyOptions; 0: none.
+    /// Solid fraction to reach by moving and adding spheres, as in DensifyOptions; 0: none.
     double densify = 0;
     VoidRecipe voids;
     std::string existing;  ///< pack file with spheres to pack around; empty: none
@@ -83,7 +83,7 @@ struct RequestedSizes {
     SizeDistribution sizes;
     double targetCount = 0;           ///< spheres at which to aim by scaling the radii; 0: as given
     std::vector<std::string> chosen;  ///< what was chosen by default, a sentence each
-    std::optional<SizeDistribution> shellSizes;  ///< in the shell; none: those of all
+    std::optional<SizeDistribution> shellSizes;  ///< in the shell; none: sizes of all
     std::shared_ptr<const ScalarField> factor;   ///< on all radii by place; null: 1
 
     bool differByPlace() const { return factor || shellSizes; }

@@ -76,7 +76,7 @@ struct InputPack : RunSettings {
 struct VerifyRecipe : InputPack {
     double gap = 0;                    ///< least distance that the spheres must keep, mm
     std::uint64_t vacancySamples = 0;  ///< points at which to search for vacancies; 0: none
-    /// Of a pack of several parts, with its column `part`: the domains that they fill, as those of
+    /// Of a pack of several parts, with its column `part`: the domains that they fill, as in
     /// PackRecipe; empty: `domain`, unless its `label` names several.
     std::vector<PackRecipe> parts;
     std::string partsFile;  ///< that `parts` were read from; empty: none
@@ -97,7 +97,7 @@ RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks = {});
 
 /// A pack that exists, made denser, or freed of its overlaps.
 struct DensifyRecipe : InputPack {
-    double fraction = 0;  ///< solid fraction, as that of DensifyOptions; 0: overlaps alone
+    double fraction = 0;  ///< solid fraction, as in DensifyOptions; 0: overlaps alone
     double gap = 0;       ///< least distance between spheres and to the wall, mm
 };
 
