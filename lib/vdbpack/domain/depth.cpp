@@ -1,8 +1,7 @@
 #include "vdbpack/domain/depth.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/sampling.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
@@ -14,7 +13,7 @@ std::vector<float> centerDepths(const std::vector<Sphere<Dim>>& spheres, const D
                                 const std::vector<HalfSpace<Dim>>& clips) {
     Samplers<Dim> samplers(domain);
     std::vector<float> depth(spheres.size());
-    tbb::parallel_for(Blocks(0, spheres.size(), 1024), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, spheres.size(), 1024), [&](const IndexRange& block) {
         auto& sampler = samplers.local();
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const Vec<Dim>& x = spheres[i].center;

@@ -1,12 +1,10 @@
 // Sample points of a domain.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/domain/domain.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
@@ -15,8 +13,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-using Blocks = tbb::blocked_range<std::size_t>;
 
 /// One sampler per thread.
 template <int Dim>
@@ -27,7 +23,7 @@ public:
     DomainSampler<Dim>& local() { return *samplers_.local(); }
 
 private:
-    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
+    PerThread<std::unique_ptr<DomainSampler<Dim>>> samplers_;
 };
 
 /// The additive recurrence of lowest discrepancy in `Dim` dimensions, shifted at random.

@@ -180,7 +180,7 @@ private:
         std::array<std::int32_t, 3> origin{};
         for (auto& x : origin) {
             x = bytes_.get<std::int32_t>("the origin of a node");
-            if (x % kSide != 0 || x > kFarthest || x < -kFarthest)
+            if (x % kSide != 0 || x > kFarthestVoxel || x < -kFarthestVoxel)
                 bytes_.fail(fmt::format("a node at voxel {}", x));
         }
         if (!origins.insert(origin).second)

@@ -5,10 +5,10 @@
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/domain/domain.h"
+#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/triangle_mesh.h"
-#include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/voids/void_recipe.h"
 
 #include <optional>
@@ -76,10 +76,11 @@ struct RunOutputs {
 ///   "solid:" before it chooses;
 /// - "levelsets:FILE.vdb", the level sets alone; "fog:FILE.vdb", the inside of `solid`, or of
 ///   `surface`, as fog ("points:FILE.vdb", the points alone, is a pack);
-/// - "blender:FILE.py", a script with files beside it; its level sets are those of `volume`, if
+/// - "blender:FILE.py", a script with files beside it; its level sets are taken from `volume`, if
 ///   there is one.
 ///
-/// Where `options` has no level set, that of the domain is made: 256 voxels along its longest side.
+/// Where `options` has no level set, the level set of the domain is made: 256 voxels along its
+/// longest side.
 /// @return the files.
 /// @throws ParameterError (no such thing to write), IoError
 template <int Dim>

@@ -24,7 +24,7 @@ struct TriangleMesh;
 /// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
-/// Density of the spheres where none is given, kg/m³: water.
+/// Density of the spheres where none is given, kg/m³: the density of water.
 inline constexpr double kDefaultDensity = 1000;
 
 struct PackWriteOptions {
@@ -41,7 +41,7 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density_kg_m3`, or of `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    /// The same by material (`Materials::withoutClass`); `particleDensity` for other materials.
+    /// The same by material (`Materials::withoutClass`); other materials have `particleDensity`.
     std::map<std::int32_t, double> materialDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;

@@ -23,7 +23,7 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint64_t kRowsAtATime = 1 << 15;
-constexpr std::size_t kLongestText = 100;
+constexpr std::size_t kLongestAttribute = 100;
 
 /// An array with a row of numbers for each point.
 struct Array {
@@ -102,10 +102,10 @@ private:
             if (H5Aread(attribute, type, &text) < 0 || !text) return {};
             std::string copy(text);
             H5free_memory(text);
-            return copy.substr(0, kLongestText);
+            return copy.substr(0, kLongestAttribute);
         }
         const std::size_t size = H5Tget_size(type);
-        if (size > kLongestText) return {};
+        if (size > kLongestAttribute) return {};
         std::string text(size, '\0');
         if (H5Aread(attribute, type, text.data()) < 0) return {};
         return text.substr(0, text.find('\0'));

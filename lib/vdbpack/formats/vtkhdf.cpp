@@ -35,9 +35,9 @@ hid_t nativeType(NumberType type) {
     }
 }
 
-class Writer {
+class HdfWriter {
 public:
-    explicit Writer(const std::string& path)
+    explicit HdfWriter(const std::string& path)
         : path_(path),
           file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose),
           group_(made(H5Gcreate2(file_, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
@@ -132,7 +132,7 @@ VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint6
     H5dont_atexit();
     const Hdf5Quiet quiet;
     const std::uint64_t points = std::accumulate(pieces.begin(), pieces.end(), std::uint64_t{0});
-    Writer file(path);
+    HdfWriter file(path);
     file.note(kUnitKey, unitName(unit));
     file.note(kGeneratorKey, oneLine(generator));
     const std::vector<std::int64_t> counts(pieces.begin(), pieces.end());

@@ -27,9 +27,9 @@ std::uint32_t crcOf(const std::string& bytes) {
 }
 
 /// An archive of arrays.
-class Archive {
+class NpzArchive {
 public:
-    explicit Archive(OutputFile& out) : out_(out), zip_(out, ZipWriter::Form::zip64) {}
+    explicit NpzArchive(OutputFile& out) : out_(out), zip_(out, ZipWriter::Form::zip64) {}
 
     void add(const std::string& name, const std::string& header, const std::string& data) {
         const auto crc = static_cast<std::uint32_t>(
@@ -82,7 +82,7 @@ std::vector<std::uint32_t> codePoints(std::string_view text) {
     return points;
 }
 
-void addTexts(Archive& zip, const std::string& name, const std::vector<std::string>& texts,
+void addTexts(NpzArchive& zip, const std::string& name, const std::vector<std::string>& texts,
               const std::string& shape) {
     std::size_t longest = 1;
     for (const auto& t : texts) longest = std::max(longest, codePoints(t).size());
@@ -106,7 +106,7 @@ std::string memberName(std::string_view attribute) {
 }  // namespace
 
 void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    Archive zip(out);
+    NpzArchive zip(out);
     const std::size_t n = pack.size();
     const std::string shape = fmt::format("({},)", n);
     std::string positions;

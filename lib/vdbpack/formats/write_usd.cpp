@@ -33,7 +33,7 @@ constexpr const char* kSurfaceColor = "(0.75, 0.78, 0.82)";
 constexpr double kSurfaceOpacity = 0.25;
 
 /// `text` in quotes. Control characters and bytes that are no UTF-8 are written by their numbers.
-std::string quoted(std::string_view text) {
+std::string quotedText(std::string_view text) {
     std::string out = "\"";
     while (!text.empty()) {
         const char c = text.front();
@@ -132,7 +132,7 @@ private:
     void writeHeader() {
         std::string header = "#usda 1.0\n(\n    customLayerData = {\n";
         const auto note = [&header](const char* key, const std::string& text) {
-            header += fmt::format("        string {} = {}\n", key, quoted(text));
+            header += fmt::format("        string {} = {}\n", key, quotedText(text));
         };
         if (!options_.generator.empty()) note(kGeneratorKey, options_.generator);
         note(kUnitKey, unitName(options_.unit));
@@ -185,8 +185,9 @@ private:
                 });
             },
             [this, n](std::string_view name, const auto& texts) {
-                primvar("string", name, n,
-                        [&texts](std::string& text, std::size_t i) { text += quoted(texts[i]); });
+                primvar("string", name, n, [&texts](std::string& text, std::size_t i) {
+                    text += quotedText(texts[i]);
+                });
             });
         sink_("    }\n");
     }
@@ -195,7 +196,7 @@ private:
         const std::string identifier = unique_(usdName(name));
         std::string metadata = kPerSphere;
         if (identifier != name)
-            metadata = fmt::format("            displayName = {}\n", quoted(name)) + metadata;
+            metadata = fmt::format("            displayName = {}\n", quotedText(name)) + metadata;
         array(fmt::format("{}[] primvars:{}", type, identifier), count, append, metadata);
     }
 

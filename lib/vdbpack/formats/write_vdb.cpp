@@ -1,6 +1,7 @@
 // OpenVDB files: spheres as a point grid, level sets beside them.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 #include <openvdb/points/AttributeArrayString.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -111,14 +111,14 @@ double chooseVoxel(const PackView& pack, double wanted) {
 
 /// An attribute of the point grid: its type, and a function that fills the array of a leaf with the
 /// values of the listed spheres.
-struct Attribute {
+struct PointAttribute {
     std::string name;
     openvdb::NamePair type;
     std::function<void(points::AttributeArray&, const std::vector<std::size_t>&)> fill;
 };
 
 template <typename T, typename Get>
-Attribute attribute(const std::string& name, const Get& get) {
+PointAttribute attribute(const std::string& name, const Get& get) {
     return {name, Plain<T>::attributeType(),
             [get](points::AttributeArray& array, const std::vector<std::size_t>& spheres) {
                 auto& typed = Plain<T>::cast(array);
@@ -132,7 +132,7 @@ Attribute attribute(const std::string& name, const Get& get) {
 
 /// Whole numbers as int32 where they fit, as viewers expect, else int64.
 template <typename Get>
-Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
+PointAttribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
     bool narrow = true;
     for (std::size_t i = 0; i < count && narrow; ++i) {
         const std::int64_t value = get(i);
@@ -144,7 +144,7 @@ Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& 
 }
 
 /// A further column of numbers in the smallest type that keeps every one.
-Attribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
+PointAttribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
     bool whole = true;
     bool single = true;
     for (const double value : numbers) {
@@ -165,8 +165,8 @@ Attribute columnAttribute(const std::string& name, const std::vector<double>& nu
 }
 
 /// Texts are stored as indices into a table in the metadata of the attributes.
-Attribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
-                        openvdb::MetaMap& table) {
+PointAttribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
+                             openvdb::MetaMap& table) {
     points::StringMetaInserter inserter(table);
     auto indices = std::make_shared<std::vector<openvdb::Index>>();
     indices->reserve(texts.size());
@@ -219,7 +219,7 @@ public:
         sortIntoLeaves();
         describeAttributes();
         addLeaves();
-        tbb::parallel_for(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
+        parallelFor(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
         grid_->setName("points");
         // A pure scale by a power of two: index and offset give back the position without
         // rounding.
@@ -264,7 +264,7 @@ private:
             }
         }
         entries_.resize(pack_.size());
-        tbb::parallel_for(std::size_t{0}, pack_.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, pack_.size(), [&](std::size_t i) {
             const auto v = voxelOf(i);
             std::uint64_t key = 0;
             for (std::size_t d = 0; d < 3; ++d)
@@ -362,7 +362,7 @@ private:
     const PackView& pack_;
     const double voxel_;
     std::vector<Entry> entries_;  ///< by leaf, then by sphere
-    std::vector<Attribute> attributes_;
+    std::vector<PointAttribute> attributes_;
     points::AttributeSet::Descriptor::Ptr descriptor_;
     // Made by the library: a constructor here would compile all virtual functions of the tree.
     points::PointDataGrid::Ptr grid_ = openvdb::gridPtrCast<points::PointDataGrid>(

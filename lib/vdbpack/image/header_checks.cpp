@@ -3,6 +3,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/input_file.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <zlib.h>

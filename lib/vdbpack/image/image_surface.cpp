@@ -1,12 +1,10 @@
 #include "vdbpack/image/image_surface.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -60,15 +58,13 @@ ImageGrid gridOf(const Region& region, ImageGrid grid) {
 /// and in the region.
 template <class Work>
 void forEachRow(const ImageGrid& grid, const Region& region, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, region.size[1] * region.size[2], 64),
-                      [&](const tbb::blocked_range<std::size_t>& rows) {
-                          for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
-                              const std::size_t y = region.first[1] + row % region.size[1];
-                              const std::size_t z = region.first[2] + row / region.size[1];
-                              work((z * grid.size[1] + y) * grid.size[0] + region.first[0],
-                                   row * region.size[0]);
-                          }
-                      });
+    parallelFor(IndexRange(0, region.size[1] * region.size[2], 64), [&](const IndexRange& rows) {
+        for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+            const std::size_t y = region.first[1] + row % region.size[1];
+            const std::size_t z = region.first[2] + row / region.size[1];
+            work((z * grid.size[1] + y) * grid.size[0] + region.first[0], row * region.size[0]);
+        }
+    });
 }
 
 /// Counts the labels of a row of voxels.
@@ -104,8 +100,7 @@ void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t
 
 std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
     const auto& size = image.grid.size;
-    tbb::enumerable_thread_specific<std::vector<Tally>> tallies(
-        [&] { return std::vector<Tally>(image.layers); });
+    PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
     image.visit([&](const auto* numbers) {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size[1] * size[2], 64),
                           [&](const tbb::blocked_range<std::size_t>& rows) {
@@ -275,13 +270,12 @@ TriangleMesh thresholdSurface(const Image& image, double threshold, const std::s
     return image.visit([&](const auto* values) {
         const auto valueAt = [&](std::size_t i) { return image.value(values[i * image.layers]); };
         std::atomic<std::size_t> inside{0};
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voxels.labels.size(), 65536),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              std::size_t count = 0;
-                              for (std::size_t i = block.begin(); i < block.end(); ++i)
-                                  count += voxels.labels[i] = valueAt(i) >= threshold;
-                              inside += count;
-                          });
+        parallelFor(IndexRange(0, voxels.labels.size(), 65536), [&](const IndexRange& block) {
+            std::size_t count = 0;
+            for (std::size_t i = block.begin(); i < block.end(); ++i)
+                count += voxels.labels[i] = valueAt(i) >= threshold;
+            inside += count;
+        });
         if (inside == 0 || inside == voxels.labels.size())
             throw InputError(
                 fmt::format("{}: {} of its values are {:g} or more; set `threshold` "

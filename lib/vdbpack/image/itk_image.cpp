@@ -70,11 +70,6 @@ Io ioOf(const std::string& path) {
     return itk::GDCMImageIO::New().GetPointer();
 }
 
-bool isTiff(const std::string& path) {
-    const std::string extension = extensionOf(path);
-    return extension == ".tif" || extension == ".tiff";
-}
-
 /// An io that knows the header of a file.
 Io opened(const std::string& path) {
     if (isTiff(path)) checkTiffPages(path);

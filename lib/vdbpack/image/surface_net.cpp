@@ -1,6 +1,7 @@
 #include "vdbpack/image/surface_net.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -130,7 +131,7 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
     const std::size_t slices = size[2] + 1;
     // Vertices are numbered slice by slice.
     std::vector<std::size_t> first(slices + 1);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         std::size_t count = 0;
         forEachCell(voxels, rows, z, [&](std::size_t, std::size_t, const Corners&) { ++count; });
         first[z + 1] = count;
@@ -146,7 +147,7 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
     net.junctions.resize(first.back());
     const std::size_t tasks = (slices + kSlices - 1) / kSlices;
     std::vector<std::vector<SurfaceNet::Face>> faces(tasks);
-    tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+    parallelFor(std::size_t{0}, tasks, [&](std::size_t task) {
         SliceMaps maps(size[0] + 1, (size[0] + 1) * (size[1] + 1));
         const std::size_t begin = task * kSlices, end = std::min(slices, begin + kSlices);
         auto& own = faces[task];

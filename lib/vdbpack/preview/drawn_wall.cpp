@@ -1,10 +1,8 @@
 #include "vdbpack/preview/drawn_wall.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/mesh/made_mesh.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -52,11 +50,11 @@ PlaneField planeField(const Domain<2>& domain, const StampedVoids<2>* voids, int
         std::unique_ptr<DomainSampler<2>> domain;
         std::unique_ptr<StampedVoids<2>::Sampler> voids;
     };
-    tbb::enumerable_thread_specific<Samplers> samplers([&] {
+    PerThread<Samplers> samplers([&] {
         return Samplers{domain.sampler(),
                         voids ? std::make_unique<StampedVoids<2>::Sampler>(*voids) : nullptr};
     });
-    tbb::parallel_for(std::int64_t{0}, field.rows, [&](std::int64_t row) {
+    parallelFor(std::int64_t{0}, field.rows, [&](std::int64_t row) {
         Samplers& local = samplers.local();
         for (std::int64_t column = 0; column < field.columns; ++column) {
             const Vec<2> x = field.origin + Vec<2>{{static_cast<double>(column) * field.step,

@@ -148,7 +148,7 @@ public:
 
     WholeRepair run(TriangleMesh mesh, const std::vector<TriangleMesh>& components) {
         result_.report.before = checkMesh(mesh);
-        options_.leastVoxelSize = std::sqrt(2 * result_.report.before.area / kMostTriangles);
+        options_.leastVoxelSize = std::sqrt(2 * result_.report.before.area / kMostRemeshed);
         for (std::size_t i = 0; i < components.size(); ++i) {
             const double share = static_cast<double>(i) / static_cast<double>(components.size());
             callbacks_.report("repair", 0.8 * share, 0);

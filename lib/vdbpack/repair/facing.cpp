@@ -104,13 +104,13 @@ void balance(const TriangleMesh& mesh, const EdgeTable& edges,
     std::iota(order.begin(), order.end(), std::uint32_t{0});
     std::stable_sort(order.begin(), order.end(),
                      [&](std::uint32_t a, std::uint32_t b) { return areas[a] < areas[b]; });
-    constexpr auto kNone = static_cast<std::uint32_t>(-1);
+    constexpr auto kNoBranch = static_cast<std::uint32_t>(-1);
     for (int pass = 0; pass < 8; ++pass) {
         bool changed = false;
         for (const std::uint32_t patch : order) {
             int now = 0, then = 0;
             for (const std::uint32_t index : branchesOf[patch]) {
-                now += imbalance(branches[index], kNone);
+                now += imbalance(branches[index], kNoBranch);
                 then += imbalance(branches[index], patch);
             }
             if (then >= now) continue;

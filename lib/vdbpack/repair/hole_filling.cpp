@@ -15,12 +15,12 @@ namespace vdbpack {
 namespace {
 
 constexpr std::size_t kLongestRim = 1000;
-constexpr auto kNone = static_cast<std::uint32_t>(-1);
+constexpr auto kNoStep = static_cast<std::uint32_t>(-1);
 
 /// One step along a rim, against the side of the triangle there.
 struct Step {
     std::uint32_t from = 0, to = 0;
-    std::uint32_t next = kNone;
+    std::uint32_t next = kNoStep;
     bool walked = false;
 };
 
@@ -92,7 +92,7 @@ void link(const TriangleMesh& mesh, std::vector<Step>& steps) {
         });
         std::vector<std::uint32_t> taken;
         for (const Pair& p : pairs) {
-            if (steps[p.arriving].next != kNone ||
+            if (steps[p.arriving].next != kNoStep ||
                 std::find(taken.begin(), taken.end(), p.leaving) != taken.end())
                 continue;
             steps[p.arriving].next = p.leaving;
@@ -108,7 +108,7 @@ std::vector<std::vector<std::uint32_t>> rimsOf(std::vector<Step>& steps) {
         if (steps[i].walked) continue;
         std::vector<std::uint32_t> path;
         std::unordered_map<std::uint32_t, std::size_t> placeOf;
-        for (std::uint32_t k = i; k != kNone && !steps[k].walked; k = steps[k].next) {
+        for (std::uint32_t k = i; k != kNoStep && !steps[k].walked; k = steps[k].next) {
             steps[k].walked = true;
             const std::uint32_t v = steps[k].from;
             const auto seen = placeOf.find(v);

@@ -105,9 +105,9 @@ private:
     std::unordered_map<std::uint64_t, std::vector<Entry>> cells_;
 };
 
-constexpr auto kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr auto kGone = std::numeric_limits<std::uint32_t>::max();
 
-/// [s]: the component of `after` that component s of `before` has become; `kNone`: it is gone.
+/// [s]: the component of `after` that component s of `before` has become; `kGone`: it is gone.
 std::vector<std::uint32_t> successors(const Split& before, const Split& after, double reach) {
     const double size = length(before.analysis.health.bounds.size());
     const VertexCells cells(after, std::max(reach, kRounding * size));
@@ -129,7 +129,7 @@ std::vector<std::uint32_t> successors(const Split& before, const Split& after, d
                 ++votes[s].of[shell];
         }
     }
-    std::vector<std::uint32_t> successor(votes.size(), kNone);
+    std::vector<std::uint32_t> successor(votes.size(), kGone);
     for (std::size_t s = 0; s < votes.size(); ++s) {
         double most = kFound * static_cast<double>(votes[s].corners);
         for (const auto& [shell, n] : votes[s].of)
@@ -172,7 +172,7 @@ RepairChanges compareSurfaces(const TriangleMesh& before, const TriangleMesh& af
     std::map<std::uint32_t, Fused> parts;
     // By falling volume, so that the second of several is the second largest.
     for (std::size_t s = 0; s < shells.size(); ++s) {
-        if (successor[s] == kNone) {
+        if (successor[s] == kGone) {
             if (old.closed[s] == 0) {
                 ++changes.fragmentsRemoved;
                 continue;

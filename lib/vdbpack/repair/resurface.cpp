@@ -1,13 +1,13 @@
 #include "vdbpack/repair/resurface.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/winding_lattice.h"
 #include "vdbpack/repair/lattice_crossings.h"
 #include "vdbpack/repair/marching_cubes.h"
 #include "vdbpack/repair/winding_number.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -118,11 +118,10 @@ private:
     void placeVertices(const WindingLattice& lattice) {
         const std::vector<WindingLattice::Change> changes = lattice.changes();
         vertices_.resize(changes.size());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, changes.size(), 512),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i)
-                                  vertices_[i] = vertexOn(changes[i]);
-                          });
+        parallelFor(IndexRange(0, changes.size(), 512), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i)
+                vertices_[i] = vertexOn(changes[i]);
+        });
         if (vertices_.size() >= static_cast<std::size_t>(1) << 31)
             throw ResourceError(fmt::format(
                 "the repaired surface would take {} vertices; give a larger `repairVoxel`",
@@ -134,7 +133,7 @@ private:
         // In parts of fixed size, so that the sum is the same for any number of threads.
         constexpr std::size_t kPart = 4096;
         std::vector<double> sums(crossings_.size() / kPart + 1, 0);
-        tbb::parallel_for(std::size_t{0}, sums.size(), [&](std::size_t part) {
+        parallelFor(std::size_t{0}, sums.size(), [&](std::size_t part) {
             WindingLattice::Reader reader(lattice);
             const std::size_t end = std::min(crossings_.size(), (part + 1) * kPart);
             for (std::size_t i = part * kPart; i < end; ++i) {
@@ -169,16 +168,16 @@ private:
         cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 
         static const auto kLoops = makeCubeLoops();
-        struct Part {
+        struct Piece {
             std::vector<std::array<std::uint32_t, 3>> triangles;  // centers: kCenter + number
             std::vector<Vec<3>> centers;                          // in voxels
         };
         constexpr std::uint32_t kCenter = 1u << 31;
         constexpr std::size_t kChunk = 4096;
-        std::vector<Part> parts((cells.size() + kChunk - 1) / kChunk);
-        tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
+        std::vector<Piece> parts((cells.size() + kChunk - 1) / kChunk);
+        parallelFor(std::size_t{0}, parts.size(), [&](std::size_t chunk) {
             WindingLattice::Reader reader(lattice);
-            Part& part = parts[chunk];
+            Piece& part = parts[chunk];
             const std::size_t end = std::min(cells.size(), (chunk + 1) * kChunk);
             for (std::size_t i = chunk * kChunk; i < end; ++i) {
                 const VoxelIndex cell = edgeOf(cells[i]).first;
@@ -197,7 +196,7 @@ private:
             mesh.vertices.push_back(rounded(world(placeOf(v))));
             bridges += v.bridge;
         }
-        for (const Part& part : parts) {
+        for (const Piece& part : parts) {
             const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
             for (const Vec<3>& center : part.centers)
                 mesh.vertices.push_back(rounded(world(center)));

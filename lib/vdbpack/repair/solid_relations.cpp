@@ -17,18 +17,19 @@ bool meet(const Box<3>& a, const Box<3>& b) {
     return !intersection(a, b).empty();
 }
 
-struct Corners {
+struct TriangleCorners {
     Vec<3> a, b, c;
 };
 
-Corners cornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
+TriangleCorners cornersOf(const TriangleMesh& mesh, std::uint32_t triangle) {
     const auto& t = mesh.triangles[triangle];
     return {mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]};
 }
 
 /// Whether the segment passes through the triangle, with both ends off its plane; `at` is a point
 /// on it just behind the triangle.
-bool passes(const Vec<3>& p, const Vec<3>& q, const Corners& t, double tolerance, Vec<3>& at) {
+bool passes(const Vec<3>& p, const Vec<3>& q, const TriangleCorners& t, double tolerance,
+            Vec<3>& at) {
     const Vec<3> normal = cross(t.b - t.a, t.c - t.a);
     const double size = length(normal);
     if (!(size > 0)) return false;
@@ -47,7 +48,7 @@ bool passes(const Vec<3>& p, const Vec<3>& q, const Corners& t, double tolerance
 
 /// Whether an edge of a triangle passes through another one, with a part of the first solid behind
 /// that. @param sides  of the solid of the second triangle.
-bool anyEdgePasses(const Corners& own, const Corners& other, const MeshSides& sides,
+bool anyEdgePasses(const TriangleCorners& own, const TriangleCorners& other, const MeshSides& sides,
                    double tolerance) {
     const Vec<3> ends[4] = {own.a, own.b, own.c, own.a};
     for (int k = 0; k < 3; ++k) {
@@ -110,11 +111,11 @@ bool Solid::pierce(const Solid& small, const Solid& large, double tolerance) {
     for (std::uint32_t i = 0; i < small.mesh_.triangles.size(); ++i) {
         const Box<3> box = small.boxOf(i);
         if (!meet(box, large.bounds_)) continue;
-        const Corners own = cornersOf(small.mesh_, i);
+        const TriangleCorners own = cornersOf(small.mesh_, i);
         bool any = false;
         large.tree_.visitNear(box.center(), 0.25 * squaredLength(box.size()), [&](std::uint32_t k) {
             if (!meet(large.boxOf(k), box)) return false;
-            const Corners other = cornersOf(large.mesh_, k);
+            const TriangleCorners other = cornersOf(large.mesh_, k);
             any = anyEdgePasses(own, other, large.sides_, tolerance) ||
                   anyEdgePasses(other, own, small.sides_, tolerance);
             return any;

@@ -1,5 +1,6 @@
 #include "vdbpack/repair/whole_repair.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/mesh/edge_table.h"
 #include "vdbpack/mesh/mesh_shells.h"
 #include "vdbpack/repair/facing.h"
@@ -7,8 +8,6 @@
 #include "vdbpack/repair/resurface.h"
 #include "vdbpack/repair/sheets.h"
 #include "vdbpack/repair/winding_number.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -33,7 +32,7 @@ constexpr double kFolded = 1e-4;
 /// Components of a remeshed surface with a smaller volume are removed, in voxels.
 constexpr double kLeastComponent = 10;
 /// Volumes of components that are flat up to rounding, compared with the cube of the extent.
-constexpr double kFlat = 1e-15;
+constexpr double kFlatVolume = 1e-15;
 
 /// Which triangles of a mesh are buried: both their sides are inside, or both outside.
 struct Buried {
@@ -54,7 +53,7 @@ Buried findBuried(const TriangleMesh& filled, std::size_t own, const WindingNumb
         bool agrees = true;
     };
     std::vector<Sum> sums(n);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 256), [&](const auto& range) {
+    parallelFor(IndexRange(0, n, 256), [&](const auto& range) {
         for (std::size_t i = range.begin(); i != range.end(); ++i) {
             const auto& t = filled.triangles[i];
             const Vec<3>& a = filled.vertices[t[0]];
@@ -148,7 +147,7 @@ double measureDoubt(const TriangleMesh& mesh, const WindingNumber& winding, doub
         count[static_cast<std::size_t>(d)] = std::max(1, static_cast<int>(size[d] / step + 0.5));
     std::vector<std::array<std::uint64_t, 4>> sums(static_cast<std::size_t>(count[2]),
                                                    {{0, 0, 0, 0}});
-    tbb::parallel_for(0, count[2], [&](int k) {
+    parallelFor(0, count[2], [&](int k) {
         auto& sum = sums[static_cast<std::size_t>(k)];
         for (int j = 0; j < count[1]; ++j)
             for (int i = 0; i < count[0]; ++i) {
@@ -222,7 +221,7 @@ double repairVoxelSize(const TriangleMesh& mesh) {
     const double wanted = 0.3 * median(std::move(lengths));
     const double volume = analyzeShells(mesh).enclosedVolume();
     const double thickness = area > 0 ? 2 * std::fabs(volume) / area : 0;
-    const double finest = std::sqrt(2 * area / kMostTriangles);
+    const double finest = std::sqrt(2 * area / kMostRemeshed);
     double size = wanted;
     if (thickness > 0) size = std::min(size, 0.5 * thickness);
     return std::max(size, finest);
@@ -277,7 +276,7 @@ WholeRepair repairWhole(TriangleMesh mesh, const WholeRepairOptions& options,
             // Two layers that a filled hole left enclose nothing.
             if (changed)
                 dropSmallComponents(*walls,
-                                    kFlat * std::pow(length(report.before.bounds.size()), 3));
+                                    kFlatVolume * std::pow(length(report.before.bounds.size()), 3));
             result.mesh = changed ? std::move(*walls) : std::move(mesh);
         } else {
             report.dropped = 0;

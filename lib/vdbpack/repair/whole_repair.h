@@ -35,10 +35,10 @@ TriangleMesh remesh(const TriangleMesh& mesh, const WindingNumber& winding, doub
                     RepairReport& report, const Callbacks& callbacks);
 
 /// Most triangles of a remeshed surface, estimated as two per voxel.
-constexpr double kMostTriangles = 8e5;
+constexpr double kMostRemeshed = 8e5;
 
 /// Default voxel size, mm: three tenths of a typical edge, at most half of the mean wall thickness,
-/// and larger where that would take more than `kMostTriangles`.
+/// and larger where that would take more than `kMostRemeshed`.
 double repairVoxelSize(const TriangleMesh& mesh);
 
 }  // namespace vdbpack

@@ -37,7 +37,7 @@ inline constexpr double kFactorKnown = 5e-4;
 /// A group of sizes by place with its name, before it is measured.
 Report::LocalGroup localGroup(const LocalSizes& local, std::uint32_t group,
                               const SizeDistribution& sizes);
-/// Adds a group that was measured: the distances of the report are those of the worst.
+/// Adds a group that was measured: the report keeps the distances of the worst group.
 void addLocalGroup(Report::LocalGroup group, Report& report);
 
 /// Density profile, local fraction, pair correlation and regions of a pack whose `depth` was set by

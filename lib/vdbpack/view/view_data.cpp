@@ -1,6 +1,7 @@
 #include "vdbpack/view/view_data.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/preview/scene.h"
 #include "vdbpack/preview/sphere_colors.h"

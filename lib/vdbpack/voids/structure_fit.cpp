@@ -67,7 +67,7 @@ constexpr double kMostVoxels = 1.2e8;
 constexpr int kSpreadRounds = 4, kCoarseRounds = 9, kDraftRounds = 4, kFineRounds = 4,
               kRangeRounds = 4, kScatterSeeds = 3, kScatterRounds = 2;
 /// Errors of DA and of scatters are relative to this at the least.
-constexpr double kLeastShare = 0.2;
+constexpr double kLeastFloor = 0.2;
 /// Relative errors that end a search.
 constexpr double kCoarseError = 0.02, kDraftError = 0.01, kFineError = 0.025;
 /// Beyond the first a target is named, beyond the second it yields to the others, beyond the third
@@ -294,7 +294,7 @@ private:
         if (!asked) return;
         target.asked = *asked;
         const bool isShare = number == Number::anisotropy || !target.isStrict;
-        if (isShare && !(target.floor > 0)) target.floor = kLeastShare;
+        if (isShare && !(target.floor > 0)) target.floor = kLeastFloor;
         names_.push_back(name);
         numbers_.push_back(number);
         targets_.push_back(target);
