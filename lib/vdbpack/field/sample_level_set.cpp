@@ -1,6 +1,5 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/field/either_grid.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/voxel_image.h"
