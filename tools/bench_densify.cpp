@@ -10,7 +10,7 @@
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>

@@ -6,10 +6,10 @@
 #include "rank_session.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/dry_run.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"

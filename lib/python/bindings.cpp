@@ -9,7 +9,7 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/options/command_line.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"

@@ -9,7 +9,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
 
@@ -66,8 +66,8 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     for (const bool solid : {false, true}) {
         CAPTURE(solid);
         VerifyRecipe verify;
-        verify.pack = recipe.outputs[0];
-        verify.domain.source = solid ? recipe.outputs[0] : bone;
+        verify.pack = recipe.outputs[0].file;
+        verify.domain.source = solid ? recipe.outputs[0].file : bone;
         if (solid) verify.domain.gridName = "solid";
         const RunResult check = runVerify(verify);
         CHECK(check.passed);

@@ -9,7 +9,7 @@
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/study.h"

@@ -4,8 +4,8 @@
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/outputs.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/outputs.h"
+#include "vdbpack/formats/sphere_density.h"
 
 #include <catch2/catch.hpp>
 

@@ -5,7 +5,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/formats/outputs.h"
 
 #include <catch2/catch.hpp>
 #include <sys/stat.h>

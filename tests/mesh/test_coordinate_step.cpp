@@ -3,7 +3,7 @@
 
 #include "vdbpack/core/vec.h"
 #include "vdbpack/mesh/coordinate_step.h"
-#include "vdbpack/run/domain_source.h"
+#include "vdbpack/domain/domain_source.h"
 
 #include <catch2/catch.hpp>
 

@@ -12,7 +12,7 @@
 #include "vdbpack/options/command_line.h"
 #include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
-#include "vdbpack/run/library_versions.h"
+#include "vdbpack/report/library_versions.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/units.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <memory>
 #include <optional>

@@ -7,6 +7,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <filesystem>
+
 namespace vdbpack {
 
 namespace {
@@ -37,28 +40,70 @@ constexpr Prefix kPrefixes[] = {
 
 }  // namespace
 
-OutputTarget targetOf(const std::string& output) {
+OutputTarget::OutputTarget(const std::string& output) : text(output), file(packPath(output)) {
     for (const Prefix& p : kPrefixes) {
         if (output.rfind(p.text, 0) != 0) continue;
-        const std::string file = output.substr(std::string(p.text).size());
+        kind = p.kind;
+        file = output.substr(std::string(p.text).size());
+        grid = p.grid;
+        labels = p.labels;
         if (file.empty())
             throw ParameterError(output + ": names a format but no file; write " + output + "FILE" +
                                  (p.extension ? p.extension : ".csv"));
-        if (p.extension && extensionOf(file) != p.extension)
+        if (p.extension && extension() != p.extension)
             throw ParameterError(fmt::format("{}: is written as {} alone; name it {}FILE{}", output,
                                              p.extension, p.text, p.extension));
         if (p.kind == OutputKind::labels && !namesLabelMap(file))
             throw ParameterError(fmt::format(
                 "{}: label maps are written as .nii, .nii.gz, .nrrd or .mha; name it {}FILE.nii.gz",
                 output, p.text));
-        return {p.kind, file, p.grid, p.labels};
+        return;
     }
-    if (extensionOf(output) == ".stl") return {OutputKind::contour, output, "", ""};
-    return {OutputKind::pack, packPath(output), "", ""};
+    if (extensionOf(output) == ".stl") {
+        kind = OutputKind::contour;
+        file = output;
+    }
+}
+
+std::string OutputTarget::extension() const {
+    return extensionOf(file);
+}
+
+bool OutputTarget::isSolid() const {
+    switch (kind) {
+        case OutputKind::contour:
+        case OutputKind::levelSets:
+        case OutputKind::fog:
+            return true;
+        case OutputKind::pack:
+            return file == text && extension() == ".vdb";
+        default:
+            return false;
+    }
+}
+
+bool OutputTarget::listsPairs() const {
+    return kind == OutputKind::contacts || startsWith(text, "lammps-bonds:");
 }
 
 std::string filePart(const std::string& name) {
-    return targetOf(name).file;
+    return OutputTarget(name).file;
+}
+
+std::string interruptedName(const std::string& name) {
+    const std::string file = filePart(name);
+    std::string extension = std::filesystem::path(file).extension().string();
+    if (extension == ".gz")  // .nii.gz
+        extension = std::filesystem::path(file).stem().extension().string() + extension;
+    const std::string mark = ".interrupted";
+    // A name of more than 255 bytes is cut, between characters.
+    const std::size_t bytes = std::filesystem::path(file).filename().string().size() + mark.size();
+    std::size_t stem = name.size() - extension.size();
+    if (bytes > 255) {
+        stem -= std::min(bytes - 255, stem);
+        while (stem > 0 && (static_cast<unsigned char>(name[stem]) & 0xc0) == 0x80) --stem;
+    }
+    return name.substr(0, stem) + mark + extension;
 }
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-// The edges of a triangle mesh, each with the triangles that use it. Private to mesh/.
+// The edges of a triangle mesh, each with the triangles that use it. Private to mesh and repair.
 #pragma once
 
 #include "vdbpack/core/disjoint_sets.h"

@@ -1,4 +1,5 @@
-// Private: a tree of oriented boxes over triangles, for meshes whose triangles are long.
+// Private to mesh, repair and domain: a tree of oriented boxes over triangles, for meshes whose
+// triangles are long.
 #pragma once
 
 #include "vdbpack/core/vec.h"

@@ -152,8 +152,7 @@ void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     imagesOption(rows, job.images);
     unitOption(rows, "unit", job.domain.unit, "unit of the domain's file");
     rows.group("Domain");
-    rows.text("grid", "NAME [first]", job.packGrid,
-              "point grid (or level set) to take from a .vdb, Points prim from a .usda")
+    rows.text("grid", "NAME [first]", job.packGrid, "point grid (or level set) to take from a .vdb")
         .as("gridName packGrid");
     domainOption(rows, job.domain,
                  "domain whose level set or surface can be written too, and to which --density "

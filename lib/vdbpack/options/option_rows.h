@@ -48,7 +48,7 @@ void inputPackOptions(OptionList& rows, InputPack& input, const char* name, cons
                       const char* domainShown = "DOMAIN");
 void packArgument(OptionList& rows, InputPack& input, const char* name, const std::string& help);
 /// @param help  null: that of runs with spheres.
-void outputOption(OptionList& rows, std::vector<std::string>& outputs, const char* help = nullptr);
+void outputOption(OptionList& rows, std::vector<OutputTarget>& outputs, const char* help = nullptr);
 void imagesOption(OptionList& rows, bool& images);
 void contactTolerance(OptionList& rows, double& tolerance);
 void threadsOption(OptionList& rows, RunSettings& settings, const char* help = "number of threads");

@@ -73,7 +73,7 @@ std::string renamed(FileIn in, const std::string& value, const Rename& rename) {
         case FileIn::output:
             break;
     }
-    const std::string file = packPath(in == FileIn::output ? targetOf(value).file : value);
+    const std::string file = packPath(in == FileIn::output ? OutputTarget(value).file : value);
     return value.substr(0, value.size() - file.size()) + rename(file);
 }
 

@@ -23,7 +23,7 @@ namespace vdbpack {
 namespace {
 
 /// A value as it would stand on the command line.
-std::string textOf(const toml::node& node) {
+std::string nodeText(const toml::node& node) {
     if (const auto* text = node.as_string()) return text->get();
     if (const auto* number = node.as_integer()) return fmt::format("{}", number->get());
     if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
@@ -66,7 +66,7 @@ public:
 
 private:
     std::string textIn(const std::string& option, const toml::node& value) const {
-        const std::string text = textOf(value);
+        const std::string text = nodeText(value);
         if (text.find('\0') != std::string::npos)
             fail(value,
                  fmt::format("{}: its text contains the character U+0000; remove it", option));
@@ -182,7 +182,7 @@ std::string remedyFor(const std::string& line) {
 std::string tomlValue(const std::string& text) {
     try {
         const auto parsed = toml::parse("x = " + text);
-        if (parsed.size() == 1 && parsed["x"].is_number() && textOf(*parsed.get("x")) == text)
+        if (parsed.size() == 1 && parsed["x"].is_number() && nodeText(*parsed.get("x")) == text)
             return text;
     } catch (const toml::parse_error&) {
         // A text.

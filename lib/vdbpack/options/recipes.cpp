@@ -1,7 +1,5 @@
 #include "vdbpack/options/recipes.h"
 
-#include "vdbpack/formats/output_target.h"
-
 namespace vdbpack {
 
 std::string withSeed(std::string name, std::uint64_t seed) {
@@ -13,14 +11,14 @@ std::string withSeed(std::string name, std::uint64_t seed) {
 
 void setSeed(RunSettings& settings, std::uint64_t seed) {
     settings.seed = seed;
-    for (auto& output : settings.outputs) output = withSeed(output, seed);
+    for (auto& output : settings.outputs) output = withSeed(output.text, seed);
     settings.reportFile = withSeed(settings.reportFile, seed);
     settings.preview.file = withSeed(settings.preview.file, seed);
 }
 
-std::string recipeFileFor(const std::vector<std::string>& outputs) {
+std::string recipeFileFor(const std::vector<OutputTarget>& outputs) {
     if (outputs.empty()) return {};
-    std::string name = filePart(outputs.front());
+    std::string name = outputs.front().file;
     const auto slash = name.rfind('/');
     const auto dot = name.rfind('.');
     if (dot != std::string::npos && dot > 0 && (slash == std::string::npos || dot > slash + 1))

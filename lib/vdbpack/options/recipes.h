@@ -6,6 +6,8 @@
 #include "vdbpack/core/units.h"
 #include "vdbpack/densify/densify.h"
 #include "vdbpack/domain/domain_recipe.h"
+#include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
@@ -22,30 +24,16 @@ namespace vdbpack {
 struct Image;
 class VdbGrid;
 
-/// Properties of spheres from the grey values of images.
-struct GreyRecipe {
-    /// "NAME=IMAGE": columns of the mean of an image over each sphere (`ballMeans`).
-    std::vector<std::string> samples;
-    /// "SLOPE,INTERCEPT": density of each sphere, kg/m³, from the only sample; with "NAME=" before
-    /// it, from a column of that name. Empty: none.
-    std::string calibration;
-    /// "A,B": Young's modulus A * density^B, MPa, of a density in g/cm³. Empty: none.
-    std::string modulus;
-    int classes = 10;  ///< of density, for programs that know materials by number
-
-    bool empty() const { return samples.empty() && calibration.empty() && modulus.empty(); }
-};
-
 /// Base of all recipes. A command passes over what it has no use for.
 struct RunSettings {
     int threads = 0;         ///< of each rank; 0: all cores
     Ranks* ranks = nullptr;  ///< with which `pack` is run; null: there are none
     double memoryLimit = 0;  ///< bytes that the process may hold; 0: what is free at the start
     std::uint64_t seed = 1;  ///< of all random numbers
-    double contactTolerance = 1e-3;    ///< gap up to which spheres touch, in smaller radii
-    std::vector<std::string> outputs;  ///< files, as `writeOutput` names them
-    Unit outUnit = Unit::millimeter;   ///< of the lengths in them
-    bool images = false;  ///< files for viewers hold the images in a periodic cell, too
+    double contactTolerance = 1e-3;  ///< gap up to which spheres touch, in smaller radii
+    std::vector<OutputTarget> outputs;
+    Unit outUnit = Unit::millimeter;  ///< of the lengths in them
+    bool images = false;              ///< files for viewers hold the images in a periodic cell, too
     std::string density;  ///< of the spheres in DEM files, as `particleDensity` takes it
     GreyRecipe grey;
     PreviewOptions preview;  ///< picture; without a file: none
@@ -61,7 +49,6 @@ struct PackRecipe : RunSettings {
     DomainRecipe domain;
     /// SPEC of SizeDistribution::parse, mm; empty: uniform, ratio 1:2, about 100,000 spheres.
     std::string radius;
-    double radiusFactor = 1;  ///< on all radii
     /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
     /// none.
     std::string sizeField;
@@ -192,6 +179,6 @@ Recipe recipeForSeed(Recipe recipe, std::uint64_t seed) {
 
 /// "out/femur.recipe.toml" beside "out/femur.vdb", the first of several outputs; empty if there are
 /// none.
-std::string recipeFileFor(const std::vector<std::string>& outputs);
+std::string recipeFileFor(const std::vector<OutputTarget>& outputs);
 
 }  // namespace vdbpack

@@ -12,9 +12,8 @@
 namespace vdbpack {
 
 const char* const kPackHelp =
-    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, .usda, .usdz, YADE text "
-    "(yade:FILE.txt), LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from "
-    "any program";
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    "LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
 
 namespace {
 
@@ -105,13 +104,13 @@ void inputPackOptions(OptionList& rows, InputPack& input, const char* name, cons
     memoryLimit(rows, input);
 }
 
-void outputOption(OptionList& rows, std::vector<std::string>& outputs, const char* help) {
+void outputOption(OptionList& rows, std::vector<OutputTarget>& outputs, const char* help) {
     rows.group("Output");
-    rows.texts("output", "FILE", outputs, help ? help : kOutputHelp)
-        .as("outputs")
-        .naming(FileIn::output)
-        .offPage()
-        .letter = "o";
+    Option& output =
+        rows.custom("output", "FILE", help ? help : kOutputHelp,
+                    [&outputs](const std::string& text) { outputs.emplace_back(text); });
+    output.repeats = true;
+    output.as("outputs").naming(FileIn::output).offPage().letter = "o";
 }
 
 void imagesOption(OptionList& rows, bool& images) {

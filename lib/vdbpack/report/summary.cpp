@@ -1,5 +1,5 @@
 #include "vdbpack/core/symmetric.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/repair_report.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
 
@@ -66,12 +66,8 @@ void addDomain(Summary& out, const Report& r, const Words& words) {
         out.line("", fmt::format("the mesh has {} boundary and {} non-manifold edges",
                                  grouped(d.boundaryEdges), grouped(d.nonManifoldEdges)));
     if (!d.repair) return;
-    out.line("repair", describe(*d.repair));
-    if (d.repair->changes && d.repair->changes->before != d.repair->changes->after)
-        out.line("", describe(*d.repair->changes));
-    if (d.repair->doubtfulVolume > 0)
-        out.line("", fmt::format("ambiguous volume next to holes: {:.4g} mm³",
-                                 d.repair->doubtfulVolume));
+    const char* name = "repair";
+    for (const auto& line : repairLines(*d.repair)) out.line(std::exchange(name, ""), line);
 }
 
 void addSpheres(Summary& out, const Report& r, const Words& words) {

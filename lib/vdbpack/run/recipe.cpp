@@ -2,12 +2,12 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/size_stage.h"
-#include "vdbpack/run/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -124,7 +124,7 @@ void checkRecipe(const PackRecipe& recipe) {
     if (!recipe.existing.empty()) return;
     // A pack has no columns but its part and the samples.
     const std::vector<std::string> columns{kPartColumn};
-    checkGrey(recipe, &columns);
+    checkGrey(recipe.grey, recipe.density, &columns);
     checkPreviewColumn(recipe, columns);
 }
 
@@ -182,10 +182,6 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
         readFactors(recipe)};
     if (!recipe.shellRadius.empty())
         r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
-    if (recipe.radiusFactor != 1) {
-        r.sizes = r.sizes.scaled(recipe.radiusFactor);
-        if (r.shellSizes) r.shellSizes = r.shellSizes->scaled(recipe.radiusFactor);
-    }
     requireRatio(r.sizes, r.sizes);
     if (r.shellSizes) {
         requireRatio(*r.shellSizes, r.sizes);

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "vdbpack/core/pack.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/options/recipes.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/domain_source.h"
 #include "vdbpack/voids/scalar_field.h"
 #include "vdbpack/voids/void_recipe.h"
 
@@ -28,7 +28,7 @@ struct RequestedSizes {
     SizeDistribution sizes;
     double targetCount = 0;           ///< spheres at which to aim by scaling the radii; 0: as given
     std::vector<std::string> chosen;  ///< what was chosen by default, a sentence each
-    std::optional<SizeDistribution> shellSizes;  ///< in the shell; none: those of all
+    std::optional<SizeDistribution> shellSizes;  ///< in the shell; none: sizes of all
     std::shared_ptr<const ScalarField> factor;   ///< on all radii by place; null: 1
 
     bool differByPlace() const { return factor || shellSizes; }

@@ -1,12 +1,12 @@
 #include "vdbpack/run/report_file.h"
 
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/options/jobs.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/report/report_page.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -92,10 +92,6 @@ ReportPage pageOf(const RunResult& run, const std::string& subject, const Recipe
 }
 
 }  // namespace
-
-bool isPage(const std::string& reportFile) {
-    return extensionOf(reportFile) == ".html";
-}
 
 template <int Dim>
 PageDetails pageDetails(const Pack<Dim>& pack, std::size_t fixed, const DomainSource& source,

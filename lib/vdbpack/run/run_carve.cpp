@@ -59,7 +59,7 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const double reach = std::max(radius.max, depthForShell(recipe.voids, voxel) / 3);
     Extent extent = extentOf(run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
-    extent.voids = planVoids(recipe.voids, extent, radius.max);
+    addVoids(extent, recipe.voids, radius.max);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);

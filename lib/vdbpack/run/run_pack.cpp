@@ -4,12 +4,12 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/measured_pack.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/kept_count.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
@@ -77,12 +77,8 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
 template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
-    requireShell(shellRange(recipe.voids).first, source);
-    requireRepeating(source, recipe.voids);
     PackPlan plan = planPack(recipe, source);
-    Extent share = plan.extent;
-    if (recipe.ranks) share.count /= recipe.ranks->count();
-    requireResources(share, recipe);
+    requireResources(plan.extent, recipe);
     if (Dim == 2 && recipe.voids.fill == Fill::solid)
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
@@ -134,12 +130,14 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
                            const Prepared<Dim>& prepared, PackOptions& options) {
     const Domain<Dim>& domain = run.filled();
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
-    KeptCount<Dim> kept(run, existing);
+    std::optional<MadeVoids<Dim>> voids;
     CountedSpheres<Dim> counted;
     if (needsFront(methodOf(recipe.voids)))
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
-        counted.count = std::ref(kept);
+        counted.count = [&](const std::vector<Sphere<Dim>>& trial, double largest) {
+            return keptCount(run, existing, trial, largest, voids);
+        };
     if (run.solid)  // spheres of smaller packs would not fit into its walls
         counted.fraction = kThinWalls;
     else if (counted.count)
@@ -154,7 +152,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
             result = packToCount(domain, options, target * front / after, run.callbacks, existing,
                                  counted);
     }
-    if (kept.voids()) run.voids = std::move(*kept.voids());
+    if (voids) run.voids = std::move(*voids);
     return result;
 }
 
@@ -457,13 +455,6 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     RunResult result;
     packEach({recipe}, callbacks, into(result));
-    return result;
-}
-
-RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks) {
-    RunResult result;
-    packDomain({recipe}, source, begunReport(recipe, "pack", recipe.domain.source), Clock(),
-               callbacks, into(result));
     return result;
 }
 

@@ -33,7 +33,7 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
     const double detail = detailFor(recipe.voids, voxel);
     const double reach = depthForShell(recipe.voids, voxel) / 3;
     Extent extent = extentOf(source, detail, reach, voxel);
-    extent.voids = planVoids(recipe.voids, extent, 0);
+    addVoids(extent, recipe.voids, 0);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);

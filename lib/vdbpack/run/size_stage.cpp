@@ -4,7 +4,7 @@
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/image_domain.h"
+#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
@@ -9,9 +10,6 @@
 #include "vdbpack/voids/tile_lattice.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
 #include <atomic>
@@ -111,9 +109,9 @@ private:
 template <int Dim>
 std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
                                const TileLattice<Dim>& lattice, double outside) {
-    tbb::enumerable_thread_specific<std::vector<Entry>> found;
+    PerThread<std::vector<Entry>> found;
     const double radius = lattice.radius();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), 64), [&](const auto& range) {
+    parallelFor(IndexRange(0, voids.size(), 64), [&](const auto& range) {
         auto& mine = found.local();
         for (std::size_t i = range.begin(); i < range.end(); ++i)
             lattice.forEach(
@@ -130,9 +128,10 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
     const std::size_t parts = count / kEntriesPerPart + 1;
     std::vector<std::atomic<std::size_t>> next(parts + 1);
     const auto forEachFound = [&](const auto& visit) {
-        tbb::parallel_for_each(found.begin(), found.end(), [&](const std::vector<Entry>& mine) {
-            for (const Entry& e : mine) visit(e, next[lattice.partOf(e.tile, parts)]);
-        });
+        for (const std::vector<Entry>& mine : found)
+            forAll(mine.size(), [&](std::size_t i) {
+                visit(mine[i], next[lattice.partOf(mine[i].tile, parts)]);
+            });
     };
     forEachFound([](const Entry&, std::atomic<std::size_t>& at) {
         at.fetch_add(1, std::memory_order_relaxed);
@@ -144,7 +143,7 @@ std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
         all[at.fetch_add(1, std::memory_order_relaxed)] = e;
     });
     // next[part] is now the end of the part.
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts), [&](const auto& range) {
+    parallelFor(IndexRange(0, parts), [&](const auto& range) {
         for (std::size_t part = range.begin(); part < range.end(); ++part) {
             const auto from = static_cast<std::ptrdiff_t>(part == 0 ? 0 : next[part - 1].load());
             const auto to = static_cast<std::ptrdiff_t>(next[part].load());
@@ -367,8 +366,8 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     starts.push_back(entries.size());
 
     std::vector<Stamped> made(tiles);
-    tbb::enumerable_thread_specific<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles, 8), [&](const auto& range) {
+    PerThread<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
+    parallelFor(IndexRange(0, tiles, 8), [&](const auto& range) {
         request.stop();
         Core<Dim>& core = cores.local();
         std::vector<NearVoid<Dim>> near;

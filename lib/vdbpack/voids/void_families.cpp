@@ -95,7 +95,7 @@ VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* 
 namespace {
 
 /// Where less is wanted, voids are as many as leave this share.
-constexpr double kLeastBvtv = 0.005;
+constexpr double kSparsestBvtv = 0.005;
 constexpr double kFoamJitter = 0.25;
 /// Points for the mean of a field.
 constexpr int kFieldPoints = 200'000;
@@ -113,9 +113,10 @@ VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
     std::function<double(const Vec<Dim>&)> share;
     if (s.bvtv) {
         // Voids of density d leave the share exp(-d v).
-        family.guess = -std::log(kLeastBvtv) / shape.meanMeasure();
+        family.guess = -std::log(kSparsestBvtv) / shape.meanMeasure();
         share = [&setting](const Vec<Dim>& x) {
-            return std::log(std::clamp(setting.bvtv(x), kLeastBvtv, 1.0)) / std::log(kLeastBvtv);
+            return std::log(std::clamp(setting.bvtv(x), kSparsestBvtv, 1.0)) /
+                   std::log(kSparsestBvtv);
         };
     }
     family.list = [&setting, shape, share](double density) {

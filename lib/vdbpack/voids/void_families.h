@@ -29,7 +29,8 @@ struct FoamPacks {
     std::vector<std::shared_ptr<const Entry>> entries;
     double dilation = 0;  ///< of the last foam; 0: unknown
 
-    /// One of those that there are, or a further one. @throws as `foamPack`
+    /// The stored dense pack for these arguments, or a new one, which is then stored. @throws as
+    /// `foamPack`
     std::shared_ptr<const Entry> get(const SizeDistribution& sizes, const Vec<Dim>& half,
                                      const std::array<bool, Dim>& wraps, std::uint64_t seed,
                                      const Callbacks& callbacks);
@@ -47,7 +48,7 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
-    /// Thickness by place, where the recipe has a field of it; uniform: that of the recipe.
+    /// Thickness by place, where the recipe has a field of it; uniform: thickness of the recipe.
     ShellThickness localShell{};
     FoamPacks<Dim>* packs = nullptr;  ///< kept for further foams; null: they are not
 };
@@ -72,7 +73,7 @@ VoidRegion<Dim> regionOf(const VoidSetting<Dim>& setting);
 /// SPEC of holes of 1.5 to 2.5 largest spheres (radius in mm).
 std::string defaultVoidRadius(double largestSphere);
 
-/// SPEC of the shorter half-axis b: that of the recipe, or holes of 1.5 to 2.5 largest spheres.
+/// SPEC of the shorter half-axis b: as in the recipe, or holes of 1.5 to 2.5 largest spheres.
 /// @param chosen  receives a sentence on each default; may be null.
 template <int Dim>
 std::string voidRadiusSpec(const VoidSetting<Dim>& setting, std::vector<std::string>* chosen);

@@ -1,12 +1,11 @@
 #include "vdbpack/voids/void_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,21 +34,20 @@ void keepMarked(const std::vector<std::uint8_t>& marked, std::vector<Ellipsoid<D
 template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
     std::vector<std::uint8_t> reaches(voids.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), kBatch),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          const auto sampler = region.domain.envelope().sampler();
-                          const double error = region.domain.facts().voxelSize;
-                          WallPoint<Dim> wall;
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                              const auto& e = voids[i];
-                              const double reach = std::max(e.a, e.b) - region.shell.least();
-                              const double outside = sampler->signedDistance(e.center);
-                              reaches[i] = outside < reach;
-                              // A field ends close to the wall: farther out, ask the wall.
-                              if (reaches[i] && outside > error && error > 0)
-                                  reaches[i] = sampler->nearestWall(e.center, reach, wall);
-                          }
-                      });
+    parallelFor(IndexRange(0, voids.size(), kBatch), [&](const IndexRange& range) {
+        const auto sampler = region.domain.envelope().sampler();
+        const double error = region.domain.facts().voxelSize;
+        WallPoint<Dim> wall;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const auto& e = voids[i];
+            const double reach = std::max(e.a, e.b) - region.shell.least();
+            const double outside = sampler->signedDistance(e.center);
+            reaches[i] = outside < reach;
+            // A field ends close to the wall: farther out, ask the wall.
+            if (reaches[i] && outside > error && error > 0)
+                reaches[i] = sampler->nearestWall(e.center, reach, wall);
+        }
+    });
     keepMarked(reaches, voids);
 }
 
@@ -77,21 +75,19 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
     // In parts, since most of the box around a bone is empty.
     for (std::size_t first = 0; first < drawn; first += 256 * kBatch) {
         batch.resize(std::min<std::size_t>(256 * kBatch, drawn - first));
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batch.size(), kBatch),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                                  RandomStream random(seed, kCenters + first + i);
-                                  Ellipsoid<Dim>& e = batch[i];
-                                  for (int d = 0; d < Dim; ++d)
-                                      e.center[d] =
-                                          window.lo[d] + random.uniform() * window.size()[d];
-                                  e.b = shape.radius.quantile(random.uniform());
-                                  e.a = e.b * shape.aspect.quantile(random.uniform());
-                                  e.axis = shape.orientation->axis(e.center, random);
-                                  e.id = static_cast<std::uint32_t>(first + i);
-                                  if (share) kept[i] = random.uniform() < share(e.center);
-                              }
-                          });
+        parallelFor(IndexRange(0, batch.size(), kBatch), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                RandomStream random(seed, kCenters + first + i);
+                Ellipsoid<Dim>& e = batch[i];
+                for (int d = 0; d < Dim; ++d)
+                    e.center[d] = window.lo[d] + random.uniform() * window.size()[d];
+                e.b = shape.radius.quantile(random.uniform());
+                e.a = e.b * shape.aspect.quantile(random.uniform());
+                e.axis = shape.orientation->axis(e.center, random);
+                e.id = static_cast<std::uint32_t>(first + i);
+                if (share) kept[i] = random.uniform() < share(e.center);
+            }
+        });
         if (share) keepMarked(kept, batch);
         keepReaching(region, batch);
         voids.insert(voids.end(), batch.begin(), batch.end());

@@ -55,7 +55,7 @@ struct VoidRecipe {
     std::optional<double> targetDa;     ///< foam: DA to reach, 1 - (short / long)^2
     std::optional<double> targetConnd;  ///< foam: Conn.D to reach, 1/mm^3
     /// foam: standard deviations of the local thickness and spacing to come near to, in their
-    /// means; those of a sample.
+    /// means; taken from a sample.
     std::optional<double> thicknessScatter, separationScatter;
     /// Quantiles of these distributions in the sample, 0 to 100 %, mm; empty: there is none.
     std::vector<double> thicknessQuantiles, separationQuantiles;
