@@ -34,7 +34,7 @@ namespace {
 
 constexpr std::uint32_t kOldest = 222, kNewest = 224;
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  ///< flags of compression
-constexpr std::int32_t kFarthest = 1 << 30;  ///< voxel; indices stay inside 32 bits
+constexpr std::int32_t kFarthestVoxel = 1 << 30;  ///< voxel; indices stay inside 32 bits
 
 /// What a tree keeps in each voxel.
 struct ValueType {

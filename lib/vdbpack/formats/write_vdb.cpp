@@ -182,8 +182,8 @@ PointAttribute textAttribute(const std::string& name, const std::vector<std::str
             }};
 }
 
-std::vector<Attribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
-    std::vector<Attribute> list;
+std::vector<PointAttribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
+    std::vector<PointAttribute> list;
     UniqueNames unique{"p"};
     // Names that OpenVDB accepts.
     const auto named = [&unique](std::string_view name) {

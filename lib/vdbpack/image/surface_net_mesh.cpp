@@ -124,7 +124,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     for (std::size_t f = 0; f < net.faces.size(); ++f)
         if (inside(net.faces[f].below) != inside(net.faces[f].above))
             faces.push_back(static_cast<std::uint32_t>(f));
-    if (faces.size() >= kNone / 4)
+    if (faces.size() >= kNoVertex / 4)
         throw ResourceError(
             "the surface of a label has more than 1,000,000,000 faces; give a "
             "coarser image");

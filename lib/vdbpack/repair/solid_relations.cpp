@@ -97,7 +97,7 @@ Solid::Solid(TriangleMesh mesh)
       bounds_(mesh_.bounds()),
       sides_(mesh_, true),
       tree_(mesh_.triangles.size(), [&](std::size_t i) {
-          const Corners t = cornersOf(mesh_, static_cast<std::uint32_t>(i));
+          const TriangleCorners t = cornersOf(mesh_, static_cast<std::uint32_t>(i));
           return TriangleTree::Corners{t.a, t.b, t.c};
       }) {}
 
