@@ -29,7 +29,7 @@ public:
     double step() const;
     /// Places (mm) and values of some voxels, which represent the others from afar.
     const std::vector<std::pair<Vec<3>, double>>& samples() const;
-    /// Trilinear between the centers of those of the eight voxels around `x` (mm) that are active;
+    /// Trilinear between the centers of the active ones of the eight voxels around `x` (mm);
     /// nothing where none is.
     std::optional<double> at(const Vec<3>& x) const;
 

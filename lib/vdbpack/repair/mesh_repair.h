@@ -44,7 +44,7 @@ RepairedMesh repairMesh(TriangleMesh mesh, const RepairOptions& options = {},
 /// Both surfaces in one mesh, `inner` as the wall of a cavity in `outer`, which encloses it.
 TriangleMesh joinedAsCavity(TriangleMesh outer, TriangleMesh inner);
 
-/// The inside of `outer` without that of `inner`, where the two intersect: a remeshed surface
+/// The inside of `outer` without the inside of `inner`, where the two intersect: a remeshed surface
 /// (resurface.h). Both are watertight, as `repairMesh` returns them. @throws as `repairMesh`
 RepairedMesh subtractMesh(const TriangleMesh& outer, const TriangleMesh& inner,
                           const RepairOptions& options = {}, const Callbacks& callbacks = {});

@@ -15,7 +15,7 @@ namespace vdbpack {
 
 /// How the surface components of a mesh are repaired.
 enum class RepairComponents {
-    together,  ///< the inside is that of all triangles; what lies closer than a voxel can fuse
+    together,  ///< the inside of all triangles counts; what lies closer than a voxel can fuse
     separate   ///< each by itself; only those that intersect are fused (component_repair.h)
 };
 

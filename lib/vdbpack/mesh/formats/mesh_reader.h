@@ -129,7 +129,7 @@ private:
     Words words_{{}};
 };
 
-/// Each reads the whole file into `reader.mesh`. Only that of STL welds.
+/// Each reads the whole file into `reader.mesh`. Only the reader of STL welds.
 /// @throws InputError, ResourceError, IoError
 void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);
