@@ -107,7 +107,8 @@ VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& b
             openvdb::Vec3d at;
             for (int j = 0; j < 3; ++j)
                 at[j] = (corner >> j & 1) != 0 ? inside.max()[j] + 0.5 : inside.min()[j] - 0.5;
-            box.add(toVec(transform.indexToWorld(at)));
+            const openvdb::Vec3d world = transform.indexToWorld(at);
+            box.add({{world[0], world[1], world[2]}});
         }
     }
 

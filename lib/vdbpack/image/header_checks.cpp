@@ -18,6 +18,11 @@
 
 namespace vdbpack {
 
+bool isTiff(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".tif" || extension == ".tiff";
+}
+
 void checkTiffPages(const std::string& path) {
     constexpr std::size_t kMostPages = 65535;
     const InputFile file(path);

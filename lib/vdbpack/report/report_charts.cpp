@@ -69,11 +69,12 @@ Chart chartOf(const char* id, const char* title, const std::string& xLabel,
     return chart;
 }
 
-std::string noSpheres(const Words& words) {
+std::string noSpheres(const DimensionWords& words) {
     return fmt::format("There are no {}.", words.spheres);
 }
 
-std::string requestText(const RadiusHistogram& radii, const Report& report, const Words& words) {
+std::string requestText(const RadiusHistogram& radii, const Report& report,
+                        const DimensionWords& words) {
     const std::string text = radii.requested.empty()
                                  ? "No size distribution to compare with (--radius)"
                                  : "Requested: " + report.requested;
@@ -82,7 +83,7 @@ std::string requestText(const RadiusHistogram& radii, const Report& report, cons
                                : text;
 }
 
-Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
+Chart sizes(const RadiusHistogram& radii, const Report& report, const DimensionWords& words) {
     Chart chart =
         chartOf("chart-sizes", "Sizes", "radius, mm",
                 fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size()),
@@ -95,7 +96,8 @@ Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& wor
     return chart;
 }
 
-Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
+Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report,
+                     const DimensionWords& words) {
     Chart chart = chartOf("chart-cumulated", "Sizes, cumulated", "radius, mm",
                           fmt::format("{} up to this radius, %", words.spheres), noSpheres(words));
     if (report.ks && report.ksByVolume)
@@ -110,7 +112,7 @@ Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const W
     return chart;
 }
 
-Chart coordination(const Report& report, const Words& words) {
+Chart coordination(const Report& report, const DimensionWords& words) {
     Chart chart = chartOf("chart-contacts", "Contacts", "contacts per " + words.sphere,
                           fmt::format("{}, %", words.spheres), noSpheres(words));
     chart.wholeTicks = true;
@@ -137,7 +139,7 @@ std::string noDomain(const Report& report, const std::string& otherwise) {
                                       : otherwise;
 }
 
-Chart profile(const Structure& structure, const Report& report, const Words& words) {
+Chart profile(const Structure& structure, const Report& report, const DimensionWords& words) {
     Chart chart = chartOf(
         "chart-profile", "Solid fraction by depth", "depth below the wall, mm", "solid fraction",
         report.count == 0 ? noSpheres(words)
@@ -155,7 +157,7 @@ Chart profile(const Structure& structure, const Report& report, const Words& wor
     return chart;
 }
 
-Chart pairs(const Structure& structure, const Report& report, const Words& words) {
+Chart pairs(const Structure& structure, const Report& report, const DimensionWords& words) {
     Chart chart = chartOf(
         "chart-pairs", "Pair correlation", "distance r, mean diameters", "g(r)",
         report.count == 0
@@ -207,7 +209,7 @@ std::string times(const Report& report) {
 
 std::string reportCharts(const Report& report, const Structure& structure,
                          const RadiusHistogram& radii) {
-    const Words words(report.dim);
+    const DimensionWords words(report.dim);
     return figure(sizes(radii, report, words)) + figure(cumulatedSizes(radii, report, words)) +
            figure(coordination(report, words)) + figure(profile(structure, report, words)) +
            figure(pairs(structure, report, words)) + times(report);

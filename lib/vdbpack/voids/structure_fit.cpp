@@ -53,7 +53,7 @@ std::vector<Knob> usualKnobs() {
 /// BV/TV if no target says or suggests it.
 constexpr double kUsualBvtv = 0.2;
 /// The most of the BV/TV of plates: means of local thickness weigh thick places more.
-constexpr double kMostOfPlates = 1.1;
+constexpr double kMostOfUsualPlates = 1.1;
 /// Mean b in trabecular periods (Tb.Th + Tb.Sp); Conn.D times a period cubed of usual bone.
 constexpr double kRadiusInPeriods = 0.28, kUsualConnectivity = 5;
 /// Standard deviation of the local spacing in its mean, for a spread of 1.
@@ -145,7 +145,7 @@ double usualSlenderness(double bvtv) {
 /// The reverse, in what plates of that thickness would have.
 double usualBvtv(double slenderness) {
     const double plates = slenderness / (1 + slenderness);
-    return std::clamp((slenderness - 0.1) / 0.8, 0.4 * plates, kMostOfPlates * plates);
+    return std::clamp((slenderness - 0.1) / 0.8, 0.4 * plates, kMostOfUsualPlates * plates);
 }
 
 VoidRecipe withoutTargets(VoidRecipe r) {
