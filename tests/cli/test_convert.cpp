@@ -1,4 +1,5 @@
 // From one format to another, and what is made of level sets on the way.
+#include "cli/recipes.h"
 #include "formats/lattice_pack.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
@@ -159,13 +160,13 @@ TEST_CASE("the level set of a long and thin shape resolves its thickness", "[con
 
 TEST_CASE("spheres do not replace the level sets of a .vdb", "[convert]") {
     const TemporaryFolder scratch;
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "ball:5";
     recipe.radius = "uniform:0.5,1";
     recipe.outputs = {scratch.file("whole.vdb"), scratch.file("points.csv")};
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1.5";
-    recipe.voids.targetBvtv = 0.7;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1.5";
+    recipe.request.targetBvtv = 0.7;
     runPack(recipe);
     REQUIRE(holdsLevelSet(scratch.file("whole.vdb")));
     CHECK_THROWS_AS(runConvert(recipeFor(scratch.file("points.csv"), {scratch.file("whole.vdb")})),

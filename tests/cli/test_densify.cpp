@@ -101,13 +101,13 @@ TEST_CASE("a densified pack has the requested count, which a dry run predicts", 
     CHECK(run.passed);
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
     CHECK(run.report.solidFractionTotal.value_or(0) >= 0.625);
-    const auto predicted = dryRunPack(recipe);
+    const auto predicted = dryRunPack(settled(recipe));
     CHECK(predicted.densified);
     CHECK(predicted.solidFraction == Approx(0.625).margin(0.003));
     CHECK(predicted.count == Approx(3000).epsilon(0.02));
     recipe.targetCount = 0;
     recipe.densify = 0.7;
-    const auto less = dryRunPack(recipe);
+    const auto less = dryRunPack(settled(recipe));
     CHECK_FALSE(less.densified);
     const auto reached = runPack(recipe);
     CHECK_FALSE(reached.report.warnings.empty());
@@ -137,9 +137,9 @@ TEST_CASE("a pack interrupted while it gets denser is kept as the front left it"
 TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
     recipe.densify = 0.61;
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:3";
-    recipe.voids.targetBvtv = 0.8;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:3";
+    recipe.request.targetBvtv = 0.8;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.densified->after >= 0.61);
@@ -178,7 +178,7 @@ TEST_CASE("densify takes packs of other programs, with their names and columns",
 TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]") {
     const TemporaryFolder folder;
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
-    recipe.voids.shell = 4;
+    recipe.request.shell = 4;
     recipe.outputs = {folder.file("p.csv")};
     const auto before = std::get<Pack<3>>(runPack(recipe).pack);
     const auto run = vdbPack("densify " + folder.file("p.csv") +

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace vdbpack {
@@ -50,6 +51,8 @@ struct RunSettings {
     PreviewRecipe preview;   ///< picture; without a file: none
     std::string reportFile;  ///< .json or .html; empty: none
     std::string command;     ///< for the report; empty: the task and what it works on
+    /// Names and values of options, for the page of a report.
+    std::vector<std::pair<std::string, std::string>> givenOptions;
     /// TOML with the options that repeat the run ({seed} for the seed): written beside the first
     /// output as NAME.recipe.toml. Empty: none is written.
     std::string optionsText;

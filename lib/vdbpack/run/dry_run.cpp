@@ -8,8 +8,8 @@
 #include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
-#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/run/structure_sample.h"
+#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
@@ -124,8 +124,8 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
     const double scale = std::max(1.0, std::pow(extent.count / most, 1.0 / dim));
     // Voids keep the sizes that follow from the radii of the pack to come.
     PackRecipe sized = recipe;
-    if (!recipe.voids.empty() && recipe.voids.radius.empty())
-        sized.voids.radius = defaultVoidRadius(requested.largest() * radii.scale);
+    if (VoidShapeRecipe* shape = shapeOf(sized.voids); shape && shape->radius.empty())
+        shape->radius = defaultVoidRadius(requested.largest() * radii.scale);
     const Trial large = tryLarge(sized, source, scale, extent.voids, callbacks);
     const Trial small = trySmall(sized, source, large, extent.voids, callbacks);
     DryRun run;
@@ -186,7 +186,6 @@ DryRun predict(const PackRecipe& recipe, const DomainSource& source, const Callb
 
 DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
     PackRecipe recipe = asked;
-    recipe.voids = withPreset(std::move(recipe.voids));
     checkRecipe(recipe);
     if (!recipe.parts.empty())
         throw ParameterError(

@@ -17,8 +17,7 @@ constexpr double kTouchShare = 0.8;
 /// Whether the voids of one trial serve for the next. Their default sizes follow from the spheres
 /// of the first, which hardly differ.
 bool serveAll(const VoidRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe);
-    return recipe.cull == Cull::center && !isThinning(method) && !needsFront(method);
+    return recipe.cull == Cull::center && !recipe.as<Thinning>() && !recipe.as<FrontHoles>();
 }
 
 }  // namespace
@@ -28,8 +27,9 @@ double keptShare(const VoidRecipe& voids, const Extent& extent) {
     const auto [least, most] = shellRange(voids);
     const double shell =
         std::clamp(0.5 * (least + most) * extent.area / extent.volume, 0.0, 1 - kLeastShare);
-    const double bvtv = voids.targetBvtv.value_or(voids.deleteFraction ? 1 - *voids.deleteFraction
-                                                                       : extent.voids.left);
+    const auto* const thinning = voids.as<Thinning>();
+    const double bvtv = targetBvtvOf(voids).value_or(
+        thinning && thinning->fraction ? 1 - *thinning->fraction : extent.voids.left);
     const double share = std::max(shell + (1 - shell) * bvtv, kLeastShare);
     const bool touched = voids.fill == Fill::domain && voids.cull == Cull::touch;
     return touched ? kTouchShare * share : share;

@@ -5,6 +5,7 @@
 #include "vdbpack/domain/surface_level_set.h"
 #include "vdbpack/formats/contact_file.h"
 #include "vdbpack/formats/material_file.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/formats/write_blender.h"
@@ -12,7 +13,6 @@
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/formats/output_target.h"
 #include "vdbpack/run/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -41,13 +41,12 @@ std::string volumeAmong(const std::vector<std::string>& outputs) {
 }
 
 void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe);
-    if (method == VoidMethod::none)
+    if (recipe.empty())
         throw ParameterError(output + ": lists voids, but no voids are requested; add `voids`");
-    if (isThinning(method))
+    if (recipe.as<Thinning>())
         throw ParameterError(fmt::format(
             "{}: `voids` {} removes spheres and has no voids to list; leave the output out", output,
-            recipe.method));
+            nameOf(recipe)));
 }
 
 /// The level set that a target is made from. @throws ParameterError if it is not there
@@ -236,8 +235,7 @@ void checkOutputKinds(const std::vector<std::string>& outputs, RunKind run, cons
                     "{}), and write {}",
                     output, target.grid, target.file));
         } else if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
-            const VoidMethod method = methodOf(voids);
-            if (method == VoidMethod::none || isThinning(method))
+            if (!voids.makesVoids())
                 throw ParameterError(
                     fmt::format("{}: without voids there is no level set '{}'; add `voids` with a "
                                 "method that makes voids, or write surface:{}",

@@ -136,7 +136,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     KeptCount<Dim> kept(run, existing);
     CountedSpheres<Dim> counted;
-    if (needsFront(methodOf(recipe.voids)))
+    if (recipe.voids.as<FrontHoles>())
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
         counted.count = std::ref(kept);
@@ -181,7 +181,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
                PackOptions& options) {
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     const double target = prepared.requested.targetCount;
-    const bool holes = needsFront(methodOf(recipe.voids));
+    const auto* const holes = recipe.voids.as<FrontHoles>();
     PackResult<Dim> result;
     if (target > 0 && !scaled)
         result = packTarget(run, recipe, target, prepared, options);
@@ -276,7 +276,7 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     constexpr double kNear = 0.018;
     const double target = prepared.requested.targetCount;
     const bool foreseen =
-        !needsFront(methodOf(recipe.voids)) && !(recipe.densify > 0 && recipe.voids.keepConnected);
+        !recipe.voids.as<FrontHoles>() && !(recipe.densify > 0 && recipe.voids.keepConnected);
     if (!(target > 0) || foreseen || recipe.maxCount > 0)
         return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
     const auto holds = std::make_shared<bool>(true);
@@ -401,13 +401,6 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
 void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
     std::vector<PackRecipe> recipes = asked;
-    const auto forEachVoids = [&recipes](const auto& work) {
-        for (PackRecipe& r : recipes) {
-            work(r.voids);
-            for (PackRecipe& part : r.parts) work(part.voids);
-        }
-    };
-    forEachVoids([](VoidRecipe& voids) { voids = withPreset(std::move(voids)); });
     const PackRecipe& recipe = recipes.front();
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);

@@ -1,11 +1,9 @@
 #include "vdbpack/run/void_plan.h"
 
 #include "vdbpack/core/sphere.h"
-#include "vdbpack/io/numbers.h"
-#include "vdbpack/pack/size_distribution.h"
 #include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/make_voids.h"
+#include "vdbpack/voids/structure_fit.h"
 #include "vdbpack/voids/tile_lattice.h"
 #include "vdbpack/voids/void_list.h"
 
@@ -20,8 +18,8 @@ namespace {
 /// Bytes of a leaf of the level sets `surface`, `voids` and `solid` and the tile it is made from.
 constexpr double kBytesPerLeaf = 6000;
 
-double meanOf(const std::string& spec, int dim, double otherwise) {
-    return spec.empty() ? otherwise : SizeDistribution::parse(spec, dim).mean();
+double meanOf(const SizeRequest& sizes, int dim, double otherwise) {
+    return sizes.empty() ? otherwise : sizes.in(dim).mean();
 }
 
 /// Area of an ellipsoid with half-axes a, b, b (2D: length of an ellipse), to about a tenth.
@@ -43,9 +41,9 @@ double openWalls(double bvtv) {
 template <int Dim>
 VoidExtent listed(const VoidRecipe& recipe, const Extent& e) {
     // A pipe can be read once only, when the voids are made.
-    if (std::error_code failed; !std::filesystem::is_regular_file(listFile(recipe), failed))
-        return {};
-    const auto list = readVoidList<Dim>(listFile(recipe));
+    const std::string& file = recipe.as<ListedVoids>()->file;
+    if (std::error_code failed; !std::filesystem::is_regular_file(file, failed)) return {};
+    const auto list = readVoidList<Dim>(file);
     if (list.empty()) return {};
     VoidExtent plan;
     plan.count = static_cast<double>(list.size());
@@ -67,40 +65,29 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
     };
     const double each = ball(b) * a / b;
     // The Boolean model's number for a target.
-    const double needed = -std::log(r.targetBvtv.value_or(0.3)) * e.volume / each;
+    const auto target = targetBvtvOf(r);
+    const double needed = -std::log(target.value_or(kDefaultBvtv)) * e.volume / each;
     VoidExtent plan;
     bool apart = true;
-    switch (methodOf(r)) {
-        case VoidMethod::grid:
-            plan.count = e.volume / std::pow(2 * b, e.dim);
-            break;
-        case VoidMethod::overlay: {
-            const double most = 0.6 * e.volume / ball(std::max(a, b));
-            plan.count = std::min(most, r.count.value_or(most));
-            break;
-        }
-        case VoidMethod::mixed:
-        case VoidMethod::ellipses:
-            plan.count = r.targetBvtv ? needed : r.probability.value_or(0.02) * e.count;
-            break;
-        case VoidMethod::boolean:
-            plan.count = r.targetBvtv ? needed : r.count.value_or(needed);
-            apart = false;
-            break;
-        case VoidMethod::foam:  // as a dense pack, whose holes are walls all around
-            plan.count = plan.packed = 0.64 * e.volume / each;
-            apart = false;
-            break;
-        case VoidMethod::none:
-        case VoidMethod::concentric:
-        case VoidMethod::threshold:
-        case VoidMethod::list:
-            return {};
+    if (r.as<GridVoids>()) {
+        plan.count = e.volume / std::pow(2 * b, e.dim);
+    } else if (const auto* overlay = r.as<OverlayVoids>()) {
+        const double most = 0.6 * e.volume / ball(std::max(a, b));
+        plan.count = std::min(most, overlay->count.value_or(most));
+    } else if (const auto* holes = r.as<FrontHoles>()) {
+        plan.count = target ? needed : holes->probability.value_or(kDefaultProbability) * e.count;
+    } else if (const auto* boolean = r.as<BooleanVoids>()) {
+        plan.count = target ? needed : boolean->count.value_or(needed);
+        apart = false;
+    } else {  // a foam: as a dense pack, whose holes are walls all around
+        plan.count = plan.packed = 0.64 * e.volume / each;
+        apart = false;
     }
     const double share = plan.count * each / e.volume;
     plan.left = apart ? std::max(0.0, 1 - share) : shareOutside(plan.count * each, e);
-    if (methodOf(r) == VoidMethod::foam) plan.left = r.targetBvtv.value_or(0.3);
-    const double open = methodOf(r) == VoidMethod::foam ? openWalls(plan.left) : plan.left;
+    const bool foam = plan.packed > 0;
+    if (foam) plan.left = target.value_or(kDefaultBvtv);
+    const double open = foam ? openWalls(plan.left) : plan.left;
     plan.wall = plan.count * surfaceArea(e.dim, a, b) * (apart ? 1 : open);
     plan.voxelSize = plannedVoxel(r, e.dim);
     if (!(plan.voxelSize > 0)) plan.voxelSize = voidVoxelFor(r, 0.75 * std::min(a, b));
@@ -111,19 +98,21 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
 
 VoidExtent planVoids(const VoidRecipe& asked, const Extent& e, double largestRadius) {
     const VoidRecipe r = usualFoam(asked);
-    const VoidMethod method = methodOf(r);
-    if (method == VoidMethod::none || isThinning(method) || !(e.volume > 0)) return {};
+    if (!r.makesVoids() || !(e.volume > 0)) return {};
     VoidExtent plan;
-    if (method == VoidMethod::list) {
+    if (r.as<ListedVoids>()) {
         plan = e.dim == 3 ? listed<3>(r, e) : listed<2>(r, e);
-    } else if (method == VoidMethod::grid) {  // as wide as its boxes; a matrix alone has few
-        const auto sides = parseNumberList(r.cell);
-        if (sides && !sides->empty() && sides->front() > 0)
-            plan = planned(r, e, sides->front() / 2, sides->front() / 2);
+    } else if (const auto* grid = r.as<GridVoids>()) {  // as wide as its boxes; a matrix has few
+        if (!grid->cell.empty() && grid->cell.front() > 0)
+            plan = planned(r, e, grid->cell.front() / 2, grid->cell.front() / 2);
     } else {
-        const double chosen = r.targetTbth ? 1.2 * *r.targetTbth : 2 * largestRadius;
-        const double b = meanOf(r.radius, e.dim, chosen);
-        const double aspect = method == VoidMethod::mixed ? 1 : meanOf(r.aspect, e.dim, 2);
+        const VoidShapeRecipe& shape = *shapeOf(r);
+        const auto* holes = r.as<FrontHoles>();
+        const bool balls = holes && holes->as == FrontHoles::As::spheres;
+        const auto thickness = targetTbthOf(r);
+        const double chosen = thickness ? kRadiusPerThickness * *thickness : 2 * largestRadius;
+        const double b = meanOf(shape.radius, e.dim, chosen);
+        const double aspect = balls ? 1 : meanOf(shape.aspect, e.dim, 2);
         if (b > 0) plan = planned(r, e, b * aspect, b);
     }
     if (r.cull == Cull::touch) plan.reach = largestRadius;

@@ -112,8 +112,8 @@ bool isDistance(Number number) {
     return number == Number::thicknessDistance || number == Number::spacingDistance;
 }
 
-/// @param r  has the distributions of the sample, if distances are asked for.
-double numberOf(const Morphometry& m, Number number, const VoidRecipe& r) {
+/// @param t  has the distributions of the sample, if distances are asked for.
+double numberOf(const Morphometry& m, Number number, const FoamTargets& t) {
     switch (number) {
         case Number::thickness:
             return m.thickness->mean;
@@ -130,9 +130,9 @@ double numberOf(const Morphometry& m, Number number, const VoidRecipe& r) {
         case Number::crumbs:
             return std::max(1 - m.largestComponent.value_or(0), kFewCrumbs);
         case Number::thicknessDistance:
-            return std::max(distanceTo(*m.thickness, r.thicknessQuantiles), kNearDistance);
+            return std::max(distanceTo(*m.thickness, t.thicknessQuantiles), kNearDistance);
         case Number::spacingDistance:
-            return std::max(distanceTo(*m.separation, r.separationQuantiles), kNearDistance);
+            return std::max(distanceTo(*m.separation, t.separationQuantiles), kNearDistance);
     }
     return 0;
 }
@@ -148,80 +148,77 @@ double usualBvtv(double slenderness) {
     return std::clamp((slenderness - 0.1) / 0.8, 0.4 * plates, kMostOfPlates * plates);
 }
 
-VoidRecipe withoutTargets(VoidRecipe r) {
-    r.targetTbth = r.targetTbsp = r.targetDa = r.targetConnd = std::nullopt;
-    r.thicknessScatter = r.separationScatter = std::nullopt;
-    r.thicknessQuantiles.clear();
-    r.separationQuantiles.clear();
-    return r;
-}
-
 /// What usual bone has where the targets leave it open, mm.
 struct Guess {
     double bvtv = 0, period = 0, thickness = 0;
 };
 
 /// @param radius  mean b if no target is a length, mm.
-Guess guessOf(const VoidRecipe& r, double radius) {
+Guess guessOf(const FoamVoids& foam, double radius) {
+    const FoamTargets& t = foam.targets;
     Guess g;
-    g.bvtv = r.targetBvtv.value_or(
-        r.targetTbth && r.targetTbsp ? usualBvtv(*r.targetTbth / *r.targetTbsp) : kUsualBvtv);
+    g.bvtv = foam.targetBvtv.value_or(t.tbth && t.tbsp ? usualBvtv(*t.tbth / *t.tbsp) : kUsualBvtv);
     const double slender = usualSlenderness(g.bvtv);
-    g.period = r.targetTbth && r.targetTbsp ? *r.targetTbth + *r.targetTbsp
-               : r.targetTbth               ? *r.targetTbth * (1 + 1 / slender)
-               : r.targetTbsp               ? *r.targetTbsp * (1 + slender)
-               : r.targetConnd              ? std::cbrt(kUsualConnectivity / *r.targetConnd)
-                                            : radius * r.radiusScale / kRadiusInPeriods;
-    g.thickness = r.targetTbth.value_or(g.period * slender / (1 + slender));
+    g.period = t.tbth && t.tbsp ? *t.tbth + *t.tbsp
+               : t.tbth         ? *t.tbth * (1 + 1 / slender)
+               : t.tbsp         ? *t.tbsp * (1 + slender)
+               : t.connd        ? std::cbrt(kUsualConnectivity / *t.connd)
+                                : radius * foam.shape.radiusFactor / kRadiusInPeriods;
+    g.thickness = t.tbth.value_or(g.period * slender / (1 + slender));
     return g;
 }
 
-/// Lognormal radii about 1.
-std::string spreadRadii(double sigma) {
-    return fmt::format("lognormal:1,{:.4f},{:.5f},{:.5f}", sigma, std::exp(-2 * sigma),
-                       std::exp(2 * sigma));
+/// Lognormal radii about 1. Rounded, so that spreads that hardly differ share a pack.
+SizeDistribution spreadRadii(double sigma) {
+    const auto fifth = [](double x) { return std::round(x * 1e5) / 1e5; };
+    return SizeDistribution::lognormal(1, std::round(sigma * 1e4) / 1e4,
+                                       fifth(std::exp(-2 * sigma)), fifth(std::exp(2 * sigma)));
 }
 
 class Fit {
 public:
     Fit(const VoidSetting<3>& setting, FoamPacks<3>& packs)
-        : s_(setting), r_(setting.recipe), packs_(packs), knobs_(usualKnobs()) {
-        const Guess guess =
-            guessOf(r_, r_.radius.empty() && s_.largestRadius == 0
-                            ? 0
-                            : SizeDistribution::parse(voidRadiusSpec(s_, nullptr), 3).mean());
+        : s_(setting),
+          r_(setting.recipe),
+          foam_(*setting.recipe.as<FoamVoids>()),
+          packs_(packs),
+          knobs_(usualKnobs()) {
+        const FoamTargets& t = foam_.targets;
+        const VoidShapeRecipe& shape = foam_.shape;
+        const Guess guess = guessOf(
+            foam_, shape.radius.empty() && s_.largestRadius == 0 ? 0 : voidRadii(s_).mean());
         knobs_[kBvtv].usual = std::log(guess.bvtv);
-        knobs_[kBvtv].isFree = !r_.targetBvtv && (r_.targetTbth || r_.targetTbsp);
+        knobs_[kBvtv].isFree = !foam_.targetBvtv && (t.tbth || t.tbsp);
         period_ = guess.period;
         thickness_ = guess.thickness;
         knobs_[kStrutWidth].usual = std::log(std::clamp(0.9 * std::sqrt(guess.bvtv), 0.1, 0.25));
-        aim("targetTbth", Number::thickness, r_.targetTbth, {0, 1, 1});
-        aim("targetTbsp", Number::spacing, r_.targetTbsp, {0, 1, 1});
-        aim("targetDa", Number::anisotropy, r_.targetDa, {0, 1, 0});
-        aim("targetConnd", Number::connectivity, r_.targetConnd, {0, 1, -3});
-        aim("", Number::thicknessScatter, r_.thicknessScatter,
+        aim("targetTbth", Number::thickness, t.tbth, {0, 1, 1});
+        aim("targetTbsp", Number::spacing, t.tbsp, {0, 1, 1});
+        aim("targetDa", Number::anisotropy, t.da, {0, 1, 0});
+        aim("targetConnd", Number::connectivity, t.connd, {0, 1, -3});
+        aim("", Number::thicknessScatter, t.thicknessScatter,
             {0, kThicknessScatterWeight, 0, 0, false});
-        aim("", Number::spacingScatter, r_.separationScatter,
+        aim("", Number::spacingScatter, t.separationScatter,
             {0, kSeparationScatterWeight, 0, 0, false});
         const KnobTarget distance{0, kDistanceWeight, 0, 1, false, kEnoughDistance - kNearDistance};
         aim("", Number::crumbs, kFewCrumbs, {0, kCrumbsWeight, 0, 1, false});
-        if (!r_.thicknessQuantiles.empty())
+        if (!t.thicknessQuantiles.empty())
             aim("", Number::thicknessDistance, kNearDistance, distance);
-        if (!r_.separationQuantiles.empty())
+        if (!t.separationQuantiles.empty())
             aim("", Number::spacingDistance, kNearDistance, distance);
-        knobs_[kScale].isFree = r_.targetTbth || r_.targetTbsp || r_.targetConnd;
-        knobs_[kSpread].isFree = spreadIsOpen_ = r_.radius.empty();
-        knobs_[kAspect].isFree = r_.aspect.empty() && r_.targetDa;
-        knobs_[kJitter].isFree = !r_.jitter;
+        knobs_[kScale].isFree = t.scale();
+        knobs_[kSpread].isFree = spreadIsOpen_ = shape.radius.empty();
+        knobs_[kAspect].isFree = shape.aspect.empty() && t.da;
+        knobs_[kJitter].isFree = !foam_.jitter;
         knobs_[kBlend].isFree = !r_.blend;
         knobs_[kStrutShare].isFree = !r_.strutShare && !(r_.strut && *r_.strut == 0);
         knobs_[kStrutWidth].isFree = !r_.strut;
-        if (r_.separationScatter && spreadIsOpen_)
-            knobs_[kSpread].usual = std::clamp(*r_.separationScatter / kScatterOfSpread,
+        if (t.separationScatter && spreadIsOpen_)
+            knobs_[kSpread].usual = std::clamp(*t.separationScatter / kScatterOfSpread,
                                                knobs_[kSpread].low, knobs_[kSpread].high);
-        if (r_.aspect.empty() && !r_.targetDa && !directed()) knobs_[kAspect].usual = 0;
+        if (shape.aspect.empty() && !t.da && !shape.orientation.any()) knobs_[kAspect].usual = 0;
         for (const Knob& knob : knobs_) first_.push_back(knob.usual);
-        first_[kScale] = std::log(kRadiusInPeriods * period_ / meanRadius(first_));
+        first_[kScale] = std::log(kRadiusInPeriods * period_ / radii(first_).mean());
     }
 
     StructureFit run() {
@@ -234,7 +231,8 @@ public:
         const Vec<3> size = s_.domain.bounds().size();
         double side = *std::min_element(size.c.begin(), size.c.end());
         const bool whole = s_.domain.facts().kind == "box" && !r_.hasShell() && !s_.bvtv &&
-                           r_.orientation.field.empty() && side > kLeastPeriods * period_ &&
+                           foam_.shape.orientation.field.empty() &&
+                           side > kLeastPeriods * period_ &&
                            s_.domain.volume() / std::pow(fine_.voxel, 3) <= kMostVoxels;
         if (!whole) {
             side = kFinePeriods * period_;
@@ -264,10 +262,11 @@ public:
         result.recipe.voxelSize = voxel;
         result.recipe.shell = r_.shell;
         result.recipe.shellField = r_.shellField;
-        result.recipe.bvtvField = r_.bvtvField;
-        result.recipe.bvtvRange = r_.bvtvRange;
-        result.recipe.orientation = r_.orientation;
-        if (!directed() && best.knobs[kAspect] != 0) result.recipe.orientation.axis = "0,0,1";
+        FoamVoids& foam = *result.recipe.as<FoamVoids>();
+        foam.bvtvField = foam_.bvtvField;
+        foam.shape.orientation = foam_.shape.orientation;
+        if (!foam_.shape.orientation.any() && best.knobs[kAspect] != 0)
+            foam.shape.orientation.axis = "0,0,1";
         result.specimen = side;
         report(best, result);
         return result;
@@ -300,43 +299,37 @@ private:
         targets_.push_back(target);
     }
 
-    bool directed() const {
-        const OrientationRecipe& o = r_.orientation;
-        return !o.axis.empty() || !o.field.empty() || !o.angles.empty();
-    }
-
     static std::shared_ptr<const Domain<3>> boxAbout(const Vec<3>& size) {
         return boxDomain(Box<3>{size * -0.5, size * 0.5});
     }
 
-    std::string radiusSpec(const Knobs& x) const {
-        return spreadIsOpen_ ? spreadRadii(x[kSpread]) : r_.radius;
-    }
-    double meanRadius(const Knobs& x) const {
-        return SizeDistribution::parse(radiusSpec(x), 3).mean();
+    SizeDistribution radii(const Knobs& x) const {
+        return spreadIsOpen_ ? spreadRadii(x[kSpread]) : foam_.shape.radius.in(3);
     }
 
     /// The foam of some knobs, in a box of its own.
     VoidRecipe recipeOf(const Knobs& x) const {
-        VoidRecipe r = withoutTargets(r_);
-        r.targetBvtv = r_.targetBvtv.value_or(std::exp(x[kBvtv]));
-        r.bvtvField.clear();
-        r.bvtvRange.clear();
+        VoidRecipe r = r_;
+        FoamVoids& foam = *r.as<FoamVoids>();
+        VoidShapeRecipe& shape = foam.shape;
+        foam.targets = {};
+        foam.targetBvtv = foam_.targetBvtv.value_or(std::exp(x[kBvtv]));
+        foam.bvtvField = {};
         r.shell = 0;
         r.shellField.clear();
         r.voxelSize = stage_->voxel;
-        r.radius = radiusSpec(x);
-        r.radiusScale =
-            knobs_[kScale].isFree || spreadIsOpen_ ? std::exp(x[kScale]) : r_.radiusScale;
-        const double mean = meanRadius(x) * r.radiusScale;
-        if (r_.aspect.empty()) r.aspect = fmt::format("constant:{:.6g}", std::exp(x[kAspect]));
-        r.jitter = r_.jitter.value_or(x[kJitter]);
+        shape.radius = radii(x);
+        if (knobs_[kScale].isFree || spreadIsOpen_) shape.radiusFactor = std::exp(x[kScale]);
+        const double mean = radii(x).mean() * shape.radiusFactor;
+        if (shape.aspect.empty())
+            shape.aspect = SizeDistribution::constant(std::round(std::exp(x[kAspect]) * 1e5) / 1e5);
+        foam.jitter = foam_.jitter.value_or(x[kJitter]);
         r.blend = r_.blend.value_or(std::exp(x[kBlend]) * mean);
         r.strut = r_.strut.value_or(std::exp(x[kStrutWidth]) * mean);
         r.strutShare = r_.strutShare.value_or(x[kStrutShare]);
-        if (!r.orientation.field.empty() || !directed()) {
-            r.orientation.field.clear();
-            r.orientation.axis = "0,0,1";
+        if (!shape.orientation.field.empty() || !shape.orientation.any()) {
+            shape.orientation.field.clear();
+            shape.orientation.axis = "0,0,1";
         }
         return r;
     }
@@ -363,13 +356,13 @@ private:
         if (!m.thickness || !m.separation || !m.anisotropy)
             throw ParameterError(
                 fmt::format("`targetBvtv` {}: leaves nothing to measure; give a higher one",
-                            *recipe.targetBvtv));
+                            *targetBvtvOf(recipe)));
         return m;
     }
 
     std::vector<double> numbersOf(const Morphometry& m) const {
         std::vector<double> values;
-        for (const Number number : numbers_) values.push_back(numberOf(m, number, r_));
+        for (const Number number : numbers_) values.push_back(numberOf(m, number, foam_.targets));
         return values;
     }
 
@@ -542,8 +535,7 @@ private:
     void say(const KnobTrial& found, std::size_t missed, const std::string& what) const {
         const std::string text =
             fmt::format("`{}` {:.4g}: {}", names_[missed], targets_[missed].asked, what);
-        const bool ofBone = !r_.thicknessQuantiles.empty() || !r_.trabecular.empty();
-        if (std::fabs(found.errors[missed]) > kRefusedError && !ofBone)
+        if (std::fabs(found.errors[missed]) > kRefusedError && !foam_.targets.ofBone)
             throw ParameterError(text + "; give another value, or leave another target out");
         s_.callbacks.warn(fmt::format("{}; this structure has {:.4g}", text, found.values[missed]));
     }
@@ -553,10 +545,11 @@ private:
             if (targets_[i].isStrict)
                 result.targets.push_back(
                     {names_[i], targets_[i].asked, best.values[i], std::nullopt});
-        if (!r_.thicknessQuantiles.empty()) {
+        const FoamTargets& t = foam_.targets;
+        if (!t.thicknessQuantiles.empty()) {
             if (lastOf_.first != best.knobs) valuesAt(best.knobs);
-            result.thicknessDistance = distanceTo(lastOf_.second[0], r_.thicknessQuantiles);
-            result.separationDistance = distanceTo(lastOf_.second[1], r_.separationQuantiles);
+            result.thicknessDistance = distanceTo(lastOf_.second[0], t.thicknessQuantiles);
+            result.separationDistance = distanceTo(lastOf_.second[1], t.separationQuantiles);
         }
         addScatter(best.knobs, result);
     }
@@ -581,6 +574,7 @@ private:
 
     const VoidSetting<3>& s_;
     const VoidRecipe& r_;
+    const FoamVoids& foam_;  ///< of that recipe
     FoamPacks<3>& packs_;
     std::vector<Knob> knobs_;
     std::vector<KnobTarget> targets_;  ///< strict ones first
@@ -600,28 +594,59 @@ private:
 
 VoidRecipe usualFoam(const VoidRecipe& asked) {
     if (!hasStructureTargets(asked)) return asked;
-    VoidRecipe r = withoutTargets(asked);
-    const bool scaled = asked.targetTbth || asked.targetTbsp || asked.targetConnd;
-    if (!scaled) return r;
-    const Guess guess = guessOf(asked, 0);
-    r.targetBvtv = guess.bvtv;
-    const std::string radius =
-        r.radius.empty() ? spreadRadii(usualKnobs()[kSpread].usual) : asked.radius;
-    const SizeDistribution sizes = SizeDistribution::parse(radius, 3);
-    r.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean()).spec();
+    VoidRecipe r = asked;
+    FoamVoids& foam = *r.as<FoamVoids>();
+    const FoamTargets targets = std::exchange(foam.targets, {});
+    if (!targets.scale()) return r;
+    const Guess guess = guessOf(*asked.as<FoamVoids>(), 0);
+    foam.targetBvtv = guess.bvtv;
+    const SizeDistribution sizes = foam.shape.radius.empty()
+                                       ? spreadRadii(usualKnobs()[kSpread].usual)
+                                       : foam.shape.radius.in(3);
+    foam.shape.radius = sizes.scaled(kRadiusInPeriods * guess.period / sizes.mean());
     if (!(r.voxelSize > 0)) r.voxelSize = guess.thickness / kFineVoxels;
     return r;
 }
 
 double specimenVoxels(const VoidRecipe& asked, double box) {
     if (!hasStructureTargets(asked)) return 0;
-    const Guess guess = guessOf(asked, 0);
+    const Guess guess = guessOf(*asked.as<FoamVoids>(), 0);
     if (!(guess.period > 0)) return 0;
     const double voxel = asked.voxelSize > 0 ? asked.voxelSize : guess.thickness / kFineVoxels;
     const bool whole =
         std::cbrt(box) > kLeastPeriods * guess.period && box / std::pow(voxel, 3) <= kMostVoxels;
     const double cube = std::pow(kFinePeriods * guess.period, 3);
     return std::min(kMostVoxels, (whole ? box : cube) / std::pow(voxel, 3));
+}
+
+void aimAt(const Morphometry& m, const std::string& name, FoamVoids& foam,
+           const Callbacks& callbacks) {
+    if (!m.thickness || !m.separation || !m.anisotropy)
+        throw InputError(
+            fmt::format("{}: BV/TV is {:g}, so that there is no structure to be like; check what "
+                        "is solid in it (`likeThreshold`) and its total volume (`likeDomain`)",
+                        name, m.solidFraction));
+    const auto fill = [](std::optional<double>& target, double value) {
+        if (!target) target = value;
+    };
+    FoamTargets& t = foam.targets;
+    fill(foam.targetBvtv, m.solidFraction);
+    fill(t.tbth, m.thickness->mean);
+    fill(t.tbsp, m.separation->mean);
+    fill(t.da, m.anisotropy->degree);
+    if (m.connectivityDensity > 0)
+        fill(t.connd, m.connectivityDensity);
+    else
+        callbacks.warn(fmt::format("{}: Conn.D is {:.3g} /mm³, so that it is no target", name,
+                                   m.connectivityDensity));
+    fill(t.thicknessScatter, m.thickness->sd / m.thickness->mean);
+    fill(t.separationScatter, m.separation->sd / m.separation->mean);
+    t.thicknessQuantiles = m.thickness->quantiles;
+    t.separationQuantiles = m.separation->quantiles;
+    t.ofBone = true;
+    if (foam.shape.orientation.any()) return;
+    const Vec<3>& axis = m.anisotropy->axes[0];
+    foam.shape.orientation.axis = fmt::format("{:.6g},{:.6g},{:.6g}", axis[0], axis[1], axis[2]);
 }
 
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs) {
