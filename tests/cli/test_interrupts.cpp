@@ -187,13 +187,13 @@ TEST_CASE("runs with nothing to keep throw when they are cancelled, and write no
         voids.request.radius = "constant:2";
         voids.request.targetBvtv = 0.5;
         voids.outputs = {out.file("v.vdb")};
-        stops(runVoids, voids);
+        stops(vdbpack::runVoids, settled(voids));
         CarveJob carve;
         carve.pack = folder.file("p.csv");
         carve.domain.source = "box:20,20,20";
         carve.request = voids.request;
         carve.outputs = {out.file("c.csv")};
-        stops(runCarve, carve);
+        stops(vdbpack::runCarve, settled(carve));
         VerifyRecipe verify;
         verify.pack = folder.file("p.csv");
         verify.domain.source = "box:20,20,20";

@@ -291,7 +291,7 @@ TEST_CASE("the table of a study has BV/TV, regions and connectivity", "[run]") {
     recipe.request.radius = "constant:1";
     recipe.request.targetBvtv = 0.6;
     recipe.request.shell = 2;
-    const StudyResult study = runStudy(recipe, {1, 2}, folder.file("t.csv"));
+    const StudyResult study = runStudy(settled(recipe), {1, 2}, folder.file("t.csv"));
     const auto rows = rowsOf(folder.file("t.csv"));
     for (std::size_t k = 0; k < 2; ++k) {
         const Report& report = study.reports[k];
@@ -317,7 +317,7 @@ TEST_CASE("voids of several seeds are those of single runs, a row each", "[run][
     recipe.request.radius = "constant:1";
     recipe.request.count = 20;
     recipe.outputs = {"list:" + folder.file("v{seed}.csv")};
-    const StudyResult study = runStudy(recipe, {5, 9}, folder.file("t.csv"));
+    const StudyResult study = runStudy(settled(recipe), {5, 9}, folder.file("t.csv"));
     const auto rows = rowsOf(folder.file("t.csv"));
     REQUIRE(rows.size() == 3);
     for (std::size_t k = 0; k < 2; ++k) {
@@ -333,7 +333,7 @@ TEST_CASE("voids of several seeds are those of single runs, a row each", "[run][
     }
     CHECK_THAT(summary(study), Catch::Contains("BV/TV") && !Catch::Contains("spheres"));
     recipe.outputs = {"list:" + folder.file("v.csv")};
-    CHECK_THROWS_WITH(runStudy(recipe, {5, 9}, ""), Catch::Contains("{seed}"));
+    CHECK_THROWS_WITH(runStudy(settled(recipe), {5, 9}, ""), Catch::Contains("{seed}"));
 }
 
 TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
@@ -343,7 +343,7 @@ TEST_CASE("an interrupted study keeps the rows that are complete", "[run]") {
     Callbacks callbacks;
     callbacks.progress = [&](const Progress& p) { reports += p.stage == "measure"; };
     callbacks.cancelled = [&] { return reports >= 3; };
-    const auto study = runStudy(recipe, {1, 2, 3, 4}, folder.file("t.csv"), callbacks);
+    const auto study = runStudy(settled(recipe), {1, 2, 3, 4}, folder.file("t.csv"), callbacks);
     CHECK(study.interrupted);
     CHECK(study.reports.size() == 2);
     CHECK(rowsOf(folder.file("t.interrupted.csv")).size() == 3);
