@@ -18,113 +18,90 @@ constexpr double kPackedTolerance = 0.002;
 /// Holes with less beside them would be no pack.
 constexpr double kMostProbability = 0.9;
 
-/// Packs with one probability of holes after the other.
+/// Takes the holes out of a pack, and sets their share in the report.
+/// @return the holes
 template <int Dim>
-class HolePacker {
-public:
-    HolePacker(const VoidSetting<Dim>& setting, const PackOptions& options,
-               const std::vector<Sphere<Dim>>& existing, MadeVoids<Dim>& made)
-        : s_(setting),
-          options_(options),
-          existing_(existing),
-          made_(made),
-          shape_(voidShapeOf(setting, &made.report.chosen)),
-          voxel_(voidVoxelFor(setting.recipe,
-                              shape_.radius.min() * std::min(1.0, shape_.aspect.min()))) {}
-
-    PackResult<Dim> run(const FrontHoles& holes) {
-        const auto pack = [this](double probability) { return bvtvAt(probability); };
-        if (const auto target = holes.targetBvtv) {
-            // As if holes took their share of what is filled.
-            const double left = -std::log(*target), ball = options_.sizes.meanBall(Dim);
-            const double guess = left * ball / (left * ball + shape_.meanMeasure());
-            solveForBvtv(s_.recipe, 0, std::clamp(guess, 1e-4, 0.3), kMostProbability,
-                         kPackedTolerance,
-                         "; give larger or longer voids, or set `voids` boolean, whose voids "
-                         "overlap",
-                         pack);
-            if (!result_.interrupted) warnIfOff(s_, made_.report);
-        } else {
-            if (!holes.probability)
-                made_.report.chosen.push_back(
-                    fmt::format("a hole with probability {}", kDefaultProbability));
-            pack(holes.probability.value_or(kDefaultProbability));
+std::vector<Sphere<Dim>> takeHoles(const VoidSetting<Dim>& s, PackResult<Dim>& result,
+                                   VoidReport& report) {
+    std::vector<Sphere<Dim>> places;
+    std::vector<std::uint8_t> keep(result.pack.spheres.size(), 1);
+    for (std::size_t i = 0; i < keep.size(); ++i)
+        if (result.species[i] != 0) {
+            keep[i] = 0;
+            places.push_back(result.pack.spheres[i]);
         }
-        warnOfFew();
-        return std::move(result_);
-    }
+    const auto deep = deeperThan(result.pack.spheres, s.domain, s.recipe.shell);
+    const auto core = std::max<std::ptrdiff_t>(1, std::count(deep.begin(), deep.end(), 1));
+    report.reachedShare = static_cast<double>(places.size()) / static_cast<double>(core);
+    keepOnly(result.pack, keep);
+    // Placed in this order, without gaps.
+    for (std::size_t i = 0; i < result.pack.order.size(); ++i)
+        result.pack.order[i] = static_cast<std::int64_t>(i);
+    return places;
+}
 
-private:
-    double bvtvAt(double probability) {
-        const double shell = s_.recipe.shell;
-        PackOptions mixed = options_;
-        mixed.species.push_back({shape_.radius, probability, shell});
-        result_ = packSpheres(s_.domain, mixed, s_.callbacks, existing_);
-        std::vector<Sphere<Dim>> places;
-        std::vector<std::uint8_t> keep(result_.pack.spheres.size(), 1);
-        for (std::size_t i = 0; i < keep.size(); ++i)
-            if (result_.species[i] != 0) {
-                keep[i] = 0;
-                places.push_back(result_.pack.spheres[i]);
-            }
-        holes_ = places.size();
-        made_.report.amount = probability;
-        const auto deep = deeperThan(result_.pack.spheres, s_.domain, shell);
-        const auto core = static_cast<double>(
-            std::max<std::ptrdiff_t>(1, std::count(deep.begin(), deep.end(), 1)));
-        made_.report.reachedShare = static_cast<double>(holes_) / core;
-        wanted_ = probability * core;
-        keepOnly(result_.pack, keep);
-        // Placed in this order, without gaps.
-        for (std::size_t i = 0; i < result_.pack.order.size(); ++i)
-            result_.pack.order[i] = static_cast<std::int64_t>(i);
-        made_.list = voidsAtSpheres(places, false, shape_, s_.seed);
-        if (!result_.interrupted) {
-            try {
-                return bvtvOf(s_, voxel_, made_);
-            } catch (const Interrupted&) {
-                result_.interrupted = true;
-            }
-        }
-        // An interrupted pack is kept unchanged, without voids and further trials.
-        made_.stamped.reset();
-        made_.solid = {};
-        made_.report.bvtv.reset();
-        return targetBvtvOf(s_.recipe).value_or(0);
-    }
-
-    void warnOfFew() const {
-        if (holes_ == 0)
-            s_.callbacks.warn(
-                "no hole found room: give smaller ones, a larger `voids.probability` or a "
-                "thinner shell");
-        else if (const auto found = static_cast<double>(holes_);
-                 found < 0.8 * wanted_ && found < wanted_ - 3 * std::sqrt(wanted_))  // no chance
-            s_.callbacks.warn(fmt::format(
-                "{:.3g} of the spheres were to be holes, {:.3g} are: no more found room",
-                *made_.report.amount, *made_.report.reachedShare));
-    }
-
-    const VoidSetting<Dim>& s_;
-    const PackOptions& options_;
-    const std::vector<Sphere<Dim>>& existing_;
-    MadeVoids<Dim>& made_;
-    VoidShape<Dim> shape_;
-    double voxel_;
-    PackResult<Dim> result_;
-    std::size_t holes_ = 0;
-    double wanted_ = 0;  ///< holes
-};
+/// Warns of holes that found no room.
+/// @param found  their number.
+void warnOfFew(const Callbacks& callbacks, const VoidReport& report, std::size_t found) {
+    const auto holes = static_cast<double>(found);
+    const double wanted = holes > 0 ? *report.amount * holes / *report.reachedShare : 0;
+    if (found == 0)
+        callbacks.warn(
+            "no hole found room: give smaller ones, a larger `voids.probability` or a "
+            "thinner shell");
+    else if (holes < 0.8 * wanted && holes < wanted - 3 * std::sqrt(wanted))  // no chance
+        callbacks.warn(
+            fmt::format("{:.3g} of the spheres were to be holes, {:.3g} are: no more found room",
+                        *report.amount, *report.reachedShare));
+}
 
 }  // namespace
 
 template <int Dim>
 PackResult<Dim> packWithHoles(const VoidSetting<Dim>& s, const PackOptions& options,
                               const std::vector<Sphere<Dim>>& existing, MadeVoids<Dim>& made) {
+    const FrontHoles& recipe = *std::get_if<FrontHoles>(&s.recipe.method);
     made.report.method = nameOf(s.recipe);
     made.report.shell = s.recipe.shell;
-    return HolePacker<Dim>(s, options, existing, made)
-        .run(*std::get_if<FrontHoles>(&s.recipe.method));
+    const VoidShape<Dim> shape = voidShapeOf(s, &made.report.chosen);
+    const double voxel =
+        voidVoxelFor(s.recipe, shape.radius.min() * std::min(1.0, shape.aspect.min()));
+    PackResult<Dim> result;
+    const auto bvtvAt = [&](double probability) {
+        PackOptions mixed = options;
+        mixed.species.push_back({shape.radius, probability, s.recipe.shell});
+        result = packSpheres(s.domain, mixed, s.callbacks, existing);
+        made.report.amount = probability;
+        made.list = voidsAtSpheres(takeHoles(s, result, made.report), false, shape, s.seed);
+        if (!result.interrupted) {
+            try {
+                return bvtvOf(s, voxel, made);
+            } catch (const Interrupted&) {
+                result.interrupted = true;
+            }
+        }
+        // An interrupted pack is kept unchanged, without voids and further trials.
+        made.stamped.reset();
+        made.solid = {};
+        made.report.bvtv.reset();
+        return recipe.targetBvtv.value_or(0);
+    };
+    if (const auto target = recipe.targetBvtv) {
+        // As if holes took their share of what is filled.
+        const double left = -std::log(*target) * options.sizes.meanBall(Dim);
+        const double guess = std::clamp(left / (left + shape.meanMeasure()), 1e-4, 0.3);
+        solveForBvtv(s.recipe, 0, guess, kMostProbability, kPackedTolerance,
+                     "; give larger or longer voids, or set `voids` boolean, whose voids overlap",
+                     bvtvAt);
+        if (!result.interrupted) warnIfOff(s, made.report);
+    } else {
+        if (!recipe.probability)
+            made.report.chosen.push_back(
+                fmt::format("a hole with probability {}", kDefaultProbability));
+        bvtvAt(recipe.probability.value_or(kDefaultProbability));
+    }
+    warnOfFew(s.callbacks, made.report, made.list.size());
+    return result;
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                        \

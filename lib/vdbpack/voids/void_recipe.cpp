@@ -163,21 +163,14 @@ Result ifAny(Method& method, Result none, const Get& get) {
 }  // namespace
 
 std::string nameOf(const VoidRecipe& recipe) {
-    struct Name {
-        std::string operator()(std::monostate) const { return {}; }
-        std::string operator()(const GridVoids&) const { return "grid"; }
-        std::string operator()(const OverlayVoids&) const { return "overlay"; }
-        std::string operator()(const BooleanVoids&) const { return "boolean"; }
-        std::string operator()(const FoamVoids&) const { return "foam"; }
-        std::string operator()(const ListedVoids& m) const { return "list:" + m.file; }
-        std::string operator()(const Thinning& m) const {
-            return m.by == Thinning::By::concentric ? "concentric" : "threshold";
-        }
-        std::string operator()(const FrontHoles& m) const {
-            return m.as == FrontHoles::As::spheres ? "mixed" : "ellipses";
-        }
-    };
-    return std::visit(Name(), recipe.method);
+    if (const auto* listed = recipe.as<ListedVoids>()) return "list:" + listed->file;
+    if (const auto* thinning = recipe.as<Thinning>())
+        return thinning->by == Thinning::By::concentric ? "concentric" : "threshold";
+    if (const auto* holes = recipe.as<FrontHoles>())
+        return holes->as == FrontHoles::As::spheres ? "mixed" : "ellipses";
+    // In the order of the variant.
+    constexpr const char* kNames[] = {"", "grid", "overlay", "boolean", "foam"};
+    return kNames[recipe.method.index()];
 }
 
 const VoidShapeRecipe* shapeOf(const VoidRecipe& recipe) {
