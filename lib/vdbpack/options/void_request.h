@@ -28,8 +28,8 @@ struct VoidRequest {
     OrientationRecipe orientation;
 };
 
-/// The typed recipe. Targets that are not given are those of the preset; targets or a sample
-/// without a method are those of a foam.
+/// The typed recipe. A preset sets the targets that are not given; targets or a sample without a
+/// method are met by a foam.
 /// @throws ParameterError for texts that are malformed, and for options that the method does not
 /// use, with the methods that use them; IoError, InputError for tables of sizes
 VoidRecipe voidsOf(const VoidRequest& request);

@@ -38,7 +38,7 @@ inline constexpr double kCoarseVoxels = 4, kFineVoxels = 5;
 inline constexpr double kCoarsePeriods = 5, kFinePeriods = 8, kLeastPeriods = 3.5;
 /// The most voxels that a specimen is measured in.
 inline constexpr double kMostVoxels = 1.2e8;
-/// Nor are distances from the distributions of a sample: they count from the first on, and up to
+/// Distances from the distributions of a sample count from the first value on, and up to
 /// the second the search goes on.
 inline constexpr double kNearDistance = 0.08, kEnoughDistance = 0.11, kDistanceWeight = 0.6;
 

@@ -47,7 +47,7 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
-    /// Thickness by place, where the recipe has a field of it; uniform: that of the recipe.
+    /// Thickness by place, where the recipe has a field of it; uniform: the recipe's.
     ShellThickness localShell{};
     FoamPacks<Dim>* packs = nullptr;  ///< kept for further foams; null: they are not
 };
@@ -95,7 +95,7 @@ template <int Dim>
 struct VoidFamily {
     double most = 0;       ///< the largest amount
     double guess = 0;      ///< amount for the target, estimated
-    double steepness = 0;  ///< as that of `solveForBvtv`
+    double steepness = 0;  ///< as in `solveForBvtv`
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;

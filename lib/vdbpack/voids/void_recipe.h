@@ -23,7 +23,7 @@ enum class Fill {
 
 /// Defaults where nothing else determines the amount of voids.
 inline constexpr double kDefaultBvtv = 0.3;
-inline constexpr double kDefaultProbability = 0.02;  ///< of a hole; that of the paper
+inline constexpr double kDefaultProbability = 0.02;  ///< of a hole, as in the paper
 /// Mean b of the voids between trabeculae, in Tb.Th, before anything is measured.
 inline constexpr double kRadiusPerThickness = 1.2;
 
@@ -67,7 +67,7 @@ struct SpecimenRecipe {
     std::optional<double> threshold;  ///< of an image: solid from this grey value on
 };
 
-// The methods; numbers in brackets are those of the paper that assets/figures/README.md names.
+// The methods, with their numbers in the paper that assets/figures/README.md names.
 
 /// An ellipsoid in each box of a lattice that a matrix or chance selects (1).
 struct GridVoids {
