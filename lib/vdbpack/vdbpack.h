@@ -5,8 +5,9 @@
 //             implicitDomain; cut by clippedDomain and sliceDomain
 //   pack      packSpheres, packToCount, largestBall; sizes by SizeDistribution
 //   densify   densify: makes a pack denser, or removes its overlaps
-//   voids     booleanVoids, latticeVoids, voidsAtSpheres, foamVoids, readVoidList; stampVoids,
-//             cutVoids, spheresOutside and keepOnly
+//   voids     makeVoids by any method, for a target BV/TV; booleanVoids, latticeVoids,
+//             voidsAtSpheres, foamVoids, readVoidList; stampVoids, cutVoids, spheresOutside,
+//             keepOnly
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
 //   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
 //             pairCorrelation; measureMorphometry of a solid
@@ -66,6 +67,7 @@
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/dilated_pack.h"
+#include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_field.h"

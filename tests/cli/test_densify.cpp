@@ -124,9 +124,9 @@ TEST_CASE("a pack interrupted while it gets denser is kept as the front left it"
 TEST_CASE("voids are cut after a pack got denser", "[cli][densify]") {
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
     recipe.densify.fraction = 0.61;
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:3";
-    recipe.voids.targetBvtv = 0.8;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:3";
+    recipe.request.targetBvtv = 0.8;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.densified->after >= 0.61);
@@ -165,7 +165,7 @@ TEST_CASE("densify takes packs of other programs, with their names and columns",
 TEST_CASE("densify adds spheres to the regions that a pack has", "[cli][densify]") {
     const TemporaryFolder folder;
     auto recipe = recipeFor("box:24,24,24", "uniform:1,2");
-    recipe.voids.shell = 4;
+    recipe.request.shell = 4;
     recipe.outputs = {folder.file("p.csv")};
     const auto before = std::get<Pack<3>>(runPack(recipe).pack);
     const auto run = vdbPack("densify " + folder.file("p.csv") +

@@ -76,25 +76,23 @@ TEST_CASE("boxes repeat along the axes that are named", "[cli][periodic]") {
 
 TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     const TemporaryFolder folder;
-    const auto refused = [](PackRecipe recipe) {
-        CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    };
+    const auto refused = [](PackJob recipe) { CHECK_THROWS_AS(runPack(recipe), ParameterError); };
     const auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
     auto other = recipe;
-    other.voids.method = "mixed";
-    other.voids.radius = "uniform:2,3";
+    other.request.method = "mixed";
+    other.request.radius = "uniform:2,3";
     refused(other);
-    other.voids.method = "boolean";
-    other.voids.radius = "uniform:2,12";  // longer than the cell with its aspect
+    other.request.method = "boolean";
+    other.request.radius = "uniform:2,12";  // longer than the cell with its aspect
     refused(other);
-    other.voids.radius = "uniform:2,3";
-    other.voids.fill = Fill::solid;
+    other.request.radius = "uniform:2,3";
+    other.request.fill = Fill::solid;
     refused(other);
     other = recipe;
     other.outputs = {folder.file("s.stl")};
     refused(other);
     other = recipe;
-    other.voids.shell = 2;
+    other.request.shell = 2;
     refused(other);
     other = recipe;
     other.domain.clips = {"plane:0,0,1,3"};

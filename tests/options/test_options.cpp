@@ -55,7 +55,7 @@ TEST_CASE("a page names the options that differ from their defaults, once", "[op
     PackJob job;
     job.domain.source = "ball:3";
     job.packing.blockSide = 40;
-    job.voids.method = "boolean";
+    job.request.method = "boolean";
     job.domain.clips = {"plane:1,0,0,1", "plane:0,1,0,1"};
     const auto given = givenOptions(job);
     using Row = std::pair<std::string, std::string>;

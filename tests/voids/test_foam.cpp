@@ -1,4 +1,5 @@
 // Voids of an open-cell foam: runs with `voids` foam.
+#include "cli/recipes.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 #include "voids/turning.h"
@@ -17,12 +18,12 @@ using namespace vdbpack::test;
 
 namespace {
 
-VoidsRecipe foam(const std::string& source, double bvtv, const std::string& output) {
-    VoidsRecipe recipe;
+VoidsJob foam(const std::string& source, double bvtv, const std::string& output) {
+    VoidsJob recipe;
     recipe.domain.source = source;
-    recipe.voids.method = "foam";
-    recipe.voids.radius = "uniform:0.25,0.5";
-    recipe.voids.targetBvtv = bvtv;
+    recipe.request.method = "foam";
+    recipe.request.radius = "uniform:0.25,0.5";
+    recipe.request.targetBvtv = bvtv;
     recipe.outputs = {output};
     return recipe;
 }
@@ -33,11 +34,11 @@ TEST_CASE("the struts of a foam are connected", "[run][voids]") {
     const TemporaryFolder folder;
     auto recipe = foam("box:4,4,4", GENERATE(0.06, 0.1, 0.2, 0.45), folder.file("v.vdb"));
     const auto made = runVoids(recipe);
-    CHECK(*made.report.voids->bvtv == Approx(*recipe.voids.targetBvtv).margin(0.002));
+    CHECK(*made.report.voids->bvtv == Approx(*recipe.request.targetBvtv).margin(0.002));
     CHECK(*made.report.voids->solidAttached > 0.995);
     // Voids at random leave pieces of as much bone.
-    recipe.voids.method = "boolean";
-    if (*recipe.voids.targetBvtv < 0.15)
+    recipe.request.method = "boolean";
+    if (*recipe.request.targetBvtv < 0.15)
         CHECK(*runVoids(recipe).report.voids->solidAttached < *made.report.voids->solidAttached);
 }
 
@@ -45,8 +46,8 @@ TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][void
     const TemporaryFolder folder;
     const double aspect = GENERATE(1.0, 1.4, 2.0);
     auto recipe = foam("box:4,4,4", 0.2, folder.file("v.vdb"));
-    recipe.voids.aspect = "constant:" + std::to_string(aspect);
-    recipe.voids.orientation.axis = "1,1,0";
+    recipe.request.aspect = "constant:" + std::to_string(aspect);
+    recipe.request.orientation.axis = "1,1,0";
     runVoids(recipe);
     MeasureRecipe measure;
     measure.pack = folder.file("v.vdb");
@@ -64,9 +65,9 @@ TEST_CASE("the cells of a foam are as long as they are asked to be", "[run][void
 TEST_CASE("the voids of a foam touch before they are dilated", "[run][voids]") {
     const TemporaryFolder folder;
     auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
-    recipe.voids.orientation.axis = "0,0,1";
-    recipe.voids.aspect = "constant:1.5";
-    recipe.voids.jitter = 0;
+    recipe.request.orientation.axis = "0,0,1";
+    recipe.request.aspect = "constant:1.5";
+    recipe.request.jitter = 0;
     const double factor = *runVoids(recipe).report.voids->amount;
     CHECK(factor > 1.02);
     auto voids = readVoidList<3>(folder.file("l.csv"));
@@ -89,22 +90,22 @@ TEST_CASE("the voids of a foam touch before they are dilated", "[run][voids]") {
 TEST_CASE("a list of voids, their blend and struts make the same foam again", "[run][voids]") {
     const TemporaryFolder folder;
     auto recipe = foam("box:3,3,3", 0.25, "list:" + folder.file("l.csv"));
-    recipe.voids.blend = 0.05;
-    recipe.voids.strut = 0.1;
-    recipe.voids.strutShare = 0.5;
+    recipe.request.blend = 0.05;
+    recipe.request.strut = 0.1;
+    recipe.request.strutShare = 0.5;
     const auto first = runVoids(recipe).report.voids;
-    recipe.voids.method = "list:" + folder.file("l.csv");
-    recipe.voids.radius.clear();
-    recipe.voids.targetBvtv.reset();
-    recipe.voids.voxelSize = first->voxelSize;
+    recipe.request.method = "list:" + folder.file("l.csv");
+    recipe.request.radius.clear();
+    recipe.request.targetBvtv.reset();
+    recipe.request.voxelSize = first->voxelSize;
     recipe.outputs = {folder.file("v.vdb")};
     CHECK(*runVoids(recipe).report.voids->bvtv == Approx(*first->bvtv).margin(1e-4));
     // Without the blend, walls between the voids are left; without struts, there is less.
-    recipe.voids.blend.reset();
+    recipe.request.blend.reset();
     CHECK(*runVoids(recipe).report.voids->bvtv > *first->bvtv + 0.01);
-    recipe.voids.strut.reset();
-    recipe.voids.strutShare.reset();
-    recipe.voids.blend = 0.05;
+    recipe.request.strut.reset();
+    recipe.request.strutShare.reset();
+    recipe.request.blend = 0.05;
     CHECK(*runVoids(recipe).report.voids->bvtv < *first->bvtv - 0.003);
 }
 
@@ -118,8 +119,8 @@ TEST_CASE("the cells of a foam follow a field of directions", "[run][voids]") {
     }
     putContent(folder.file("f.csv"), field);
     auto recipe = foam("box:4,4,4", 0.2, "list:" + folder.file("l.csv"));
-    recipe.voids.orientation.field = folder.file("f.csv");
-    recipe.voids.aspect = "constant:2";
+    recipe.request.orientation.field = folder.file("f.csv");
+    recipe.request.aspect = "constant:2";
     const auto run = runVoids(recipe);
     CHECK(*run.report.voids->bvtv == Approx(0.2).margin(0.003));
     CHECK(*run.report.voids->solidAttached > 0.95);
@@ -130,11 +131,11 @@ TEST_CASE("the cells of a foam follow a field of directions", "[run][voids]") {
 TEST_CASE("a foam in the plane, and in a bone with a shell", "[run][voids]") {
     const TemporaryFolder folder;
     auto flat = foam("disc:6", 0.3, "list:" + folder.file("l.csv"));
-    flat.voids.orientation.axis = "1,0";
+    flat.request.orientation.axis = "1,0";
     CHECK(*runVoids(flat).report.voids->bvtv == Approx(0.3).margin(0.003));
     auto shelled = foam("ball:3", 0.25, folder.file("v.vdb"));
-    shelled.voids.shell = 0.5;
-    shelled.voids.keepConnected = true;
+    shelled.request.shell = 0.5;
+    shelled.request.keepConnected = true;
     const auto run = runVoids(shelled);
     CHECK(*run.report.voids->bvtv == Approx(0.25).margin(0.003));
     CHECK(*run.report.voids->solidAttached > 0.99);

@@ -1,4 +1,5 @@
 // Foams whose BV/TV and directions vary in space: runs with `voids` foam and fields.
+#include "cli/recipes.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 #include "voids/turning.h"
@@ -54,15 +55,15 @@ std::string turningTable() {
 
 struct LocalFoam {
     TemporaryFolder folder;
-    VoidsRecipe recipe;
+    VoidsJob recipe;
 
     explicit LocalFoam(const std::string& source) {
         recipe.domain.source = source;
-        recipe.voids.method = "foam";
-        recipe.voids.radius = "uniform:0.25,0.5";
-        recipe.voids.bvtvField = folder.file("bvtv.csv");
+        recipe.request.method = "foam";
+        recipe.request.radius = "uniform:0.25,0.5";
+        recipe.request.bvtvField = folder.file("bvtv.csv");
         recipe.outputs = {"list:" + folder.file("list.csv"), folder.file("v.vdb")};
-        putContent(recipe.voids.bvtvField, rampTable());
+        putContent(recipe.request.bvtvField, rampTable());
     }
     RunResult run() const { return runVoids(recipe); }
 };
@@ -105,13 +106,13 @@ double solidShare(const VdbGrid& solid, const Box<3>& box) {
 
 TEST_CASE("BV/TV of a foam follows a ramp, and its directions a field", "[run][voids][long]") {
     LocalFoam foam(fmt::format("box:{},{},{}", kLength, kWidth, kWidth));
-    foam.recipe.voids.voxelSize = 0.05;
+    foam.recipe.request.voxelSize = 0.05;
     const bool directed = GENERATE(false, true);
     CAPTURE(directed);
     if (directed) {
-        foam.recipe.voids.orientation.field = foam.folder.file("u.csv");
-        foam.recipe.voids.aspect = "constant:1.8";
-        putContent(foam.recipe.voids.orientation.field, turningTable());
+        foam.recipe.request.orientation.field = foam.folder.file("u.csv");
+        foam.recipe.request.aspect = "constant:1.8";
+        putContent(foam.recipe.request.orientation.field, turningTable());
     }
     const RunResult run = foam.run();
     CHECK(*run.report.voids->bvtv == Approx(0.25).margin(0.002));
@@ -165,10 +166,10 @@ TEST_CASE("BV/TV of a foam in the plane follows a ramp", "[run][voids]") {
 
 TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids][long]") {
     LocalFoam foam("ball:2.9");
-    foam.recipe.voids.shell = 0.4;
-    foam.recipe.voids.keepConnected = true;
+    foam.recipe.request.shell = 0.4;
+    foam.recipe.request.keepConnected = true;
     const double target = GENERATE(0.2, 0.3);
-    foam.recipe.voids.targetBvtv = target;
+    foam.recipe.request.targetBvtv = target;
     const RunResult run = foam.run();
     CHECK(*run.report.voids->bvtv == Approx(target).margin(0.002));
     CHECK(*run.report.voids->solidAttached > 0.99);
@@ -183,11 +184,11 @@ TEST_CASE("a local foam in a bone with a shell keeps its mean", "[run][voids][lo
 
 TEST_CASE("a local foam is the solid that spheres fill", "[run][voids][long]") {
     LocalFoam foam("box:6,5,5");
-    PackRecipe pack;
+    PackJob pack;
     pack.domain = foam.recipe.domain;
-    pack.voids = foam.recipe.voids;
-    pack.voids.fill = Fill::solid;
-    pack.voids.keepConnected = true;
+    pack.request = foam.recipe.request;
+    pack.request.fill = Fill::solid;
+    pack.request.keepConnected = true;
     pack.radius = "constant:0.04";
     pack.outputs = {foam.folder.file("p.csv")};
     const RunResult run = runPack(pack);
@@ -206,7 +207,7 @@ TEST_CASE("a field that leaves no void, or nothing but voids, in places", "[run]
         const double x = (k % 16 - 7.5) * 0.4;
         text += fmt::format("{},{},{}\n", x, (k / 16 - 5) * 0.4, x < 0 ? 0 : 1);
     }
-    putContent(foam.recipe.voids.bvtvField, text);
+    putContent(foam.recipe.request.bvtvField, text);
     const RunResult run = foam.run();
     CHECK(*run.report.voids->bvtv == Approx(0.5).margin(0.02));
     const VdbGrid& solid = *run.levelSets.at(2);

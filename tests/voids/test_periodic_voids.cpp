@@ -22,10 +22,10 @@ using namespace vdbpack::test;
 namespace {
 
 template <int Dim>
-PackRecipe cellRecipe(const std::string& method = {}) {
+PackJob cellRecipe(const std::string& method = {}) {
     auto recipe = Dim == 3 ? recipeFor("periodic:24,22,26", "uniform:0.6,1")
                            : recipeFor("periodic:60,50", "uniform:0.5,1");
-    VoidRecipe& v = recipe.voids;
+    VoidRequest& v = recipe.request;
     v.method = method;
     if (method == "grid") {
         v.cell = "5";
@@ -123,8 +123,8 @@ TEMPLATE_TEST_CASE_SIG("no sphere that is kept touches a void of a periodic cell
                        "[cli][periodic][voids]", ((int Dim), Dim), 2, 3) {
     auto recipe = cellRecipe<Dim>("boolean");
     const auto whole = runPack(cellRecipe<Dim>());
-    recipe.voids.cull = Cull::touch;
-    recipe.voids.targetBvtv = 0.6;
+    recipe.request.cull = Cull::touch;
+    recipe.request.targetBvtv = 0.6;
     const auto run = runPack(recipe);
     const auto voids = imagesOf(voidsOf<Dim>(run), packOf<Dim>(run).cell);
     const double h = run.report.voids->voxelSize;
@@ -158,26 +158,26 @@ TEMPLATE_TEST_CASE_SIG("voids moved by lengths of a periodic cell are the same v
         e.center += packOf<Dim>(run).cell.shift(laps);
     }
     writeVoidList(moved, folder.file("moved.csv"));
-    recipe.voids = {};
-    recipe.voids.method = "list:" + folder.file("moved.csv");
+    recipe.request = {};
+    recipe.request.method = "list:" + folder.file("moved.csv");
     const auto again = runPack(recipe);
     CHECK(again.report.hash == run.report.hash);
     CHECK(again.report.voids->bvtv.value_or(0) ==
           Approx(run.report.voids->bvtv.value_or(1)).margin(0.005));
     // What is cut into a pack that was read, in the cell that its file states.
-    recipe.voids = {};
+    recipe.request = {};
     runPack(recipe);
-    CarveRecipe carve;
+    CarveJob carve;
     carve.pack = folder.file("pack.vtp");
-    carve.voids = cellRecipe<Dim>("boolean").voids;
+    carve.request = cellRecipe<Dim>("boolean").request;
     CHECK(runCarve(carve).report.hash == run.report.hash);
 }
 
 TEST_CASE("joined voids go on across the faces of a periodic cell", "[cli][periodic][voids]") {
     auto recipe = cellRecipe<3>("foam");
-    recipe.voids.blend = 0.3;
-    recipe.voids.strut = 0.6;
-    recipe.voids.strutShare = 0.7;
+    recipe.request.blend = 0.3;
+    recipe.request.strut = 0.6;
+    recipe.request.strutShare = 0.7;
     recipe.threads = 1;
     const auto run = runPack(recipe);
     const PeriodicCell<3> cell = packOf<3>(run).cell;
@@ -204,8 +204,8 @@ TEST_CASE("joined voids go on across the faces of a periodic cell", "[cli][perio
 TEST_CASE("an axis of a foam is that of its voids in any periodic cell",
           "[cli][periodic][voids][long]") {
     auto recipe = cellRecipe<3>("foam");
-    recipe.voids.radius = "uniform:1.2,1.8";
-    recipe.voids.orientation.axis = GENERATE(as<std::string>(), "0,0,1", "1,1,0");
+    recipe.request.radius = "uniform:1.2,1.8";
+    recipe.request.orientation.axis = GENERATE(as<std::string>(), "0,0,1", "1,1,0");
     const auto run = runPack(recipe);
     CHECK(run.report.voids->bvtv.value_or(0) == Approx(0.4).margin(0.002));
     const auto voids = imagesOf(voidsOf<3>(run), packOf<3>(run).cell);
@@ -229,8 +229,8 @@ TEST_CASE("walls beside periodic faces end the voids", "[cli][periodic][voids]")
 
 TEST_CASE("spheres stay connected across the faces of a periodic cell", "[cli][periodic][voids]") {
     auto recipe = cellRecipe<3>("boolean");
-    recipe.voids.targetBvtv = 0.3;
-    recipe.voids.keepConnected = true;
+    recipe.request.targetBvtv = 0.3;
+    recipe.request.keepConnected = true;
     const auto run = runPack(recipe);
     CHECK(run.passed);
     CHECK(run.report.contacts->largestComponent == 1);
@@ -239,9 +239,9 @@ TEST_CASE("spheres stay connected across the faces of a periodic cell", "[cli][p
 
 TEST_CASE("level sets of a periodic cell end at its faces", "[cli][periodic][voids]") {
     const TemporaryFolder folder;
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = "periodic:24,22,26";
-    recipe.voids = cellRecipe<3>("boolean").voids;
+    recipe.request = cellRecipe<3>("boolean").request;
     recipe.outputs = {folder.file("solid.stl"), folder.file("sets.vdb"),
                       "fog:" + folder.file("fog.vdb"), "list:" + folder.file("list.csv")};
     const auto run = runVoids(recipe);

@@ -54,14 +54,14 @@ std::string shellTable(double scale = 1) {
 
 struct ShellFile {
     TemporaryFolder folder;
-    VoidRecipe voids;
+    VoidRequest request;
 
     explicit ShellFile(const std::string& table = shellTable()) {
-        voids.shellField = folder.file("shell.csv");
-        putContent(voids.shellField, table);
+        request.shellField = folder.file("shell.csv");
+        putContent(request.shellField, table);
     }
     /// The thickness that runs use.
-    ShellThickness over(const Box<3>& box) const { return shellOver(voids, box, 0); }
+    ShellThickness over(const Box<3>& box) const { return shellOver(voidsOf(request), box, 0); }
 };
 
 /// Voxels of a level set in a cube whose centers lie inside.
@@ -123,16 +123,16 @@ TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness",
           "[run][voids][long]") {
     const ShellFile file;
     const bool mesh = GENERATE(false, true);
-    PackRecipe recipe = recipeFor("ball:5", "uniform:0.15,0.3");
+    PackJob recipe = recipeFor("ball:5", "uniform:0.15,0.3");
     if (mesh) {
         recipe.domain.source = file.folder.file("ball.obj");
         writeObj(ballMesh(kRadius, 4), recipe.domain.source);
     }
-    recipe.voids = file.voids;
-    recipe.voids.method = GENERATE("boolean", "foam");
-    CAPTURE(mesh, recipe.voids.method);
-    recipe.voids.radius = "uniform:0.5,0.8";
-    recipe.voids.targetBvtv = 0.3;
+    recipe.request = file.request;
+    recipe.request.method = GENERATE("boolean", "foam");
+    CAPTURE(mesh, recipe.request.method);
+    recipe.request.radius = "uniform:0.5,0.8";
+    recipe.request.targetBvtv = 0.3;
     recipe.outputs = {file.folder.file("p.csv")};
     const RunResult run = runPack(recipe);
     const ShellThickness shell = file.over(cube<3>(2 * kRadius));
@@ -165,13 +165,13 @@ TEST_CASE("spheres, voids and BV/TV of a run agree with a field of thickness",
 
 TEST_CASE("a solid below a shell that varies is filled, and connected to it", "[run][voids]") {
     const ShellFile file;
-    PackRecipe recipe = recipeFor("ball:5", "uniform:0.06,0.1");
-    recipe.voids = file.voids;
-    recipe.voids.method = "foam";
-    recipe.voids.radius = "uniform:0.6,0.9";
-    recipe.voids.targetBvtv = 0.25;
-    recipe.voids.fill = Fill::solid;
-    recipe.voids.keepConnected = true;
+    PackJob recipe = recipeFor("ball:5", "uniform:0.06,0.1");
+    recipe.request = file.request;
+    recipe.request.method = "foam";
+    recipe.request.radius = "uniform:0.6,0.9";
+    recipe.request.targetBvtv = 0.25;
+    recipe.request.fill = Fill::solid;
+    recipe.request.keepConnected = true;
     recipe.outputs = {file.folder.file("p.csv")};
     const RunResult run = runPack(recipe);
     CHECK(run.passed);
@@ -188,11 +188,11 @@ TEST_CASE("a solid below a shell that varies is filled, and connected to it", "[
 TEST_CASE("a shell that varies sets regions alone, of spheres that are carved and in the plane",
           "[run][voids]") {
     const ShellFile file;
-    PackRecipe recipe = recipeFor("disc:5", "uniform:0.1,0.2");
-    recipe.voids = file.voids;
+    PackJob recipe = recipeFor("disc:5", "uniform:0.1,0.2");
+    recipe.request = file.request;
     recipe.outputs = {file.folder.file("p.csv")};
     const RunResult flat = runPack(recipe);
-    const ShellThickness shell = shellOver(file.voids, cube<2>(2 * kRadius), 0);
+    const ShellThickness shell = shellOver(voidsOf(file.request), cube<2>(2 * kRadius), 0);
     const auto& circles = std::get<Pack<2>>(flat.pack);
     for (std::size_t i = 0; i < circles.spheres.size(); ++i) {
         const Vec<2>& x = circles.spheres[i].center;
@@ -200,14 +200,14 @@ TEST_CASE("a shell that varies sets regions alone, of spheres that are carved an
     }
     recipe.domain.source = "ball:5";
     recipe.radius = "uniform:0.2,0.4";
-    recipe.voids = {};
+    recipe.request = {};
     runPack(recipe);
-    CarveRecipe carve;
+    CarveJob carve;
     carve.pack = file.folder.file("p.csv");
     carve.domain.source = "ball:5";
-    carve.voids = file.voids;
-    carve.voids.method = "threshold";
-    carve.voids.deleteFraction = 0.4;
+    carve.request = file.request;
+    carve.request.method = "threshold";
+    carve.request.deleteFraction = 0.4;
     carve.outputs = {file.folder.file("c.csv")};
     const RunResult carved = runCarve(carve);
     const auto& pack = std::get<Pack<3>>(carved.pack);
@@ -225,35 +225,35 @@ TEST_CASE("a shell that varies sets regions alone, of spheres that are carved an
 
 TEST_CASE("fields of thickness that cannot be used are refused", "[run][voids]") {
     const ShellFile file;
-    VoidsRecipe recipe = booleanRecipe(0.3, "uniform:0.5,0.8", file.folder.file("v.vdb"));
+    VoidsJob recipe = booleanRecipe(0.3, "uniform:0.5,0.8", file.folder.file("v.vdb"));
     recipe.domain.source = "ball:5";
-    recipe.voids.shellField = file.voids.shellField;
+    recipe.request.shellField = file.request.shellField;
     const auto refused = [&](auto error) {
         return messageOf<decltype(error)>([&] { runVoids(recipe); });
     };
     recipe.domain.source = "ball:7";
     CHECK_THAT(refused(InputError("")), Contains("covers") && Contains("(-7, -7, -7)"));
     recipe.domain.source = "ball:5";
-    recipe.voids.shell = 1;
+    recipe.request.shell = 1;
     CHECK_THAT(refused(ParameterError("")), Contains("shellField"));
-    recipe.voids.shell = 0;
+    recipe.request.shell = 0;
     for (const char* method : {"overlay", "mixed"}) {
-        PackRecipe pack = recipeFor("ball:5", "uniform:0.3,0.5");
-        pack.voids = recipe.voids;
-        pack.voids.method = method;
-        pack.voids.targetBvtv = 0.9;
+        PackJob pack = recipeFor("ball:5", "uniform:0.3,0.5");
+        pack.request = recipe.request;
+        pack.request.method = method;
+        pack.request.targetBvtv = 0.9;
         pack.outputs = {file.folder.file("p.csv")};
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(pack); }),
                    Contains("shellField") && Contains(method));
     }
-    recipe.voids.shellField = file.folder.file("none.csv");
+    recipe.request.shellField = file.folder.file("none.csv");
     CHECK_THROWS_AS(runVoids(recipe), IoError);
-    recipe.voids.shellField = file.folder.file("shell.png");
+    recipe.request.shellField = file.folder.file("shell.png");
     CHECK_THROWS_AS(runVoids(recipe), ParameterError);
     const ShellFile negative(shellTable(-1)), thick(shellTable(10));
-    recipe.voids.shellField = negative.voids.shellField;
+    recipe.request.shellField = negative.request.shellField;
     CHECK_THAT(refused(InputError("")), Contains("line 2") && Contains("-0.3"));
-    recipe.voids.shellField = thick.voids.shellField;
+    recipe.request.shellField = thick.request.shellField;
     recipe.domain.source = "box:1,1,1";
     CHECK_THAT(refused(InputError("")), Contains("shellField"));
 }

@@ -1,4 +1,5 @@
 // Foams that have the numbers that were asked for.
+#include "cli/recipes.h"
 #include "support/image_file.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
@@ -21,8 +22,8 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-VoidsRecipe structure(const std::string& source, const std::string& output) {
-    VoidsRecipe recipe;
+VoidsJob structure(const std::string& source, const std::string& output) {
+    VoidsJob recipe;
     recipe.domain.source = source;
     recipe.outputs = {output};
     return recipe;
@@ -42,10 +43,10 @@ TEST_CASE("a foam has the thickness, spacing and anisotropy asked for", "[run][v
     const TemporaryFolder folder;
     const std::string file = folder.file("v.vdb"), box = "box:3.8,3.8,3.8";
     auto recipe = structure(box, file);
-    recipe.voids.targetBvtv = 0.22;
-    recipe.voids.targetTbth = 0.24;
-    recipe.voids.targetTbsp = 0.74;
-    recipe.voids.targetDa = 0.4;
+    recipe.request.targetBvtv = 0.22;
+    recipe.request.targetTbth = 0.24;
+    recipe.request.targetTbsp = 0.74;
+    recipe.request.targetDa = 0.4;
     const auto report = runVoids(recipe).report.voids;
     CHECK(report->method == "foam");
     const Morphometry m = measured(file, box);
@@ -68,13 +69,13 @@ TEST_CASE("a foam has the spacing asked for, and the report says how it was foun
           "[run][voids][long]") {
     const TemporaryFolder folder;
     auto recipe = structure("box:3.6,3.6,3.6", folder.file("v.vdb"));
-    recipe.voids.targetBvtv = 0.25;
-    recipe.voids.targetTbsp = 0.7;
-    recipe.voids.radius = "uniform:1,1.5";  // the spread; lengths are found
-    recipe.voids.jitter = 0.3;
-    recipe.voids.blend = 0.03;
-    recipe.voids.strutShare = 0.5;
-    recipe.voids.voxelSize = 0.06;
+    recipe.request.targetBvtv = 0.25;
+    recipe.request.targetTbsp = 0.7;
+    recipe.request.radius = "uniform:1,1.5";  // the spread; lengths are found
+    recipe.request.jitter = 0.3;
+    recipe.request.blend = 0.03;
+    recipe.request.strutShare = 0.5;
+    recipe.request.voxelSize = 0.06;
     const auto report = runVoids(recipe).report.voids;
     REQUIRE(report->targets.size() == 1);
     CHECK(report->targets[0].name == "targetTbsp");
@@ -93,11 +94,11 @@ TEST_CASE("a foam has five numbers at once, whatever the seed", "[run][voids][.s
     for (const std::uint64_t seed : {1, 2}) {
         auto recipe = structure(box, file);
         recipe.seed = seed;
-        recipe.voids.targetBvtv = 0.193;
-        recipe.voids.targetTbth = 0.238;
-        recipe.voids.targetTbsp = 0.831;
-        recipe.voids.targetDa = 0.494;
-        recipe.voids.targetConnd = 3.57;
+        recipe.request.targetBvtv = 0.193;
+        recipe.request.targetTbth = 0.238;
+        recipe.request.targetTbsp = 0.831;
+        recipe.request.targetDa = 0.494;
+        recipe.request.targetConnd = 3.57;
         const auto result = runVoids(recipe);
         const Morphometry m = measured(file, box);
         CHECK(m.solidFraction == Approx(0.193).epsilon(0.01));
@@ -118,21 +119,21 @@ TEST_CASE("a foam is like a sample that was made by other means", "[run][voids][
     const std::string sample = folder.file("sample.vdb"), file = folder.file("v.vdb");
     const std::string box = "box:5,5,5";
     auto made = structure(box, sample);
-    made.voids.method = GENERATE("boolean", "foam", "overlay");
-    CAPTURE(made.voids.method);
-    const bool foam = made.voids.method == "foam", overlay = made.voids.method == "overlay";
-    made.voids.radius = foam ? "uniform:0.25,0.5" : "uniform:0.22,0.35";
-    made.voids.aspect = "constant:1.5";
-    made.voids.orientation.axis = "1,0,0";
-    if (!overlay) made.voids.targetBvtv = foam ? 0.16 : 0.3;
-    made.voids.voxelSize = 0.05;
+    made.request.method = GENERATE("boolean", "foam", "overlay");
+    CAPTURE(made.request.method);
+    const bool foam = made.request.method == "foam", overlay = made.request.method == "overlay";
+    made.request.radius = foam ? "uniform:0.25,0.5" : "uniform:0.22,0.35";
+    made.request.aspect = "constant:1.5";
+    made.request.orientation.axis = "1,0,0";
+    if (!overlay) made.request.targetBvtv = foam ? 0.16 : 0.3;
+    made.request.voxelSize = 0.05;
     made.seed = 7;
     runVoids(made);
     const Morphometry asked = measured(sample, box);
     auto recipe = structure(box, file);
-    recipe.voids.like = sample;
-    recipe.voids.likeDomain = box;
-    recipe.voids.voxelSize = 0.05;
+    recipe.request.like = sample;
+    recipe.request.likeDomain = box;
+    recipe.request.voxelSize = 0.05;
     const auto report = runVoids(recipe).report;
     const Morphometry m = measured(file, box);
     // A number that is missed is named.
@@ -179,7 +180,7 @@ TEST_CASE("a foam is like a lattice of struts in an image", "[run][voids][.slow]
     const Morphometry asked = *runMeasure(measure).morphometry;
     const std::string box = "box:4.8,4.8,4.8";
     auto recipe = structure(box, file);
-    recipe.voids.like = sample;
+    recipe.request.like = sample;
     runVoids(recipe);
     const Morphometry m = measured(file, box);
     CHECK(m.solidFraction == Approx(asked.solidFraction).epsilon(0.02));
@@ -193,49 +194,49 @@ TEST_CASE("foams in the plane have the area fraction and thickness asked for", "
     const TemporaryFolder folder;
     auto recipe = structure("rect:20,20", folder.file("v.svg"));
     recipe.outputs = {"list:" + folder.file("l.csv")};
-    recipe.voids.method = "foam";
-    recipe.voids.targetBvtv = GENERATE(0.15, 0.35);
-    recipe.voids.targetTbth = 0.25;
+    recipe.request.method = "foam";
+    recipe.request.targetBvtv = GENERATE(0.15, 0.35);
+    recipe.request.targetTbth = 0.25;
     const auto report = runVoids(recipe).report.voids;
-    CHECK(*report->bvtv == Approx(*recipe.voids.targetBvtv).epsilon(0.03));
+    CHECK(*report->bvtv == Approx(*recipe.request.targetBvtv).epsilon(0.03));
     CHECK(*report->thickness == Approx(0.25).epsilon(0.03));
-    recipe.voids.targetDa = 0.5;
+    recipe.request.targetDa = 0.5;
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("targetDa"));
 }
 
 TEST_CASE("targets that contradict one another are refused with what is possible", "[run][voids]") {
     const TemporaryFolder folder;
     auto recipe = structure("box:4,4,4", folder.file("v.vdb"));
-    recipe.voids.targetBvtv = 0.3;
-    recipe.voids.targetTbth = 0.1;
-    recipe.voids.targetTbsp = 2;
+    recipe.request.targetBvtv = 0.3;
+    recipe.request.targetTbth = 0.1;
+    recipe.request.targetTbsp = 2;
     const auto message = messageOf<ParameterError>([&] { runVoids(recipe); });
     for (const char* part : {"targetBvtv", "0.3", "targetTbth", "0.1", "targetTbsp", "0.076"})
         CHECK_THAT(message, Contains(part));
-    recipe.voids = {};
-    recipe.voids.targetDa = 1.48;  // a ratio
-    recipe.voids.targetTbsp = 1;
+    recipe.request = {};
+    recipe.request.targetDa = 1.48;  // a ratio
+    recipe.request.targetTbsp = 1;
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("1 - 1 / R²"));
-    recipe.voids.targetDa = 0.5;
-    recipe.voids.method = "boolean";
+    recipe.request.targetDa = 0.5;
+    recipe.request.method = "boolean";
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("foam"));
 }
 
 TEST_CASE("samples that are no structure are refused", "[run][voids]") {
     const TemporaryFolder folder;
     auto recipe = structure("box:4,4,4", folder.file("v.vdb"));
-    recipe.voids.like = folder.file("none.vdb");
+    recipe.request.like = folder.file("none.vdb");
     CHECK_THROWS_AS(runVoids(recipe), IoError);
     auto solid = structure("box:2,2,2", folder.file("full.vdb"));
-    solid.voids.method = "boolean";
-    solid.voids.radius = "constant:0.01";
-    solid.voids.count = 1;
-    solid.voids.voxelSize = 0.1;
+    solid.request.method = "boolean";
+    solid.request.radius = "constant:0.01";
+    solid.request.count = 1;
+    solid.request.voxelSize = 0.1;
     runVoids(solid);
-    recipe.voids.like = folder.file("full.vdb");
+    recipe.request.like = folder.file("full.vdb");
     CHECK_THAT(messageOf<InputError>([&] { runVoids(recipe); }), Contains("full.vdb"));
-    recipe.voids.like.clear();
-    recipe.voids.likeThreshold = 3;
+    recipe.request.like.clear();
+    recipe.request.likeThreshold = 3;
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("`like`"));
 }
 
@@ -244,19 +245,19 @@ TEST_CASE("presets have numbers that go together, and a source", "[voids]") {
         CAPTURE(p.name);
         CHECK(std::string(p.source).size() > 8);
         CHECK((p.bvtv || p.tbth || p.tbsp));
-        VoidRecipe recipe;
-        recipe.trabecular = p.name;
-        recipe.targetTbsp = 0.9;
-        const VoidRecipe made = withPreset(recipe);
-        CHECK(made.method == "foam");
-        CHECK(made.targetBvtv == p.bvtv);
-        CHECK(made.targetTbsp == 0.9);  // what is given stays
-        recipe.targetTbsp.reset();
-        CHECK_NOTHROW(checkVoids(withPreset(recipe), false, false));
+        VoidRequest request;
+        request.trabecular = p.name;
+        request.targetTbsp = 0.9;
+        const VoidRecipe made = voidsOf(request);
+        REQUIRE(made.as<FoamVoids>());
+        CHECK(targetBvtvOf(made) == p.bvtv);
+        CHECK(made.as<FoamVoids>()->targets.tbsp == 0.9);  // what is given stays
+        request.targetTbsp.reset();
+        CHECK_NOTHROW(checkVoids(voidsOf(request), false, false));
         CHECK_THAT(presetTable(), Contains(p.name) && Contains(p.source));
     }
-    VoidRecipe unknown;
+    VoidRequest unknown;
     unknown.trabecular = "tooth";
-    CHECK_THAT(messageOf<ParameterError>([&] { withPreset(unknown); }),
+    CHECK_THAT(messageOf<ParameterError>([&] { voidsOf(unknown); }),
                Contains("tooth") && Contains("vertebra"));
 }

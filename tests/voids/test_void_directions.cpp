@@ -1,4 +1,5 @@
 // Directions of voids in whole runs, found again in the solid that is written.
+#include "cli/recipes.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
 
@@ -32,15 +33,15 @@ double degreesBetween(const Vec<3>& a, const Vec<3>& b) {
     return std::acos(std::min(1.0, std::fabs(dot(a, b)))) * 180 / kPi;
 }
 
-VoidsRecipe orientedVoids(double side, const std::string& file) {
-    VoidsRecipe recipe;
+VoidsJob orientedVoids(double side, const std::string& file) {
+    VoidsJob recipe;
     const std::string s = std::to_string(side);
     recipe.domain.source = "box:" + s + "," + s + "," + s;
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:0.5";
-    recipe.voids.aspect = "constant:3";
-    recipe.voids.targetBvtv = 0.25;
-    recipe.voids.voxelSize = 0.2;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:0.5";
+    recipe.request.aspect = "constant:3";
+    recipe.request.targetBvtv = 0.25;
+    recipe.request.voxelSize = 0.2;
     recipe.outputs = {file};
     return recipe;
 }
@@ -53,18 +54,18 @@ TEST_CASE("the direction wanted is the direction found", "[run][voids][long]") {
     const Box<3> box{{{-8, -8, -8}}, {{8, 8, 8}}};
     const auto seed = GENERATE(1u, 2u);
     recipe.seed = seed;
-    recipe.voids.orientation.axis = "0,0,1";
+    recipe.request.orientation.axis = "0,0,1";
     runVoids(recipe);
     const auto along = fabricIn(folder.file("v.vdb"), box);
     INFO("DA " << along.degree << ", " << degreesBetween(along.axes[0], {{0, 0, 1}}) << " degrees");
     CHECK(degreesBetween(along.axes[0], {{0, 0, 1}}) < 5);
     CHECK(along.degree > 0.3);
-    recipe.voids.orientation.axis = "1,-2,0.5";
+    recipe.request.orientation.axis = "1,-2,0.5";
     runVoids(recipe);
     CHECK(degreesBetween(fabricIn(folder.file("v.vdb"), box).axes[0],
                          normalized(Vec<3>{{1, -2, 0.5}})) < 5);
-    recipe.voids.orientation = {};
-    recipe.voids.orientation.angles = "isotropic";
+    recipe.request.orientation = {};
+    recipe.request.orientation.angles = "isotropic";
     runVoids(recipe);
     const auto none = fabricIn(folder.file("v.vdb"), box);
     INFO("isotropic: DA " << none.degree);
@@ -94,7 +95,7 @@ TEST_CASE("voids follow a field that turns, whatever its signs", "[run][voids]")
     }
     auto recipe = orientedVoids(side, folder.file("v.vdb"));
     recipe.outputs.push_back("list:" + folder.file("plain.list.csv"));
-    recipe.voids.orientation.field = folder.file("plain.csv");
+    recipe.request.orientation.field = folder.file("plain.csv");
     runVoids(recipe);
     for (const double at : {-9.0, 0.0, 9.0}) {
         const auto fabric =
@@ -104,7 +105,7 @@ TEST_CASE("voids follow a field that turns, whatever its signs", "[run][voids]")
         CHECK(degreesBetween(fabric.axes[0], direction(at)) < 10);
         CHECK(fabric.degree > 0.25);
     }
-    recipe.voids.orientation.field = folder.file("flipped.csv");
+    recipe.request.orientation.field = folder.file("flipped.csv");
     recipe.outputs = {"list:" + folder.file("flipped.list.csv")};
     runVoids(recipe);
     const auto plain = readVoidList<3>(folder.file("plain.list.csv")),

@@ -76,8 +76,8 @@ TEMPLATE_TEST_CASE_SIG("ellipses leaves no center inside any ellipse", "[run][vo
                        ((int Dim), Dim), 2, 3) {
     const TemporaryFolder folder;
     auto recipe = methodRecipe<Dim>("ellipses");
-    recipe.voids.shell = GENERATE(0.0, 4.0);
-    recipe.voids.aspect = "uniform:1,3";
+    recipe.request.shell = GENERATE(0.0, 4.0);
+    recipe.request.aspect = "uniform:1,3";
     recipe.outputs = {"list:" + folder.file("l.csv")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
@@ -100,7 +100,7 @@ TEMPLATE_TEST_CASE_SIG("ellipses leaves no center inside any ellipse", "[run][vo
                 FAIL("a sphere stands in a hole");
     }
     CHECK(inside == 0);
-    if (recipe.voids.shell > 0)
+    if (recipe.request.shell > 0)
         CHECK(inShell > 0);  // ellipses stick into the shell, which stays whole
     else
         CHECK(inShell == 0);
@@ -110,7 +110,7 @@ TEMPLATE_TEST_CASE_SIG("mixed leaves holes without any sphere", "[run][voids]", 
                        3) {
     const TemporaryFolder folder;
     auto recipe = methodRecipe<Dim>("mixed");
-    recipe.voids.radius = "uniform:3,5";
+    recipe.request.radius = "uniform:3,5";
     recipe.outputs = {"list:" + folder.file("l.csv")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
@@ -135,11 +135,11 @@ TEMPLATE_TEST_CASE_SIG("thinning takes the share D of the spheres below the shel
                        ((int Dim), Dim), 2, 3) {
     for (const char* method : {"threshold", "concentric"}) {
         auto recipe = methodRecipe<Dim>(method);
-        recipe.voids.shell = 4;
+        recipe.request.shell = 4;
         CAPTURE(Dim, method);
         auto whole = recipe;
-        whole.voids = {};
-        whole.voids.shell = 4;
+        whole.request = {};
+        whole.request.shell = 4;
         const auto all = runPack(whole), run = runPack(recipe);
         CHECK(run.passed);
         const auto& before = packIn<Dim>(all);
@@ -165,7 +165,7 @@ TEMPLATE_TEST_CASE_SIG("a shell alone tells what is compact and what is not", "[
                        ((int Dim), Dim), 2, 3) {
     auto recipe = packOf<Dim>("");
     auto plain = recipe;
-    recipe.voids.shell = 5;
+    recipe.request.shell = 5;
     Listener listener;
     const auto run = runPack(recipe, listener.callbacks), none = runPack(plain);
     CHECK(run.report.hash == none.report.hash);
@@ -184,7 +184,7 @@ TEMPLATE_TEST_CASE_SIG("a shell alone tells what is compact and what is not", "[
     CHECK_FALSE(run.report.voids->bvtv.has_value());
     CHECK(*run.report.voids->across > 3);
     CHECK_FALSE(listener.heard("the shell of"));
-    recipe.voids.shell = 2;
+    recipe.request.shell = 2;
     runPack(recipe, listener.callbacks);
     CHECK(listener.heard("the shell of"));
     for (const std::int32_t region : packIn<Dim>(none).region) REQUIRE(region == 0);
@@ -193,11 +193,11 @@ TEMPLATE_TEST_CASE_SIG("a shell alone tells what is compact and what is not", "[
 TEMPLATE_TEST_CASE_SIG("the shell of a pack with voids stays whole", "[run][voids]",
                        ((int Dim), Dim), 2, 3) {
     auto recipe = methodRecipe<Dim>("boolean");
-    recipe.voids.shell = 4;
-    recipe.voids.targetBvtv = 0.2;
+    recipe.request.shell = 4;
+    recipe.request.targetBvtv = 0.2;
     auto whole = recipe;
-    whole.voids = {};
-    whole.voids.shell = 4;
+    whole.request = {};
+    whole.request.shell = 4;
     const auto all = runPack(whole), run = runPack(recipe);
     CHECK(run.passed);
     const auto compact = [](const RunResult& r) {
@@ -210,7 +210,7 @@ TEMPLATE_TEST_CASE_SIG("the shell of a pack with voids stays whole", "[run][void
     CHECK(before == after);
     CHECK(packIn<Dim>(run).spheres.size() < packIn<Dim>(all).spheres.size());
     // What stays can be reported as connected; the rest can be dropped.
-    recipe.voids.keepConnected = true;
+    recipe.request.keepConnected = true;
     const auto kept = runPack(recipe);
     CHECK(kept.report.voids->dropped > 0);
     CHECK(*run.report.voids->spheresAttached < 1);
@@ -223,11 +223,11 @@ TEMPLATE_TEST_CASE_SIG("voids of a run are the same for any number of threads",
     for (const std::string method : kMethods) {
         CAPTURE(Dim, method);
         auto recipe = methodRecipe<Dim>(method);
-        recipe.voids.shell = 3;
+        recipe.request.shell = 3;
         const bool thins = method == "concentric" || method == "threshold";
         if (method == "boolean" || thins) {
-            recipe.voids.targetBvtv = 0.4;
-            recipe.voids.deleteFraction.reset();
+            recipe.request.targetBvtv = 0.4;
+            recipe.request.deleteFraction.reset();
         }
         if (!thins) recipe.outputs = {"list:" + folder.file("l.csv")};
         std::string list;
@@ -263,15 +263,15 @@ TEST_CASE("a target is met, or it is said what can be", "[run][voids][long]") {
     for (const Case& c : cases) {
         auto recipe = methodRecipe<3>(c.method);
         recipe.domain.source = "box:30,30,30";
-        recipe.voids.shell = 3;
-        recipe.voids.probability.reset();
-        recipe.voids.deleteFraction.reset();
-        if (c.method == "grid") recipe.voids.cell = "3";
-        if (c.method == "ellipses") recipe.voids.radius = "uniform:1,2";
-        if (c.method == "overlay") recipe.voids.aspect = "constant:1.1";
+        recipe.request.shell = 3;
+        recipe.request.probability.reset();
+        recipe.request.deleteFraction.reset();
+        if (c.method == "grid") recipe.request.cell = "3";
+        if (c.method == "ellipses") recipe.request.radius = "uniform:1,2";
+        if (c.method == "overlay") recipe.request.aspect = "constant:1.1";
         for (const double target : c.met) {
             CAPTURE(c.method, target);
-            recipe.voids.targetBvtv = target;
+            recipe.request.targetBvtv = target;
             Listener listener;
             const auto run = runPack(recipe, listener.callbacks);
             CHECK(*run.report.voids->bvtv == Approx(target).margin(0.005));
@@ -279,7 +279,7 @@ TEST_CASE("a target is met, or it is said what can be", "[run][voids][long]") {
         }
         if (c.lowest > 0) {
             CAPTURE(c.method);
-            recipe.voids.targetBvtv = c.lowest;
+            recipe.request.targetBvtv = c.lowest;
             CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }),
                        Contains("`targetBvtv`") && Contains(c.method) && Contains(" 0."));
         }
@@ -292,13 +292,13 @@ TEST_CASE("BV/TV is that of the level set that is written", "[run][voids]") {
     for (const std::string& source : {std::string("box:20,20,20"), folder.file("b.obj")})
         for (const double target : {0.15, 0.3}) {
             CAPTURE(source, target);
-            VoidsRecipe recipe;
+            VoidsJob recipe;
             recipe.domain.source = source;
-            recipe.voids.method = "boolean";
-            recipe.voids.radius = "constant:0.6";
-            recipe.voids.shell = 1.5;
-            recipe.voids.voxelSize = 0.2;
-            recipe.voids.targetBvtv = target;
+            recipe.request.method = "boolean";
+            recipe.request.radius = "constant:0.6";
+            recipe.request.shell = 1.5;
+            recipe.request.voxelSize = 0.2;
+            recipe.request.targetBvtv = target;
             recipe.outputs = {folder.file("v.vdb"), "list:" + folder.file("v.csv")};
             const auto run = runVoids(recipe);
             CHECK(*run.report.voids->bvtv == Approx(target).margin(0.001));
@@ -317,11 +317,11 @@ TEST_CASE("BV/TV is that of the level set that is written", "[run][voids]") {
             CHECK(left / core == Approx(target).margin(0.005));
             CHECK(whole == shell);
             // The list makes the same again.
-            VoidsRecipe again = recipe;
-            again.voids = {};
-            again.voids.method = "list:" + folder.file("v.csv");
-            again.voids.shell = 1.5;
-            again.voids.voxelSize = run.report.voids->voxelSize;
+            VoidsJob again = recipe;
+            again.request = {};
+            again.request.method = "list:" + folder.file("v.csv");
+            again.request.shell = 1.5;
+            again.request.voxelSize = run.report.voids->voxelSize;
             again.outputs = {"list:" + folder.file("w.csv")};
             const auto listed = runVoids(again);
             CHECK(*listed.report.voids->bvtv == *run.report.voids->bvtv);
@@ -331,8 +331,8 @@ TEST_CASE("BV/TV is that of the level set that is written", "[run][voids]") {
 
 TEST_CASE("thickness and BV/TV are met together", "[run][voids][.slow]") {
     const TemporaryFolder folder;
-    VoidsRecipe recipe = booleanRecipe(0.15, "constant:0.4", folder.file("v.vdb"));
-    recipe.voids.targetTbth = 0.25;
+    VoidsJob recipe = booleanRecipe(0.15, "constant:0.4", folder.file("v.vdb"));
+    recipe.request.targetTbth = 0.25;
     const auto run = runVoids(recipe);
     MeasureRecipe measure;
     measure.pack = folder.file("v.vdb");
@@ -348,8 +348,8 @@ TEMPLATE_TEST_CASE_SIG("a run stopped while it looks for a target keeps what it 
                        "[run][voids]", ((int Dim), Dim), 2, 3) {
     auto recipe = methodRecipe<Dim>("ellipses");
     recipe.domain.source = Dim == 3 ? "box:60,60,60" : "rect:400,400";
-    recipe.voids.probability.reset();
-    recipe.voids.targetBvtv = 0.7;
+    recipe.request.probability.reset();
+    recipe.request.targetBvtv = 0.7;
     Callbacks callbacks;
     bool stop = false;
     callbacks.cancelled = [&] { return stop; };
@@ -364,11 +364,11 @@ TEMPLATE_TEST_CASE_SIG("a target is met in the plane", "[run][voids]", ((int Dim
         for (const double target : {0.3, 0.6}) {
             CAPTURE(method, target);
             auto recipe = methodRecipe<Dim>(method);
-            recipe.voids.shell = 4;
-            recipe.voids.probability.reset();
-            recipe.voids.deleteFraction.reset();
-            recipe.voids.targetBvtv = target;
-            if (method == "ellipses") recipe.voids.radius = "uniform:0.8,1.5";
+            recipe.request.shell = 4;
+            recipe.request.probability.reset();
+            recipe.request.deleteFraction.reset();
+            recipe.request.targetBvtv = target;
+            if (method == "ellipses") recipe.request.radius = "uniform:0.8,1.5";
             CHECK(*runPack(recipe).report.voids->bvtv == Approx(target).margin(0.005));
         }
 }
@@ -381,8 +381,8 @@ TEMPLATE_TEST_CASE_SIG("spheres that stood before stay whatever the voids", "[ru
         auto recipe = methodRecipe<Dim>(method);
         CAPTURE(method);
         recipe.existing = folder.file("s.csv");
-        if (recipe.voids.method == "boolean") recipe.voids.targetBvtv = 0.05;
-        recipe.voids.keepConnected = true;
+        if (recipe.request.method == "boolean") recipe.request.targetBvtv = 0.05;
+        recipe.request.keepConnected = true;
         const auto run = runPack(recipe);
         REQUIRE(packIn<Dim>(run).spheres.size() > 2);
         CHECK(packIn<Dim>(run).spheres[0].radius == 2);
@@ -392,11 +392,11 @@ TEMPLATE_TEST_CASE_SIG("spheres that stood before stay whatever the voids", "[ru
 
 TEMPLATE_TEST_CASE_SIG("steps too large for a target are reported", "[run][voids]",
                        ((int Dim), Dim), 2, 3) {
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = Dim == 3 ? "box:10,10,10" : "rect:10,10";
-    recipe.voids.method = "grid";
-    recipe.voids.cell = "5";
-    recipe.voids.targetBvtv = 0.9;
+    recipe.request.method = "grid";
+    recipe.request.cell = "5";
+    recipe.request.targetBvtv = 0.9;
     Listener listener;
     const auto run = runVoids(recipe, listener.callbacks);
     CHECK(std::fabs(*run.report.voids->bvtv - 0.9) > 0.005);
@@ -410,21 +410,21 @@ TEMPLATE_TEST_CASE_SIG("carve does to a pack what pack does with the same voids"
     whole.outputs = {folder.file("whole.csv")};
     runPack(whole);
     auto recipe = methodRecipe<Dim>("boolean");
-    recipe.voids.targetBvtv = 0.3;
-    recipe.voids.shell = 2;
+    recipe.request.targetBvtv = 0.3;
+    recipe.request.shell = 2;
     recipe.outputs = {"list:" + folder.file("l.csv")};
     const auto drawn = runPack(recipe);
 
     auto listed = packOf<Dim>("list:" + folder.file("l.csv"));
-    listed.voids.shell = 2;
-    listed.voids.cull = GENERATE(Cull::center, Cull::touch);
-    listed.voids.voxelSize = drawn.report.voids->voxelSize;
+    listed.request.shell = 2;
+    listed.request.cull = GENERATE(Cull::center, Cull::touch);
+    listed.request.voxelSize = drawn.report.voids->voxelSize;
     const auto direct = runPack(listed);
-    if (listed.voids.cull == Cull::center) CHECK(direct.report.hash == drawn.report.hash);
-    CarveRecipe carve;
+    if (listed.request.cull == Cull::center) CHECK(direct.report.hash == drawn.report.hash);
+    CarveJob carve;
     carve.pack = folder.file("whole.csv");
     carve.domain = listed.domain;
-    carve.voids = listed.voids;
+    carve.request = listed.request;
     carve.outputs = {folder.file("carved.csv")};
     const auto carved = runCarve(carve);
     CHECK(carved.passed);
@@ -436,8 +436,8 @@ TEMPLATE_TEST_CASE_SIG("carve does to a pack what pack does with the same voids"
     for (const char* method : {"concentric", "threshold", "grid", "overlay"}) {
         CAPTURE(method);
         auto one = methodRecipe<Dim>(method);
-        one.voids.shell = 2;
-        carve.voids = one.voids;
+        one.request.shell = 2;
+        carve.request = one.request;
         carve.outputs.clear();
         CHECK(runCarve(carve).report.hash == runPack(one).report.hash);
     }
@@ -462,10 +462,10 @@ TEST_CASE("carve takes any pack as it is, and keeps what it does not know", "[ru
         std::ofstream list(folder.file("l.csv"));
         list << "x,y,z,a,b,ux,uy,uz\n0,0,0,4.5,2.5,0,1,1\n";
     }
-    CarveRecipe carve;
+    CarveJob carve;
     carve.pack = file;
     carve.domain.source = "box:11,11,11";
-    carve.voids.method = "list:" + folder.file("l.csv");
+    carve.request.method = "list:" + folder.file("l.csv");
     carve.outputs = {folder.file("carved.csv")};
     const auto run = runCarve(carve);
     CHECK(run.passed);
@@ -502,10 +502,10 @@ TEST_CASE("carve takes any pack as it is, and keeps what it does not know", "[ru
 
 TEST_CASE("a solid that voids left can be filled", "[run][voids]") {
     const TemporaryFolder folder;
-    VoidsRecipe voids = booleanRecipe(0.3, "constant:1", folder.file("v.vdb"));
-    voids.voids.voxelSize = 0.1;
+    VoidsJob voids = booleanRecipe(0.3, "constant:1", folder.file("v.vdb"));
+    voids.request.voxelSize = 0.1;
     runVoids(voids);
-    PackRecipe pack = recipeFor(folder.file("v.vdb"), "constant:0.1");
+    PackJob pack = recipeFor(folder.file("v.vdb"), "constant:0.1");
     pack.domain.gridName = "solid";
     const auto run = runPack(pack);
     CHECK(run.passed);

@@ -5,15 +5,16 @@
 #include "voids/void_recipes.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/run.h"
+#include "vdbpack/options/command_line.h"
 
 #include <catch2/catch.hpp>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <functional>
+#include <sstream>
 #include <string>
+#include <variant>
+#include <vector>
 
 using namespace vdbpack;
 using namespace vdbpack::test;
@@ -25,224 +26,139 @@ TEST_CASE("what needs the front says so where there is none", "[run][voids]") {
     whole.outputs = {folder.file("p.csv")};
     runPack(whole);
     for (const std::string method : {"mixed", "ellipses"}) {
-        const VoidRecipe voids = methodRecipe<3>(method).voids;
-        CarveRecipe carve;
+        const VoidRequest voids = methodRecipe<3>(method).request;
+        CarveJob carve;
         carve.pack = folder.file("p.csv");
         carve.domain = whole.domain;
-        carve.voids = voids;
+        carve.request = voids;
         carve.outputs = {folder.file("c.csv")};
         const auto why = Contains("`voids` " + method);
         CHECK_THAT(messageOf<ParameterError>([&] { runCarve(carve); }), why);
-        VoidsRecipe alone;
+        VoidsJob alone;
         alone.domain = whole.domain;
-        alone.voids = voids;
+        alone.request = voids;
         alone.outputs = {folder.file("v.vdb")};
         CHECK_THAT(messageOf<ParameterError>([&] { runVoids(alone); }), why);
         CHECK_FALSE(std::filesystem::exists(folder.file("c.csv")));
         CHECK_FALSE(std::filesystem::exists(folder.file("v.vdb")));
     }
-    VoidsRecipe thin;
+    VoidsJob thin;
     thin.domain = whole.domain;
-    thin.voids = methodRecipe<3>("threshold").voids;
+    thin.request = methodRecipe<3>("threshold").request;
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(thin); }), Contains("`voids` threshold"));
-    thin.voids = {};
+    thin.request = {};
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(thin); }), Contains("`voids`"));
-    CarveRecipe nothing;
+    CarveJob nothing;
     nothing.pack = folder.file("p.csv");
     nothing.domain = whole.domain;
     CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }), Contains("`voids`"));
-    nothing.voids = methodRecipe<3>("threshold").voids;
+    nothing.request = methodRecipe<3>("threshold").request;
     nothing.domain = {};
     CHECK_THAT(messageOf<ParameterError>([&] { runCarve(nothing); }), Contains("`domain`"));
 }
 
 namespace {
 
-using R = PackRecipe;
-const ParameterError parameter("");
-const InputError input("");
+/// Words of voids after a box of 24 mm, and what the message about them has.
+struct Refusal {
+    const char* words;
+    const char* part;
+};
 
 /// Runs that are refused without leaving an output.
 struct RefusedVoids {
     TemporaryFolder folder;
-    std::string out = folder.file("out.csv");
 
     std::string write(const std::string& name, const std::string& content) const {
         std::ofstream(folder.file(name)) << content;
         return folder.file(name);
     }
     template <class Failure>
-    void refuse(const Failure&, const std::string& method,
-                const std::function<void(PackRecipe&)>& change, const std::string& part) const {
-        PackRecipe recipe = methodRecipe<3>(method);
-        recipe.outputs = {out};
-        change(recipe);
-        CAPTURE(method, part);
-        CHECK_THAT(messageOf<Failure>([&] { runPack(recipe); }), Contains(part));
-        CHECK_FALSE(std::filesystem::exists(out));
+    void refuse(const std::string& voids, const std::string& part,
+                const std::string& domain = "box:24,24,24") const {
+        std::vector<std::string> words{"pack",          domain, "--radius",
+                                       "uniform:0.5,1", "-o",   folder.file("out.csv")};
+        std::istringstream in(voids);
+        for (std::string word; in >> word;) words.push_back(word);
+        CAPTURE(voids, part);
+        const auto message =
+            messageOf<Failure>([&] { vdbpack::runPack(std::get<PackJob>(jobOf(words))); });
+        CHECK_THAT(withOptionNames(message), Contains(part));
+        CHECK_FALSE(std::filesystem::exists(folder.file("out.csv")));
+    }
+    void refuse(const std::vector<Refusal>& all) const {
+        for (const Refusal& each : all) refuse<ParameterError>(each.words, each.part);
     }
 };
 
 }  // namespace
 
-TEST_CASE_METHOD(RefusedVoids, "numbers of voids out of range are refused", "[run][voids]") {
-    for (const double p : {-0.1, 1.1, std::nan("")}) {
-        refuse(
-            parameter, "grid", [&](R& r) { r.voids.probability = p; }, "`voids.probability`");
-        refuse(
-            parameter, "mixed", [&](R& r) { r.voids.probability = p; }, "`voids.probability`");
-        refuse(
-            parameter, "threshold", [&](R& r) { r.voids.deleteFraction = p; }, "`deleteFraction`");
+TEST_CASE_METHOD(RefusedVoids, "values of voids out of range are refused", "[run][voids]") {
+    for (const std::string bad : {"-0.1", "1.1", "nan"}) {
+        refuse<ParameterError>("--voids grid --void-cell 4 --void-probability=" + bad,
+                               "--void-probability");
+        refuse<ParameterError>("--voids mixed --void-radius uniform:2,3 --void-probability=" + bad,
+                               "--void-probability");
+        refuse<ParameterError>("--voids threshold --delete-fraction=" + bad, "--delete-fraction");
     }
-    refuse(
-        parameter, "ellipses", [](R& r) { r.voids.probability = 1; }, "`voids.probability` 1");
-    for (const double f : {0.0, 1.0, -1.0, std::nan("")})
-        refuse(
-            parameter, "boolean", [&](R& r) { r.voids.targetBvtv = f; }, "`targetBvtv`");
-    for (const char* angles : {"tz=nan", "tz=uniform:0,inf", "tx=a"})
-        refuse(
-            parameter, "boolean", [&](R& r) { r.voids.orientation.angles = angles; }, "angle '");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.orientation.angles = "phi=1"; }, "'phi=1'");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.orientation.axis = "0,0,0"; }, "'0,0,0'");
+    for (const std::string bad : {"0", "1", "-1", "nan"})
+        refuse<ParameterError>("--voids boolean --target-bvtv=" + bad, "--target-bvtv");
+    for (const std::string angles : {"tz=nan", "tz=uniform:0,inf", "tx=a"})
+        refuse<ParameterError>("--voids boolean --void-angles " + angles, "angle '");
+    refuse({{"--voids ellipses --void-probability 1", "--void-probability 1"},
+            {"--voids boolean --void-angles phi=1", "'phi=1'"},
+            {"--voids boolean --void-axis 0,0,0", "'0,0,0'"},
+            {"--voids foam --void-jitter 1.5", "--void-jitter 1.5"},
+            {"--voids boolean --void-radius uniform:2", "uniform"},
+            {"--voids boolean --shell=-1", "--shell"},
+            {"--voids boolean --shell nan", "--shell"},
+            {"--voids boolean --void-voxel=-0.1", "--void-voxel"},
+            {"--voids boolean --void-count 0", "--void-count 0"}});
 }
 
-TEST_CASE_METHOD(RefusedVoids,
-                 "voids and shells larger than the domain are refused, and sizes that are none",
+TEST_CASE_METHOD(RefusedVoids, "voids and shells larger than the domain are refused",
                  "[run][voids]") {
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
-    refuse(
-        parameter, "overlay", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
-    refuse(
-        parameter, "foam", [](R& r) { r.voids.jitter = 1.5; }, "`voids.jitter` 1.5");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.jitter = 0.5; }, "`voids.jitter`");
-    refuse(
-        parameter, "ellipses", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
-    refuse(
-        parameter, "mixed", [](R& r) { r.voids.radius = "constant:20"; }, "24 mm");
-    refuse(
-        parameter, "grid", [](R& r) { r.voids.cell = "100"; }, "24 mm");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.radius = "uniform:2"; }, "uniform");
-    refuse(
-        input, "boolean", [](R& r) { r.voids.shell = 12; }, "`shell` 12 mm");
-    refuse(
-        input, "",
-        [](R& r) {
-            r.voids = {};
-            r.voids.shell = 1e4;
-        },
-        "`shell` 10000 mm");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.shell = -1; }, "`voids.shell` -1");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.shell = std::nan(""); }, "`voids.shell` nan");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.voxelSize = -0.1; }, "`voids.voxelSize` -0.1");
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.count = 0; }, "`voids.count` 0");
+    for (const std::string method : {"boolean", "overlay", "ellipses", "mixed"})
+        refuse<ParameterError>("--voids " + method + " --void-radius constant:20", "24 mm");
+    refuse<ParameterError>("--voids grid --void-cell 100", "24 mm");
+    refuse<InputError>("--voids boolean --shell 12", "--shell 12 mm");
+    refuse<InputError>("--shell 10000", "--shell 10000 mm");
 }
 
 TEST_CASE_METHOD(RefusedVoids, "files of voids that cannot be used are refused", "[run][voids]") {
     const auto field = write("field.csv", "x,y,z,ux,uy,uz\n0,0,0,1,0,0\n5,5,5,0,1,0\n");
-    refuse(
-        input, "boolean", [&](R& r) { r.voids.orientation.field = field; }, "field.csv");
-    const auto ragged = write("ragged.txt", "1 0\n1\n"), other = write("other.txt", "1 0\n2 0\n");
-    refuse(
-        input, "grid",
-        [&](R& r) {
-            r.voids.matrix = ragged;
-            r.voids.cell.clear();
-        },
-        "line 2");
-    refuse(
-        input, "grid",
-        [&](R& r) {
-            r.voids.matrix = other;
-            r.voids.cell.clear();
-        },
-        "line 2");
-    const auto negative = write("negative.csv", "x,y,z,a,b\n0,0,0,2,2\n1,1,1,-2,2\n");
-    const auto empty = write("empty.csv", "x,y,z,a,b\n");
-    const auto large = write("large.csv", "x,y,z,a,b\n0,0,0,50,50\n");
-    const auto method = [](const std::string& name) {
-        return [=](R& r) {
-            r.voids = {};
-            r.voids.method = name;
-        };
+    refuse<InputError>("--voids boolean --void-field " + field, "field.csv");
+    for (const char* matrix : {"1 0\n1\n", "1 0\n2 0\n"})
+        refuse<InputError>("--voids grid --void-matrix " + write("m.txt", matrix), "line 2");
+    const auto list = [&](const std::string& rows) {
+        return "--voids list:" + write("l.csv", "x,y,z,a,b\n" + rows);
     };
-    refuse(input, "", method("list:" + negative), "line 3");
-    refuse(input, "", method("list:" + empty), "empty.csv");
-    refuse(parameter, "", method("list:" + large), "24 mm");
-    refuse(IoError(""), "", method("list:" + folder.file("none.csv")), "none.csv");
-    refuse(parameter, "", method("holes"), "grid, overlay");
-    refuse(parameter, "", method("list:"), "grid, overlay");
-}
-
-TEST_CASE_METHOD(RefusedVoids, "settings without effect on the method are refused",
-                 "[run][voids]") {
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.probability = 0.5; }, "`voids.probability`");
-    refuse(
-        parameter, "grid", [](R& r) { r.voids.radius = "constant:1"; }, "`voids.radius`");
-    refuse(
-        parameter, "grid", [](R& r) { r.voids.orientation.axis = "0,0,1"; }, "`orientation.axis`");
-    refuse(
-        parameter, "mixed", [](R& r) { r.voids.aspect = "constant:2"; }, "`voids.aspect`");
-    refuse(
-        parameter, "mixed", [](R& r) { r.voids.cull = Cull::touch; }, "`cull`");
-    refuse(
-        parameter, "overlay",
-        [](R& r) {
-            r.voids.targetBvtv = 0.7;
-            r.voids.targetTbth = 0.2;
-        },
-        "`targetTbth`");
-    refuse(
-        parameter, "threshold", [](R& r) { r.voids.voxelSize = 0.1; }, "`voids.voxelSize`");
-    refuse(
-        parameter, "", [](R& r) { r.voids.targetBvtv = 0.2; }, "`voids`");
-}
-
-TEST_CASE_METHOD(RefusedVoids, "missing and contradicting settings of voids are refused",
-                 "[run][voids]") {
-    refuse(
-        parameter, "boolean", [](R& r) { r.voids.targetTbth = 0.2; }, "`targetBvtv`");
-    refuse(
-        parameter, "boolean",
-        [](R& r) {
-            r.voids.targetBvtv = 0.2;
-            r.voids.count = 5;
-        },
-        "`voids.count` and `targetBvtv`");
-    refuse(
-        parameter, "threshold", [](R& r) { r.voids.deleteFraction.reset(); },
-        "`deleteFraction` or `targetBvtv`");
-    refuse(
-        parameter, "grid", [](R& r) { r.voids.cell.clear(); }, "`matrix` or `cell`");
-    refuse(
-        parameter, "boolean",
-        [](R& r) {
-            r.voids.orientation.axis = "0,0,1";
-            r.voids.orientation.angles = "isotropic";
-        },
-        "`orientation.axis`");
-    refuse(
-        parameter, "threshold", [&](R& r) { r.outputs = {"list:" + out}; }, "list");
-}
-
-TEST_CASE_METHOD(RefusedVoids, "voids that a plane has no room for are refused", "[run][voids]") {
-    PackRecipe plane = methodRecipe<2>("foam");
-    plane.voids.targetBvtv = 0.3;
-    plane.voids.targetConnd = 0.2;
-    CHECK_THAT(messageOf<ParameterError>([&] { runPack(plane); }), Contains("`targetConnd`"));
+    refuse<InputError>(list("0,0,0,2,2\n1,1,1,-2,2\n"), "line 3");
+    refuse<InputError>(list(""), "l.csv");
+    refuse<ParameterError>(list("0,0,0,50,50\n"), "24 mm");
+    refuse<IoError>("--voids list:" + folder.file("none.csv"), "none.csv");
+    refuse({{"--voids holes", "grid, overlay"}, {"--voids list:", "grid, overlay"}});
     const auto layers = write("layers.txt", "1 0\n0 1\n\n0 1\n1 0\n");
-    plane = methodRecipe<2>("grid");
-    plane.voids.cell.clear();
-    plane.voids.matrix = layers;
-    CHECK_THAT(messageOf<InputError>([&] { runPack(plane); }),
-               Contains("layers.txt") && Contains("2 layers"));
+    refuse<InputError>("--voids grid --void-matrix " + layers, "2 layers", "rect:100,100");
+}
+
+TEST_CASE_METHOD(RefusedVoids, "settings of voids that do not go together are refused",
+                 "[run][voids]") {
+    refuse({{"--voids boolean --void-probability 0.5", "--void-probability"},
+            {"--voids boolean --void-jitter 0.5", "--void-jitter"},
+            {"--voids grid --void-cell 4 --void-radius constant:1", "--void-radius"},
+            {"--voids grid --void-cell 4 --void-axis 0,0,1", "--void-axis"},
+            {"--voids mixed --void-aspect constant:2", "--void-aspect"},
+            {"--voids mixed --cull touch", "--cull"},
+            {"--voids overlay --target-bvtv 0.7 --target-tbth 0.2", "--target-tbth"},
+            {"--voids threshold --delete-fraction 0.3 --void-voxel 0.1", "--void-voxel"},
+            {"--target-bvtv 0.2", "--voids"},
+            {"--voids boolean --target-tbth 0.2", "--target-bvtv"},
+            {"--voids boolean --target-bvtv 0.2 --void-count 5", "--void-count and --target-bvtv"},
+            {"--voids threshold", "--delete-fraction or --target-bvtv"},
+            {"--voids grid", "--void-matrix or --void-cell"},
+            {"--voids boolean --void-axis 0,0,1 --void-angles isotropic", "--void-axis"},
+            {"--voids threshold --delete-fraction 0.3 -o list:l.csv", "list"}});
+    refuse<ParameterError>("--voids foam --target-bvtv 0.3 --target-connd 0.2", "--target-connd",
+                           "rect:100,100");
 }

@@ -10,31 +10,30 @@
 namespace vdbpack::test {
 
 template <int Dim>
-PackRecipe packOf(const std::string& method) {
-    PackRecipe recipe = Dim == 3 ? recipeFor("box:24,24,24", "uniform:0.5,1")
-                                 : recipeFor("rect:100,100", "uniform:0.5,1");
-    recipe.voids.method = method;
+PackJob packOf(const std::string& method) {
+    PackJob recipe = Dim == 3 ? recipeFor("box:24,24,24", "uniform:0.5,1")
+                              : recipeFor("rect:100,100", "uniform:0.5,1");
+    recipe.request.method = method;
     return recipe;
 }
 
 /// Voids of the Boolean model in a box of side 10, for a BV/TV.
 /// @param radius  SPEC of the shorter half-axis.
-inline VoidsRecipe booleanRecipe(double bvtv, const std::string& radius,
-                                 const std::string& output) {
-    VoidsRecipe recipe;
+inline VoidsJob booleanRecipe(double bvtv, const std::string& radius, const std::string& output) {
+    VoidsJob recipe;
     recipe.domain.source = "box:10,10,10";
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = radius;
-    recipe.voids.targetBvtv = bvtv;
+    recipe.request.method = "boolean";
+    recipe.request.radius = radius;
+    recipe.request.targetBvtv = bvtv;
     recipe.outputs = {output};
     return recipe;
 }
 
 /// A recipe of each method, as one would write it.
 template <int Dim>
-PackRecipe methodRecipe(const std::string& method) {
-    PackRecipe recipe = packOf<Dim>(method);
-    VoidRecipe& v = recipe.voids;
+PackJob methodRecipe(const std::string& method) {
+    PackJob recipe = packOf<Dim>(method);
+    VoidRequest& v = recipe.request;
     if (method == "grid") {
         v.cell = "4";
         v.probability = 0.6;

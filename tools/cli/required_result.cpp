@@ -41,7 +41,7 @@ std::string offeredFile(const Recipe& recipe) {
     else if constexpr (std::is_same_v<Recipe, VoidsJob>)
         return (plane ? "list:" : "") +
                offeredFile(domain, "_voids" + seedPart(recipe.study), plane);
-    else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
+    else if constexpr (std::is_same_v<Recipe, CarveJob>)
         return offeredFile(recipe.pack, "_carved", plane);
     else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)
         return offeredFile(recipe.pack, "_denser", plane);

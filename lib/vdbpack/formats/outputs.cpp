@@ -7,13 +7,13 @@
 #include "vdbpack/formats/material_file.h"
 #include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_parts.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/formats/write_blender.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/voids/void_list.h"
 
 #include <fmt/format.h>
@@ -37,13 +37,12 @@ std::string volumeAmong(const std::vector<OutputTarget>& outputs) {
 }
 
 void checkVoidsToList(const std::string& output, const VoidRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe);
-    if (method == VoidMethod::none)
+    if (recipe.empty())
         throw ParameterError(output + ": lists voids, but no voids are requested; add `voids`");
-    if (isThinning(method))
+    if (recipe.as<Thinning>())
         throw ParameterError(fmt::format(
             "{}: `voids` {} removes spheres and has no voids to list; leave the output out", output,
-            recipe.method));
+            nameOf(recipe)));
 }
 
 /// The level set that a target is made from. @throws ParameterError if it is not there
@@ -196,8 +195,7 @@ void checkOutputKinds(const std::vector<OutputTarget>& outputs, RunKind run,
                     "{}), and write {}",
                     output, target.grid, target.file));
         } else if (levelSet && (target.grid == kVoids || target.grid == kSolid)) {
-            const VoidMethod method = methodOf(voids);
-            if (method == VoidMethod::none || isThinning(method))
+            if (!voids.makesVoids())
                 throw ParameterError(
                     fmt::format("{}: without voids there is no level set '{}'; add `voids` with a "
                                 "method that makes voids, or write surface:{}",

@@ -86,6 +86,7 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         std::reverse(words.arguments.begin(), words.arguments.end());
         try {
             app.parse(words.arguments);
+            part.voids = voidsOf(part.request);
         } catch (const CLI::ParseError& e) {
             fail(file + ": part '" + words.name + "': " + e.what());
         } catch (const ParameterError& e) {
@@ -109,6 +110,11 @@ void addParts(PackJob& job) {
     job.parts = partsIn(job.partsFile, base);
 }
 
+/// Whether a job has options of voids.
+template <class Recipe>
+constexpr bool kHasVoids = std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VoidsJob> ||
+                           std::is_same_v<Recipe, CarveJob>;
+
 void addParts(VerifyRecipe& job) {
     if (job.partsFile.empty()) return;
     PackJob base;
@@ -130,6 +136,8 @@ void complete(const Command& command, const std::vector<std::string>& words) {
             }
             if (domain.source.empty() && !hasParts && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
+            if constexpr (kHasVoids<Recipe>) recipe.voids = voidsOf(recipe.request);
+            recipe.givenOptions = givenOptions(recipe);
             const std::filesystem::path left = recipeFileFor(recipe.outputs);
             recipe.optionsText =
                 recipeText(*command.app, command.options, left.parent_path().string());

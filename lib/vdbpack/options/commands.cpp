@@ -39,8 +39,8 @@ void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     sphereOptions(rows, job);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
-    voidOptions(rows, job.voids, job.domain, VoidsIn::pack);
-    rows.choice("fill", "domain|solid [domain]", job.voids.fill, kFills,
+    voidOptions(rows, job.request, job.domain, VoidsIn::pack);
+    rows.choice("fill", "domain|solid [domain]", job.request.fill, kFills,
                 "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
                 "first, then fill what they leave");
     studyOptions(rows, job.study, "pack");
@@ -65,7 +65,7 @@ void list(OptionList& rows, VoidsJob& job, PrintOptions& print) {
                  "list:FILE.csv (voids)");
     domainOptions(rows, job.domain);
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
-    voidOptions(rows, job.voids, job.domain, VoidsIn::nothing);
+    voidOptions(rows, job.request, job.domain, VoidsIn::nothing);
     studyOptions(rows, job.study, "set of voids");
     reportOption(rows, job);
     printing(rows, print);
@@ -74,13 +74,13 @@ void list(OptionList& rows, VoidsJob& job, PrintOptions& print) {
     memoryLimit(rows, job);
 }
 
-void list(OptionList& rows, CarveRecipe& job, PrintOptions& print) {
+void list(OptionList& rows, CarveJob& job, PrintOptions& print) {
     inputPackOptions(rows, job, "PACK", kPackHelp, kRequiredDomain);
     outputOption(rows, job.outputs);
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     densityOption(rows, job.density);
     greyOptions(rows, job.grey);
-    voidOptions(rows, job.voids, job.domain, VoidsIn::file);
+    voidOptions(rows, job.request, job.domain, VoidsIn::file);
     seedOption(rows, job, "of the voids");
     reportOption(rows, job);
     printing(rows, print);
@@ -251,7 +251,7 @@ const std::vector<CommandText>& commandTexts() {
     static const std::vector<CommandText> texts{
         {"pack", "fill a domain with spheres (2D: circles)", PackJob()},
         {"voids", "make voids and the remaining solid, without spheres", VoidsJob()},
-        {"carve", "cut voids into an input pack", CarveRecipe()},
+        {"carve", "cut voids into an input pack", CarveJob()},
         {"densify", "make an input pack denser, or remove its overlaps; radii do not change",
          DensifyRecipe()},
         {"verify",

@@ -3,6 +3,7 @@
 
 #include "vdbpack/options/option.h"
 #include "vdbpack/options/recipes.h"
+#include "vdbpack/options/void_request.h"
 
 #include <cstdint>
 #include <string>
@@ -19,13 +20,20 @@ struct Study {
     bool isOne() const { return seeds.size() == 1 && table.empty(); }
 };
 
+/// Jobs with voids: `voids` are those of the request once the words are parsed.
 struct PackJob : PackRecipe {
+    VoidRequest request;
     Study study;
     bool dryRun = false;
 };
 
 struct VoidsJob : VoidsRecipe {
+    VoidRequest request;
     Study study;
+};
+
+struct CarveJob : CarveRecipe {
+    VoidRequest request;
 };
 
 struct ViewJob : ViewRecipe {
@@ -33,7 +41,7 @@ struct ViewJob : ViewRecipe {
 };
 
 /// The recipe of a command. All have `domain` and the fields of RunSettings.
-using Job = std::variant<PackJob, VoidsJob, CarveRecipe, DensifyRecipe, VerifyRecipe, MeasureRecipe,
+using Job = std::variant<PackJob, VoidsJob, CarveJob, DensifyRecipe, VerifyRecipe, MeasureRecipe,
                          ConvertRecipe, MeshRecipe, ImageRecipe, ViewJob>;
 
 /// How the result is printed.

@@ -4,6 +4,7 @@
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/options/option.h"
 #include "vdbpack/options/recipes.h"
+#include "vdbpack/options/void_request.h"
 
 #include <string>
 #include <vector>
@@ -38,7 +39,7 @@ extern const char* const kRadiusSpec;
 /// What there is to cut: spheres while they are packed, an input pack, or none.
 enum class VoidsIn { pack, file, nothing };
 /// @param domain  that the shell lies in.
-void voidOptions(OptionList& rows, VoidRecipe& voids, DomainRecipe& domain, VoidsIn in);
+void voidOptions(OptionList& rows, VoidRequest& voids, DomainRecipe& domain, VoidsIn in);
 
 // run_options.cpp
 extern const char* const kPackHelp;

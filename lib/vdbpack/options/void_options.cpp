@@ -11,7 +11,7 @@ const Names<Cull> kCulls{
 /// The rows of voids, in the order of the help.
 struct VoidRows {
     OptionList& rows;
-    VoidRecipe& voids;
+    VoidRequest& voids;
     DomainRecipe& domain;
     bool front;    ///< spheres are packed, so that voids may be packed with them
     bool spheres;  ///< there are spheres to cut, packed or read
@@ -176,7 +176,7 @@ void VoidRows::addDirections() const {
 
 }  // namespace
 
-void voidOptions(OptionList& rows, VoidRecipe& voids, DomainRecipe& domain, VoidsIn in) {
+void voidOptions(OptionList& rows, VoidRequest& voids, DomainRecipe& domain, VoidsIn in) {
     rows.group("Voids");
     const VoidRows all{rows, voids, domain, in == VoidsIn::pack, in != VoidsIn::nothing};
     all.addMethod();

@@ -7,7 +7,6 @@
 #include "vdbpack/run/estimate.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
-#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -27,7 +26,6 @@ constexpr double kCountError = 0.05, kMemoryError = 0.25, kTimeError = 0.5;
 
 DryRun dryRunPack(const PackRecipe& asked, const Callbacks& callbacks) {
     PackRecipe recipe = asked;
-    recipe.voids = withPreset(std::move(recipe.voids));
     checkRecipe(recipe);
     if (!recipe.parts.empty())
         throw ParameterError(

@@ -3,7 +3,6 @@
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/formats/label_outputs.h"
 #include "vdbpack/formats/outputs.h"
-#include "vdbpack/io/numbers.h"
 #include "vdbpack/run/size_stage.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/voids/make_voids.h"
@@ -23,8 +22,8 @@ double ballOf(int dim, double radius) {
     return dim == 3 ? Measure<3>::ball(radius) : Measure<2>::ball(radius);
 }
 
-double meanOf(const std::string& spec, int dim, double otherwise) {
-    return spec.empty() ? otherwise : SizeDistribution::parse(spec, dim).mean();
+double meanOf(const SizeRequest& sizes, int dim, double otherwise) {
+    return sizes.empty() ? otherwise : sizes.in(dim).mean();
 }
 
 /// Area of an ellipsoid with half-axes a, b, b (2D: length of an ellipse), to about a tenth.
@@ -36,9 +35,9 @@ template <int Dim>
 VoidExtent listed(const VoidRecipe& recipe, double domain) {
     VoidExtent v;
     // A pipe can be read once only, when the voids are made.
-    if (std::error_code failed; !std::filesystem::is_regular_file(listFile(recipe), failed))
-        return v;
-    const auto list = readVoidList<Dim>(listFile(recipe));
+    const std::string& file = recipe.as<ListedVoids>()->file;
+    if (std::error_code failed; !std::filesystem::is_regular_file(file, failed)) return v;
+    const auto list = readVoidList<Dim>(file);
     if (list.empty()) return v;
     v.count = static_cast<double>(list.size());
     double volume = 0;
@@ -55,31 +54,33 @@ VoidExtent listed(const VoidRecipe& recipe, double domain) {
 
 /// Voids with mean half-axes a and b by a method that makes them.
 VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
-    const VoidMethod method = methodOf(r);
+    const auto target = targetBvtvOf(r);
     const double each = ballOf(e.dim, b) * a / b;
     const double most = 0.6 * e.volume / ballOf(e.dim, std::max(a, b));
     // The Boolean model's number for a target.
-    const double needed = -std::log(r.targetBvtv.value_or(0.3)) * e.volume / each;
+    const double needed = -std::log(target.value_or(kDefaultBvtv)) * e.volume / each;
     VoidExtent v;
-    v.foam = method == VoidMethod::foam;
+    v.foam = r.as<FoamVoids>();
     v.half = b;
-    if (method == VoidMethod::grid)
+    const auto* boolean = r.as<BooleanVoids>();
+    const auto* holes = r.as<FrontHoles>();
+    if (r.as<GridVoids>())
         v.count = e.volume / std::pow(2 * b, e.dim);
-    else if (method == VoidMethod::overlay)
-        v.count = std::min(most, r.count.value_or(most));
+    else if (const auto* overlay = r.as<OverlayVoids>())
+        v.count = std::min(most, overlay->count.value_or(most));
     else if (v.foam)  // as a dense pack
         v.count = 0.64 * e.volume / each;
-    else if (needsFront(method) && !r.targetBvtv)
-        v.count = r.probability.value_or(0.02) * e.count;
+    else if (holes && !target)
+        v.count = holes->probability.value_or(kDefaultProbability) * e.count;
     else
-        v.count = r.targetBvtv ? needed : r.count.value_or(needed);
+        v.count = boolean && !target ? boolean->count.value_or(needed) : needed;
     const double share = v.count * each / e.volume;
     double open = 1;  // share of the walls, where voids overlap
     if (v.foam) {
-        v.left = r.targetBvtv.value_or(0.3);
+        v.left = target.value_or(kDefaultBvtv);
         // Before the dilation of its spheres; a tenth more than at a BV/TV from 0.07 to 0.47.
         open = std::min(0.7, 1.1 * std::pow(v.left / 0.36, 0.6));
-    } else if (method == VoidMethod::boolean) {
+    } else if (boolean) {
         v.left = open = std::exp(-share);
     } else {
         v.left = std::max(0.0, 1 - share);
@@ -97,8 +98,9 @@ VoidExtent planned(const VoidRecipe& r, const Extent& e, double a, double b) {
 double keptShare(const VoidRecipe& voids, double shell, double left, double touched) {
     constexpr double kLeast = 0.01;
     shell = std::clamp(shell, 0.0, 1 - kLeast);
-    const double bvtv =
-        voids.targetBvtv.value_or(voids.deleteFraction ? 1 - *voids.deleteFraction : left);
+    const auto* thinning = voids.as<Thinning>();
+    if (thinning && thinning->fraction) left = 1 - *thinning->fraction;
+    const double bvtv = targetBvtvOf(voids).value_or(left);
     const double share = std::max(shell + (1 - shell) * bvtv, kLeast);
     return voids.fill == Fill::domain && voids.cull == Cull::touch ? touched * share : share;
 }
@@ -135,14 +137,14 @@ FieldRadii fieldRadii(const PackRecipe& recipe, const RequestedSizes& requested,
 double expectedShare(const VoidRecipe& voids, const Extent& e, double radius) {
     if (voids.empty()) return 1;
     double left = e.voids.left;
-    if (methodOf(voids) == VoidMethod::grid)
-        left = 1 - (1 - left) * voids.probability.value_or(1);
-    else if (needsFront(methodOf(voids)))  // holes take the place of spheres
+    if (const auto* grid = voids.as<GridVoids>())
+        left = 1 - (1 - left) * grid->probability.value_or(1);
+    else if (voids.as<FrontHoles>())  // holes take the place of spheres
         left = 1 / (1 + e.voids.count * ballOf(e.dim, e.voids.half) / e.volume);
     const double layer = std::min(1.0, shellLayer(voids, e) / e.dim);
     const double larger = e.voids.half > 0 ? 1 + 0.8 * radius / e.voids.half : 1;
     return keptShare(voids, 1 - std::pow(1 - layer, e.dim), left,
-                     std::pow(voids.targetBvtv.value_or(left), std::pow(larger, e.dim) - 1));
+                     std::pow(targetBvtvOf(voids).value_or(left), std::pow(larger, e.dim) - 1));
 }
 
 /// The share of a volume that a front fills with spheres of mean radius `mean` and mean volume
@@ -293,18 +295,20 @@ Extent extentOf(const DomainSource& source, double detail, double reach, double 
 
 void addVoids(Extent& e, const VoidRecipe& asked, double largestRadius) {
     const VoidRecipe r = usualFoam(asked);
-    const VoidMethod method = methodOf(r);
-    if (method == VoidMethod::none || isThinning(method) || !(e.volume > 0)) return;
-    if (method == VoidMethod::list) {
+    if (!r.makesVoids() || !(e.volume > 0)) return;
+    if (r.as<ListedVoids>()) {
         e.voids = e.dim == 3 ? listed<3>(r, e.volume) : listed<2>(r, e.volume);
-    } else if (method == VoidMethod::grid) {  // as wide as its boxes; a matrix alone has few
-        const auto sides = parseNumberList(r.cell);
-        if (sides && !sides->empty() && sides->front() > 0)
-            e.voids = planned(r, e, sides->front() / 2, sides->front() / 2);
+    } else if (const auto* grid = r.as<GridVoids>()) {  // as wide as its boxes; a matrix has few
+        if (!grid->cell.empty() && grid->cell.front() > 0)
+            e.voids = planned(r, e, grid->cell.front() / 2, grid->cell.front() / 2);
     } else {
-        const double chosen = r.targetTbth ? 1.2 * *r.targetTbth : 2 * largestRadius;
-        const double b = meanOf(r.radius, e.dim, chosen);
-        const double aspect = method == VoidMethod::mixed ? 1 : meanOf(r.aspect, e.dim, 2);
+        const VoidShapeRecipe& shape = *shapeOf(r);
+        const auto* holes = r.as<FrontHoles>();
+        const bool balls = holes && holes->as == FrontHoles::As::spheres;
+        const auto thickness = targetTbthOf(r);
+        const double chosen = thickness ? kRadiusPerThickness * *thickness : 2 * largestRadius;
+        const double b = meanOf(shape.radius, e.dim, chosen);
+        const double aspect = balls ? 1 : meanOf(shape.aspect, e.dim, 2);
         if (b > 0) e.voids = planned(r, e, b * aspect, b);
     }
     e.voids.wall *= std::pow(1 - std::min(1.0, shellLayer(r, e) / e.dim), e.dim);

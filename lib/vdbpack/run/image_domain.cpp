@@ -21,12 +21,13 @@ void requireVoidFields(const VoidRecipe& voids) {
                                  " is no field by its name; give a .vdb or a .csv");
         requireThere(voids.shellField);
     }
-    if (voids.bvtvField.empty()) return;
-    if (!namesScalarField(voids.bvtvField) && !namesImage(voids.bvtvField))
-        throw ParameterError("`bvtvField`: " + voids.bvtvField +
+    const BvtvField* const field = bvtvFieldOf(voids);
+    if (!field) return;
+    if (!namesScalarField(field->file) && !namesImage(field->file))
+        throw ParameterError("`bvtvField`: " + field->file +
                              " is no field by its name; give an image (.nii, .nii.gz, .nrrd, .mha "
                              "or a folder of DICOM), a .vdb or a .csv");
-    requireThere(voids.bvtvField);
+    requireThere(field->file);
 }
 
 namespace {
@@ -57,11 +58,10 @@ void requireCovered(const ImageGrid& grid, const Box<Dim>& domain, double sliceH
 
 /// BV/TV itself, or numbers mapped to it.
 template <int Dim>
-std::function<double(const Vec<Dim>&)> bvtvTable(const VoidRecipe& voids, const Box<Dim>& bounds,
+std::function<double(const Vec<Dim>&)> bvtvTable(const BvtvField& field, const Box<Dim>& bounds,
                                                  double sliceHeight) {
     ScalarMeaning meaning{"BV/TV", {"value", "bvtv"}, {}};
-    const bool mapped = !voids.bvtvRange.empty();
-    if (!mapped)
+    if (!field.range)
         meaning.fault = [](double v) {
             if (v >= 0 && v <= 1) return std::string();
             return fmt::format(
@@ -69,10 +69,10 @@ std::function<double(const Vec<Dim>&)> bvtvTable(const VoidRecipe& voids, const 
                 "`bvtvRange` says which are 0 and 1",
                 v);
         };
-    auto at = valuesOver<Dim>(readScalarField(voids.bvtvField, meaning), voids.bvtvField, meaning,
-                              bounds, sliceHeight);
-    if (!mapped) return at;
-    const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
+    auto at = valuesOver<Dim>(readScalarField(field.file, meaning), field.file, meaning, bounds,
+                              sliceHeight);
+    if (!field.range) return at;
+    const auto [marrow, bone] = *field.range;
     return [at = std::move(at), low = marrow, range = bone - marrow](const Vec<Dim>& x) {
         return std::clamp((at(x) - low) / range, 0.0, 1.0);
     };
@@ -84,12 +84,13 @@ template <int Dim>
 std::function<double(const Vec<Dim>&)> bvtvField(const VoidRecipe& voids,
                                                  const DomainRecipe& domain, const Box<Dim>& bounds,
                                                  double sliceHeight, const Callbacks& callbacks) {
-    if (voids.bvtvField.empty()) return {};
-    if (namesScalarField(voids.bvtvField)) return bvtvTable(voids, bounds, sliceHeight);
-    const auto [marrow, bone] = parseBvtvRange(voids.bvtvRange);
+    const BvtvField* const field = bvtvFieldOf(voids);
+    if (!field) return {};
+    if (namesScalarField(field->file)) return bvtvTable(*field, bounds, sliceHeight);
+    const auto [marrow, bone] = *field->range;
     const auto image =
-        std::make_shared<const ImageSampler>(readGreyImage(voids.bvtvField, domain, callbacks));
-    requireCovered(image->image().grid, bounds, sliceHeight, voids.bvtvField, callbacks);
+        std::make_shared<const ImageSampler>(readGreyImage(field->file, domain, callbacks));
+    requireCovered(image->image().grid, bounds, sliceHeight, field->file, callbacks);
     return [image, sliceHeight, low = marrow, range = bone - marrow](const Vec<Dim>& x) {
         Vec<3> at{{0, 0, sliceHeight}};
         for (int d = 0; d < Dim; ++d) at[d] = x[d];

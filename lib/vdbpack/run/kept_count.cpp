@@ -13,9 +13,8 @@ double keptCount(const Run<Dim>& run, const std::vector<Sphere<Dim>>& existing,
     if (recipe.empty() || (run.solid && !recipe.keepConnected))
         return static_cast<double>(sumOver(run.ranks(), std::uint64_t{trial.size()}));
     // Default sizes of voids follow from the spheres of the first trial, which hardly differ.
-    const VoidMethod method = methodOf(recipe);
-    const bool serveAll =
-        !run.solid && recipe.cull == Cull::center && !isThinning(method) && !needsFront(method);
+    const bool serveAll = !run.solid && recipe.cull == Cull::center && !recipe.as<Thinning>() &&
+                          !recipe.as<FrontHoles>();
     Callbacks silent;
     if (!run.ranks()) silent.cancelled = run.callbacks.cancelled;
     Callbacks making = silent;

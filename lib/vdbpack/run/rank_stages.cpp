@@ -1,6 +1,7 @@
 #include "vdbpack/run/rank_stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_parts.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/voids/thinning.h"
@@ -25,13 +26,13 @@ void checkRanksIn(const DomainSource& source, const PackRecipe& recipe) {
 }
 
 void checkRanks(const PackRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe.voids);
     const char* const alone = "leave it out, or start one process with all threads";
     refuse(recipe.densify.fraction > 0 && !recipe.existing.empty(),
            "`densify` around `existing` spheres", alone);
     refuse(recipe.images, "`images` of a periodic cell", "convert a file that was written");
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
-    refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
+    refuse(recipe.voids.as<Thinning>() || recipe.voids.as<FrontHoles>(),
+           "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
     const PreviewOptions& preview = recipe.preview;
     refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::radius,

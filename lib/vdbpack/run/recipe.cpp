@@ -30,25 +30,32 @@ const char* const kExisting = "existing";
 }  // namespace
 
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe),  recipe.matrix, recipe.orientation.field,
-            recipe.radius,     recipe.aspect, recipe.bvtvField,
-            recipe.shellField, recipe.like,   recipe.likeDomain};
+    std::vector<std::string> inputs{recipe.shellField};
+    if (const auto* listed = recipe.as<ListedVoids>()) inputs.push_back(listed->file);
+    if (const auto* grid = recipe.as<GridVoids>()) inputs.push_back(grid->matrix);
+    if (const VoidShapeRecipe* shape = shapeOf(recipe))
+        inputs.insert(inputs.end(), {shape->orientation.field, shape->radius.spec(),  // table:FILE
+                                     shape->aspect.spec()});
+    if (const BvtvField* field = bvtvFieldOf(recipe)) inputs.push_back(field->file);
+    if (const auto* foam = recipe.as<FoamVoids>())
+        inputs.insert(inputs.end(), {foam->like.file, foam->like.domain});
+    return inputs;
 }
 
 namespace {
 
 /// Refuses what has no meaning where the solid is filled.
 void checkSolidFill(const PackRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe.voids);
-    if (method == VoidMethod::none)
+    const VoidRecipe& voids = recipe.voids;
+    if (voids.empty())
         throw ParameterError(
             "`fill` solid: there are no voids to leave a solid; set `voids`, such as boolean");
-    if (isThinning(method) || needsFront(method))
+    if (voids.as<Thinning>() || voids.as<FrontHoles>())
         throw ParameterError(fmt::format(
             "`fill` solid: `voids` {} are chosen among the spheres of a pack; use voids that are "
             "made before it, such as boolean",
-            recipe.voids.method));
-    if (recipe.voids.cull == Cull::touch)
+            nameOf(voids)));
+    if (voids.cull == Cull::touch)
         throw ParameterError(
             "`fill` solid: no sphere meets a void, so that none is removed; leave `cull` out");
     if (!recipe.domain.slice.empty())
@@ -60,12 +67,12 @@ void checkSolidFill(const PackRecipe& recipe) {
 void checkPacking(const PackRecipe& recipe) {
     if (recipe.densify.fraction > 0 && recipe.packing.maxCount > 0)
         throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
-    if (recipe.densify.fraction > 0 && needsFront(methodOf(recipe.voids)))
+    if (recipe.densify.fraction > 0 && recipe.voids.as<FrontHoles>())
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
-                             recipe.voids.method +
+                             nameOf(recipe.voids) +
                              "; use voids that are cut afterwards, such as boolean");
-    if (recipe.domain.shellFrom == ShellFrom::outer && needsFront(methodOf(recipe.voids)))
-        throw ParameterError("`shellFrom` outer: `voids` " + recipe.voids.method +
+    if (recipe.domain.shellFrom == ShellFrom::outer && recipe.voids.as<FrontHoles>())
+        throw ParameterError("`shellFrom` outer: `voids` " + nameOf(recipe.voids) +
                              " keep the thickness of the shell from all walls; use voids that are "
                              "cut afterwards, such as boolean");
     if (recipe.voids.fill == Fill::solid) checkSolidFill(recipe);

@@ -4,7 +4,6 @@
 #include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/options/jobs.h"
 #include "vdbpack/report/measured_pack.h"
 #include "vdbpack/report/report_page.h"
 
@@ -46,13 +45,10 @@ RadiusHistogram histogramOf(const Pack<Dim>& pack, std::size_t existing,
         ranks);
 }
 
-/// The options of a recipe, and what the run made of them.
-template <class JobType, class Recipe>
-std::vector<std::pair<std::string, std::string>> settingsOf(const Recipe& recipe,
+/// The options that were given, and what the run made of them.
+std::vector<std::pair<std::string, std::string>> settingsOf(const RunSettings& recipe,
                                                             const Report& report) {
-    JobType job;
-    static_cast<Recipe&>(job) = recipe;
-    auto settings = givenOptions(std::move(job));
+    auto settings = recipe.givenOptions;
     const auto add = [&](const char* name, const std::string& value) {
         if (!value.empty()) settings.emplace_back(name, value);
     };
@@ -62,22 +58,6 @@ std::vector<std::pair<std::string, std::string>> settingsOf(const Recipe& recipe
     add("seed", std::to_string(recipe.seed));
     add("threads", std::to_string(report.threads));
     return settings;
-}
-
-std::vector<std::pair<std::string, std::string>> settingsOf(const PackRecipe& recipe,
-                                                            const Report& report) {
-    return settingsOf<PackJob>(recipe, report);
-}
-
-std::vector<std::pair<std::string, std::string>> settingsOf(const VoidsRecipe& recipe,
-                                                            const Report& report) {
-    return settingsOf<VoidsJob>(recipe, report);
-}
-
-template <class Recipe>
-std::vector<std::pair<std::string, std::string>> settingsOf(const Recipe& recipe,
-                                                            const Report& report) {
-    return settingsOf<Recipe, Recipe>(recipe, report);
 }
 
 /// The page of a run on `subject`, with what all commands have in common.

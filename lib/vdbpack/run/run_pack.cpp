@@ -19,7 +19,6 @@
 #include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/shell_field.h"
-#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 
@@ -132,7 +131,7 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     std::optional<MadeVoids<Dim>> voids;
     CountedSpheres<Dim> counted;
-    if (needsFront(methodOf(recipe.voids)))
+    if (recipe.voids.as<FrontHoles>())
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
         counted.count = [&](const std::vector<Sphere<Dim>>& trial, double largest) {
@@ -179,7 +178,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
                PackOptions& options) {
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     const double target = prepared.requested.targetCount;
-    const bool holes = needsFront(methodOf(recipe.voids));
+    const auto* const holes = recipe.voids.as<FrontHoles>();
     PackResult<Dim> result;
     if (target > 0 && !scaled)
         result = packTarget(run, recipe, target, prepared, options);
@@ -278,7 +277,7 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
     constexpr double kNear = 0.018;
     const double target = prepared.requested.targetCount;
-    const bool foreseen = !needsFront(methodOf(recipe.voids)) &&
+    const bool foreseen = !recipe.voids.as<FrontHoles>() &&
                           !(recipe.densify.fraction > 0 && recipe.voids.keepConnected);
     if (!(target > 0) || foreseen || recipe.packing.maxCount > 0)
         return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
@@ -404,13 +403,6 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
 void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
     std::vector<PackRecipe> recipes = asked;
-    const auto forEachVoids = [&recipes](const auto& work) {
-        for (PackRecipe& r : recipes) {
-            work(r.voids);
-            for (PackRecipe& part : r.parts) work(part.voids);
-        }
-    };
-    forEachVoids([](VoidRecipe& voids) { voids = withPreset(std::move(voids)); });
     const PackRecipe& recipe = recipes.front();
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);

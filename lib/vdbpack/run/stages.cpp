@@ -57,7 +57,6 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack) {
-    const bool makesVoids = methodOf(voids) != VoidMethod::none && !isThinning(methodOf(voids));
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;
@@ -71,7 +70,7 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
                 case OutputKind::contour:
                 case OutputKind::levelSets:
                 case OutputKind::fog:
-                    if (makesVoids) break;
+                    if (voids.makesVoids()) break;
                     throw ParameterError(output.text +
                                          ": a periodic cell without voids has no surface; write "
                                          "the spheres");
@@ -137,19 +136,19 @@ void requireRepeating(const DomainSource& source, const VoidRecipe& voids) {
             name +
             ": a shell lies along a wall, which a periodic cell has not on all sides; leave "
             "`shell` out");
-    if (needsFront(methodOf(voids)))
+    if (voids.as<FrontHoles>())
         throw ParameterError(fmt::format(
             "{}: `voids` {} are not available in a periodic cell; use boolean, overlay, "
             "foam, grid or list:FILE",
-            name, voids.method));
+            name, nameOf(voids)));
     if (voids.fill == Fill::solid)
         throw ParameterError(name +
                              ": `fill` solid is not available in a periodic cell; leave it out");
-    if (!voids.bvtvField.empty())
+    if (const BvtvField* field = bvtvFieldOf(voids))
         throw ParameterError(
             fmt::format("{}: BV/TV by place (`bvtvField` {}) does not repeat with a periodic cell; "
                         "leave it out",
-                        name, voids.bvtvField));
+                        name, field->file));
 }
 
 template <int Dim>

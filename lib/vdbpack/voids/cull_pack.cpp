@@ -5,6 +5,7 @@
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/solve_target.h"
+#include "vdbpack/voids/stamped_solid.h"
 #include "vdbpack/voids/thinning.h"
 
 #include <fmt/format.h>
@@ -42,18 +43,18 @@ template <int Dim>
 void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t standing,
               MadeVoids<Dim>& made, Pack<Dim>& pack) {
     const VoidRecipe& r = s.recipe;
-    const VoidMethod method = methodOf(r);
-    if (method == VoidMethod::none && !r.hasShell()) {
+    const auto* thinning = r.as<Thinning>();
+    if (r.empty() && !r.hasShell()) {
         pack.region.assign(pack.spheres.size(), 0);  // all compact
         return;
     }
-    made.report.method = r.method;
+    made.report.method = nameOf(r);
     const ShellThickness shell = shellOf(s);
     noteShell(s, made.report);
     pack.region = deeperThan(pack.spheres, s.domain, shell);
     const std::size_t before = pack.spheres.size();
     std::vector<std::uint8_t> keep;
-    if (isThinning(method)) {
+    if (thinning) {
         auto candidates = pack.region;
         std::fill_n(candidates.begin(), std::min(standing, before), 0);
         double all = 0;
@@ -61,7 +62,7 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
             if (pack.region[i]) all += Measure<Dim>::ball(pack.spheres[i].radius);
         const auto bvtvAt = [&](double fraction) {
             fraction = std::max(fraction, 1e-6);
-            keep = method == VoidMethod::threshold
+            keep = thinning->by == Thinning::By::threshold
                        ? removeLargest(pack.spheres, candidates, fraction)
                        : removeAround(pack.spheres, candidates, fraction, s.seed, s.domain.cell());
             double left = 0;
@@ -71,11 +72,10 @@ void cullPack(const VoidSetting<Dim>& s, double contactTolerance, std::size_t st
         };
         made.report.ofSpheres = true;
         made.report.totalVolume = regionOf(s).volume();
-        if (r.targetBvtv)
-            made.report.amount =
-                solveForBvtv(r, 0, 1 - *r.targetBvtv, 1, bvtvTolerance(r), "", bvtvAt);
+        if (const auto target = thinning->targetBvtv)
+            made.report.amount = solveForBvtv(r, 0, 1 - *target, 1, bvtvTolerance(r), "", bvtvAt);
         else
-            made.report.amount = r.deleteFraction;
+            made.report.amount = thinning->fraction;
         made.report.bvtv = bvtvAt(*made.report.amount);
         warnIfOff(s, made.report);
     } else if (made.stamped && r.fill == Fill::domain) {

@@ -1,4 +1,4 @@
-// Private to voids: voids, from the request to the cut.
+// Makes voids, from the recipe to the cut.
 #pragma once
 
 #include "vdbpack/core/pack.h"
@@ -18,7 +18,7 @@
 
 namespace vdbpack {
 
-/// The voids of a run. All members are empty without voids, and for methods that only thin.
+/// Voids and what they leave. All members are empty without voids, and for methods that only thin.
 template <int Dim>
 struct MadeVoids {
     std::vector<Ellipsoid<Dim>> list;
@@ -53,19 +53,35 @@ double plannedVoxel(const VoidRecipe& recipe, int dim);
 /// @param voxel  of the voids, mm; 0: unknown.
 double depthForShell(const VoidRecipe& recipe, double voxel);
 
-/// Refuses a shell that leaves no core, and voids larger than the domain
-/// (those of a list only if `early`, since `makeVoids` checks them).
+/// Refuses a shell that leaves no core, and voids larger than the domain (voids of a list only if
+/// `early`, since `makeVoids` checks them).
 /// @throws InputError, ParameterError
 template <int Dim>
 void checkRoom(const VoidSetting<Dim>& setting, bool early);
 
-/// The voids of a method that needs no spheres (grid, overlay, boolean, list), as many as reach the
-/// target if there is one. @throws ParameterError if it cannot be reached, with the bound.
+/// The voids of a method that needs no spheres (grid, overlay, boolean, foam, list), as many or as
+/// large as reach the target if there is one.
+/// @throws ParameterError if the target cannot be reached, with the bound.
 template <int Dim>
 MadeVoids<Dim> makeVoids(const VoidSetting<Dim>& setting);
 
+/// The same for a domain alone, with all checks, and in space with the level sets of the solid:
+///
+///     VoidRecipe recipe;
+///     BooleanVoids voids;
+///     voids.shape.radius = SizeDistribution::uniform(1, 2);
+///     voids.targetBvtv = 0.3;
+///     recipe.method = voids;
+///     const MadeVoids<3> made = makeVoids(*boxDomain(box), recipe);
+///
+/// BV/TV by place and a specimen (`like`) are for whole runs.
+template <int Dim>
+MadeVoids<Dim> makeVoids(const Domain<Dim>& domain, const VoidRecipe& recipe,
+                         std::uint64_t seed = 1, const Callbacks& callbacks = {});
+
 /// Packs with holes among the spheres (mixed, ellipses), with the probability that reaches the
 /// target if there is one. The returned pack contains no holes.
+/// @param setting  of a recipe for `FrontHoles`.
 /// @param options  without further species.
 template <int Dim>
 PackResult<Dim> packWithHoles(const VoidSetting<Dim>& setting, const PackOptions& options,
@@ -82,10 +98,6 @@ void measureVoids(const VoidSetting<Dim>& setting, double contactTolerance, cons
 template <int Dim>
 std::vector<std::uint8_t> attachedToShell(const VoidSetting<Dim>& setting, double contactTolerance,
                                           const Pack<Dim>& pack, VoidReport& report);
-
-/// Warns if BV/TV misses its target, since the amount of voids changes in steps.
-template <int Dim>
-void warnIfOff(const VoidSetting<Dim>& setting, const VoidReport& report);
 
 /// Sets `region`, and removes from a pack the spheres that the voids cull and, if requested, those
 /// not connected to the shell. The first `standing` spheres are always kept.

@@ -6,9 +6,12 @@
 #include "vdbpack/voids/void_report.h"
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace vdbpack {
+
+struct Morphometry;
 
 /// A foam found for the targets of a recipe.
 struct StructureFit {
@@ -35,6 +38,13 @@ struct StructureFit {
 /// @throws ParameterError if a target is not reachable, with the range that is; Interrupted,
 /// ResourceError
 StructureFit fitStructure(const VoidSetting<3>& setting, FoamPacks<3>& packs);
+
+/// Sets the targets of a foam to the structure of a specimen, where it has no targets of its own:
+/// BV/TV, Tb.Th, Tb.Sp, DA, Conn.D, the distributions of thickness and spacing, and the main
+/// direction.
+/// @param name  of the specimen, for messages. @throws InputError for one without solid or pores
+void aimAt(const Morphometry& specimen, const std::string& name, FoamVoids& foam,
+           const Callbacks& callbacks);
 
 /// The recipe with a foam that usual bone with about those targets has, in place of the targets
 /// but BV/TV; unchanged without such targets. For predictions.

@@ -3,7 +3,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 
@@ -96,7 +95,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
 }
 
 template <int Dim>
-VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
+VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::vector<double>& cell,
                              const VoidMatrix* matrix, const std::array<bool, Dim>& wraps) {
     VoidLattice<Dim> lattice;
     const Vec<Dim> size = bounds.size();
@@ -116,14 +115,14 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         }
         return lattice;
     }
-    auto sides = parseNumberList(cell).value_or(std::vector<double>{});
-    if (sides.empty() || *std::min_element(sides.begin(), sides.end()) <= 0)
-        throw ParameterError(fmt::format("`cell` {}: write the side of a box in mm, or {} in mm",
-                                         cell, Dim == 3 ? "X,Y,Z" : "X,Y"));
-    if (sides.size() == 1) sides.assign(Dim, sides[0]);
-    if (sides.size() != Dim)
-        throw ParameterError(
-            fmt::format("`cell` {}: has {} sides; write one or {}", cell, sides.size(), Dim));
+    const auto given = fmt::format("`cell` {}", fmt::join(cell, ","));
+    const bool good = std::all_of(cell.begin(), cell.end(),
+                                  [](double side) { return side > 0 && std::isfinite(side); });
+    if (!good || (cell.size() != 1 && cell.size() != Dim))
+        throw ParameterError(fmt::format("{}: write the side of a box in mm, or {} in mm", given,
+                                         Dim == 3 ? "X,Y,Z" : "X,Y"));
+    std::vector<double> sides = cell;
+    if (sides.size() == 1) sides.assign(Dim, cell[0]);
     double boxes = 1;
     for (int d = 0; d < Dim; ++d) {
         const auto i = static_cast<std::size_t>(d);
@@ -133,8 +132,7 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         if (wraps[i]) sides[i] = size[d] / n;
         boxes *= n;
         if (!(boxes < 4e9))
-            throw ResourceError(
-                fmt::format("`cell` {}: makes more than 4e9 boxes; choose larger ones", cell));
+            throw ResourceError(given + ": makes more than 4e9 boxes; choose larger ones");
         lattice.count[i] = static_cast<std::int64_t>(n);
         lattice.cell[d] = sides[i];
         lattice.origin[d] = bounds.center()[d] - 0.5 * n * sides[i];
@@ -222,7 +220,7 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
     template std::vector<Ellipsoid<Dim>> booleanVoids(                                            \
         const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                     \
         const std::function<double(const Vec<Dim>&)>&);                                           \
-    template VoidLattice<Dim> voidLattice<Dim>(const Box<Dim>&, const std::string&,               \
+    template VoidLattice<Dim> voidLattice<Dim>(const Box<Dim>&, const std::vector<double>&,       \
                                                const VoidMatrix*, const std::array<bool, Dim>&);  \
     template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                     \
                                                       const VoidLattice<Dim>&, const VoidMatrix*, \

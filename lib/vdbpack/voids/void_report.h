@@ -38,7 +38,7 @@ struct VoidReport {
     std::string radius;                  ///< SPEC of b that gave the target thickness, mm
     std::optional<double> thickness;     ///< Tb.Th if a target was set, mm
     std::vector<TargetReport> targets;   ///< of a structure, as found in a specimen
-    /// Kolmogorov-Smirnov distances of local thickness and spacing to those of a sample.
+    /// Kolmogorov-Smirnov distances of local thickness and spacing from a sample.
     std::optional<double> thicknessDistance, separationDistance;
     double specimen = 0;                  ///< shortest side of that specimen, mm; 0: none
     std::string parameters;               ///< of the foam that was found for them
