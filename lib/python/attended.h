@@ -2,7 +2,7 @@
 #pragma once
 
 #include "arrays.h"
-#include "cli/option_names.h"
+#include "vdbpack/options/jobs.h"
 
 #include "vdbpack/core/progress.h"
 

@@ -28,7 +28,7 @@ namespace {
 ConvertRecipe recipeFor(const std::string& from, const std::vector<std::string>& to) {
     ConvertRecipe recipe;
     recipe.pack = from;
-    recipe.outputs = to;
+    recipe.outputs = {to.begin(), to.end()};
     return recipe;
 }
 

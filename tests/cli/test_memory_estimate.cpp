@@ -119,9 +119,9 @@ TEST_CASE("a dry run comes true within its errors, and writes nothing", "[estima
 TEST_CASE("a dry run refuses what a run does, and says what densifying cannot reach",
           "[estimate][bad]") {
     PackRecipe recipe = test::recipeFor("box:40,40,40", "uniform:1,2");
-    recipe.densify = 0.8;
+    recipe.densify.fraction = 0.8;
     CHECK_FALSE(dryRunPack(recipe).densified);
-    recipe.densify = 0.64;
+    recipe.densify.fraction = 0.64;
     CHECK(dryRunPack(recipe).densified);
     recipe.outputs = {"/none/pack.csv"};
     CHECK_THROWS_AS(dryRunPack(recipe), IoError);

@@ -52,7 +52,7 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
         for (const auto& output : recipe.outputs) {
             CAPTURE(output);
             VerifyRecipe verify;
-            verify.pack = output;
+            verify.pack = output.file;
             verify.domain = recipe.domain;
             const auto checked = runVerify(verify);
             CHECK(checked.passed);

@@ -106,7 +106,7 @@ TEST_CASE("verify passes what pack wrote, in every format, with the same hash", 
     for (const auto& file : recipe.outputs) {
         CAPTURE(file);
         VerifyRecipe verify;
-        verify.pack = file;
+        verify.pack = file.file;
         verify.domain.source = folder.file("b.obj");
         verify.radius = "uniform:1,2";
         const auto run = runVerify(verify);

@@ -78,7 +78,7 @@ RunResult requireSameForAnyThreads(PackRecipe recipe) {
         recipe.threads = threads;
         RunResult run = runPack(recipe);
         std::vector<std::string> written;
-        for (const auto& output : recipe.outputs) written.push_back(bytesOf(output));
+        for (const auto& output : recipe.outputs) written.push_back(bytesOf(output.file));
         if (!first) {
             first = std::move(run);
             files = std::move(written);

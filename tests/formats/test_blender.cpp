@@ -119,7 +119,7 @@ TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first
     have.options.levelSets = {someLevelSet()};
     const std::string script = scratch.file("a.py"), volume = scratch.file("p.vdb");
     const bool first = GENERATE(true, false);
-    std::vector<std::string> outputs = {"blender:" + script, volume};
+    std::vector<OutputTarget> outputs = {"blender:" + script, volume};
     if (first) std::swap(outputs[0], outputs[1]);
     const auto files = writeOutputs(outputs, have, {});
     REQUIRE(files.size() == 3);

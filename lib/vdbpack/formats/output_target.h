@@ -26,8 +26,8 @@ inline constexpr const char* kSolid = "solid";
 struct OutputTarget {
     /// @throws ParameterError for a prefix without a file; whether a pack file has a format is
     /// another question.
-    OutputTarget(const std::string& text);  // NOLINT: recipes list texts
-    OutputTarget(const char* text) : OutputTarget(std::string(text)) {}
+    OutputTarget(const std::string& name);  // NOLINT: recipes list texts
+    OutputTarget(const char* name) : OutputTarget(std::string(name)) {}
 
     std::string text;  ///< as it was named
     OutputKind kind = OutputKind::pack;
