@@ -66,8 +66,8 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     for (const bool solid : {false, true}) {
         CAPTURE(solid);
         VerifyRecipe verify;
-        verify.pack = recipe.outputs[0].file;
-        verify.domain.source = solid ? recipe.outputs[0].file : bone;
+        verify.pack = recipe.outputs[0].text;
+        verify.domain.source = solid ? recipe.outputs[0].text : bone;
         if (solid) verify.domain.gridName = "solid";
         const RunResult check = runVerify(verify);
         CHECK(check.passed);

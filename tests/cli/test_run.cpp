@@ -104,9 +104,9 @@ TEST_CASE("verify passes what pack wrote, in every format, with the same hash", 
     CHECK(packed.report.overlap->max == 0);
     CHECK(packed.report.protrusion->max == 0);
     for (const auto& file : recipe.outputs) {
-        CAPTURE(file);
+        CAPTURE(file.text);
         VerifyRecipe verify;
-        verify.pack = file.file;
+        verify.pack = file.text;
         verify.domain.source = folder.file("b.obj");
         verify.radius = "uniform:1,2";
         const auto run = runVerify(verify);
@@ -146,7 +146,7 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     CHECK_THAT(warned[0], Catch::Contains("`unit`"));
     CHECK(packed.report.warnings == warned);
     MeasureRecipe measure;
-    measure.pack = recipe.outputs[0].file;
+    measure.pack = recipe.outputs[0].text;
     CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("`packUnit`"));
 }
 

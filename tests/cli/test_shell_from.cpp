@@ -151,7 +151,7 @@ TEST_CASE("measures by region take the shell from the outer surface", "[measure]
     recipe.outputs = {folder.file("pack.csv")};
     runPack(recipe);
     MeasureRecipe measure;
-    measure.pack = recipe.outputs.front().file;
+    measure.pack = recipe.outputs.front().text;
     measure.domain = fromOuter(bone);
     measure.shell = kShell;
     const auto structure = runMeasure(measure).structure;

@@ -189,7 +189,7 @@ TEST_CASE("spheres around others are the same for any number of threads", "[run]
     recipe.outputs = {folder.file("half.csv")};
     const auto half = runPack(recipe);
     PackRecipe whole = recipeFor(boneFile("irregular"), "uniform:0.8,1.2");
-    whole.existing = recipe.outputs[0].file;
+    whole.existing = recipe.outputs[0].text;
     const auto run = requireSameForAnyThreads(whole);
     CHECK(run.report.existing == half.report.count);
     CHECK(run.report.count > run.report.existing + 500);

@@ -21,29 +21,32 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 80755},
+    {"lib", 79595},
     {"lib/python", 2022},
     {"lib/vdbpack/core", 2289},
-    {"lib/vdbpack/densify", 4275},
-    {"lib/vdbpack/domain", 4426},
-    {"lib/vdbpack/field", 5811},
-    {"lib/vdbpack/formats", 8920},
-    {"lib/vdbpack/image", 3976},
-    {"lib/vdbpack/io", 2383},
-    {"lib/vdbpack/measure", 5329},
-    {"lib/vdbpack/mesh", 6479},
-    {"lib/vdbpack/pack", 7286},
-    {"lib/vdbpack/preview", 2244},
-    {"lib/vdbpack/report", 2017},
-    {"lib/vdbpack/run", 12527},
+    {"lib/vdbpack/io", 2360},
+    {"lib/vdbpack/mesh", 3437},
     {"lib/vdbpack/verify", 2367},
-    {"lib/vdbpack/view", 2897},
-    {"lib/vdbpack/voids", 5416},
-    {"tools", 7650},
-    {"tests", 32342},
+    {"lib/vdbpack/image", 3845},
+    {"lib/vdbpack/field", 5745},
+    {"lib/vdbpack/repair", 2877},
+    {"lib/vdbpack/domain", 5784},
+    {"lib/vdbpack/pack", 7381},
+    {"lib/vdbpack/densify", 4275},
+    {"lib/vdbpack/measure", 5168},
+    {"lib/vdbpack/voids", 7268},
+    {"lib/vdbpack/formats", 8592},
+    {"lib/vdbpack/report", 2488},
+    {"lib/vdbpack/preview", 2558},
+    {"lib/vdbpack/view", 1515},
+    {"lib/vdbpack/distributed", 435},
+    {"lib/vdbpack/options", 2748},
+    {"lib/vdbpack/run", 6350},
+    {"tools", 3807},
+    {"tests", 31600},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
-constexpr std::size_t kFileLines = 657;
+constexpr std::size_t kFileLines = 632;
 constexpr std::size_t kFunctionLines = 114;
 /// Tables: rows rather than steps, of any length.
 const std::set<std::string> kTables{};

@@ -40,8 +40,8 @@ struct DomainRecipe {
     /// Value at the surface, of a fog volume in a .vdb or of an image.
     std::optional<double> threshold;
     std::string label;  ///< of an image: a value or a name, or several joined by "+"
-    /// "X,Y,Z" or "D", mm: distances of the voxels of an image that states none, else of those of
-    /// label maps that are written; empty: those of the image.
+    /// "X,Y,Z" or "D", mm: distances of the voxels of an image that states none, else of
+    /// label maps that are written; empty: the distances that the image states.
     std::string voxelSpacing;
     ImageSpace space = ImageSpace::lps;  ///< of an image
     std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
@@ -53,7 +53,7 @@ struct DomainRecipe {
     RepairComponents repairComponents = RepairComponents::together;
     /// What lies inside closed components of the surface that are inside others: "keep" (empty;
     /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
-    /// without that of another.
+    /// without the inside of another.
     std::string cavities;
     ShellFrom shellFrom = ShellFrom::walls;
 };

@@ -27,11 +27,11 @@ struct LabelSource {
     std::vector<SolidTest> solids;       ///< one a part; of several at a point the last counts
 };
 
-/// The grid of the label maps among the outputs of a run on such domains: that of the image that
-/// they come from, in its own voxels or in those that `voxelSpacing` says; else voxels along the
-/// axes. Nothing if there are none.
+/// The grid of the label maps among the outputs of a run on such domains: the grid of the image
+/// that they come from, in its own voxels or in those that `voxelSpacing` says; else voxels along
+/// the axes. Nothing if there are none.
 /// @throws ParameterError where nothing says how large voxels are, ResourceError
-/// @param memoryLimit  bytes, as that of a run.
+/// @param memoryLimit  bytes, as of a run.
 std::optional<ImageGrid> labelGridOf(const std::vector<OutputTarget>& outputs,
                                      const std::vector<const DomainSource*>& sources,
                                      double memoryLimit);

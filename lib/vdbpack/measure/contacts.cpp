@@ -272,7 +272,7 @@ template <int Dim>
 std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
                                const std::vector<std::uint32_t>* source) {
     if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double smallest = kInfinity;
     for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
     // Pairs are sought up to a gap in proportion to their radii: wide enough once no pair of the

@@ -52,11 +52,11 @@ struct PackRecipe : RunSettings {
     /// File with a factor on the radii by place: as `readScalarField` reads it, or an image; empty:
     /// none.
     std::string sizeField;
-    /// SPEC of the radii in the shell of `voids`, mm; empty: those of all.
+    /// SPEC of the radii in the shell of `voids`, mm; empty: the radii of all.
     std::string shellRadius;
     WeightBy weightBy = WeightBy::count;  ///< for table:FILE
     double targetCount = 0;               ///< scale the radii to about this many; 0: as given
-    /// How the front packs; sizes, seed, threads and ranks are those of the recipe.
+    /// How the front packs; sizes, seed, threads and ranks are set by the recipe.
     PackOptions packing{SizeDistribution::uniform(1, 2)};
     /// How spheres are moved and added afterwards, with the gap of `packing`; fraction 0: they are
     /// not.
@@ -95,7 +95,7 @@ struct InputPack : RunSettings {
 struct VerifyRecipe : InputPack {
     double gap = 0;                    ///< least distance that the spheres must keep, mm
     std::uint64_t vacancySamples = 0;  ///< points at which to search for vacancies; 0: none
-    /// Of a pack of several parts, with its column `part`: the domains that they fill, as those of
+    /// Of a pack of several parts, with its column `part`: the domains that they fill, as in
     /// PackRecipe; empty: `domain`, unless its `label` names several.
     std::vector<PackRecipe> parts;
     std::string partsFile;  ///< that `parts` were read from; empty: none
@@ -129,7 +129,7 @@ struct MeasureRecipe : InputPack {
 
 /// `pack` is what is converted, `packGrid` the point grid or level set in a .vdb. With
 /// `domain.source` level sets and surface of that domain can be written beside the spheres;
-/// `domain.voxelSize` is also that of the level set made of a mesh. `outputs` or a picture are
+/// the level set made of a mesh has voxels of `domain.voxelSize`, too. `outputs` or a picture are
 /// required; `radius` and `reportFile` are not used.
 struct ConvertRecipe : InputPack {};
 
@@ -142,7 +142,7 @@ struct ConvertResult {
 
 /// `pack` is shown, and with `domain.source` the wall of that domain. `reportFile` is the page
 /// (empty: NAME.view.html in the current folder, with the name of the pack's file);
-/// `preview.cut`, `preview.color` and `preview.column` are those of the view at first. `outputs`,
+/// `preview.cut`, `preview.color` and `preview.column` are how the view begins. `outputs`,
 /// `preview.file` and `radius` are not used.
 struct ViewRecipe : InputPack {};
 
