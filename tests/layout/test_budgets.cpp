@@ -21,13 +21,13 @@ namespace fs = std::filesystem;
 
 /// Most lines of a folder: *.h *.cpp *.py *.js *.in. Each room of the library has a row.
 const std::map<std::string, std::size_t> kFolderLines{
-    {"lib", 80089},
+    {"lib", 80083},
     {"lib/python", 2022},
     {"lib/vdbpack/core", 2289},
     {"lib/vdbpack/io", 2360},
     {"lib/vdbpack/mesh", 3437},
     {"lib/vdbpack/verify", 2367},
-    {"lib/vdbpack/image", 3845},
+    {"lib/vdbpack/image", 3839},
     {"lib/vdbpack/field", 5745},
     {"lib/vdbpack/repair", 2877},
     {"lib/vdbpack/domain", 5784},

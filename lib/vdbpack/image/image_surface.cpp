@@ -102,14 +102,12 @@ std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
     const auto& size = image.grid.size;
     PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
     image.visit([&](const auto* numbers) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, size[1] * size[2], 64),
-                          [&](const tbb::blocked_range<std::size_t>& rows) {
-                              auto& mine = tallies.local();
-                              for (std::size_t layer = 0; layer < image.layers; ++layer)
-                                  for (std::size_t row = rows.begin();
-                                       row < rows.end() && mine[layer].whole; ++row)
-                                      addRow(image, numbers, layer, row, mine[layer]);
-                          });
+        parallelFor(IndexRange(0, size[1] * size[2], 64), [&](const IndexRange& rows) {
+            auto& mine = tallies.local();
+            for (std::size_t layer = 0; layer < image.layers; ++layer)
+                for (std::size_t row = rows.begin(); row < rows.end() && mine[layer].whole; ++row)
+                    addRow(image, numbers, layer, row, mine[layer]);
+        });
     });
     std::vector<LabelCount> labels;
     for (std::size_t layer = 0; layer < image.layers; ++layer) {

@@ -3,9 +3,6 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -178,44 +175,43 @@ void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
                  const std::function<double(std::size_t, std::size_t)>& shareOf) {
     const auto& size = voxels.size;
     const std::size_t stride[3] = {1, size[0], size[0] * size[1]};
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, net.vertices.size(), 1024), [&](const auto& block) {
-            for (std::size_t v = block.begin(); v < block.end(); ++v) {
-                const auto& cell = net.cells[v];
-                // Whether a corner of the cell is a voxel, and which.
-                std::array<std::size_t, 8> at{};
-                std::array<bool, 8> within{};
-                for (std::size_t k = 0; k < 8; ++k) {
-                    within[k] = true;
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        const std::size_t i = cell[d] + (k >> d & 1);  // from 1
-                        within[k] = within[k] && i >= 1 && i <= size[d];
-                        at[k] += (i - 1) * stride[d];
-                    }
-                }
-                Vec<3> sum;
-                int count = 0;
-                for (std::size_t k = 0; k < 8; ++k)
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        const std::size_t l = k | std::size_t{1} << d;
-                        if (l == k || !(within[k] || within[l])) continue;
-                        const std::uint16_t a = within[k] ? voxels.labels[at[k]] : kBeyond;
-                        const std::uint16_t b = within[l] ? voxels.labels[at[l]] : kBeyond;
-                        if (!SurfaceNet::isFace(a, b)) continue;
-                        Vec<3> x;
-                        for (std::size_t e = 0; e < 3; ++e)
-                            x.c[e] = static_cast<double>(k >> e & 1) - 0.5;
-                        x.c[d] += within[k] && within[l] ? shareOf(at[k], at[l]) : 0.5;
-                        sum += x;
-                        ++count;
-                    }
-                for (int d = 0; d < 3; ++d) {
-                    const std::uint16_t i = cell[static_cast<std::size_t>(d)];
-                    if (count > 0 && i != 0 && i != size[static_cast<std::size_t>(d)])
-                        net.vertices[v][d] += sum[d] / count;
+    parallelFor(IndexRange(0, net.vertices.size(), 1024), [&](const auto& block) {
+        for (std::size_t v = block.begin(); v < block.end(); ++v) {
+            const auto& cell = net.cells[v];
+            // Whether a corner of the cell is a voxel, and which.
+            std::array<std::size_t, 8> at{};
+            std::array<bool, 8> within{};
+            for (std::size_t k = 0; k < 8; ++k) {
+                within[k] = true;
+                for (std::size_t d = 0; d < 3; ++d) {
+                    const std::size_t i = cell[d] + (k >> d & 1);  // from 1
+                    within[k] = within[k] && i >= 1 && i <= size[d];
+                    at[k] += (i - 1) * stride[d];
                 }
             }
-        });
+            Vec<3> sum;
+            int count = 0;
+            for (std::size_t k = 0; k < 8; ++k)
+                for (std::size_t d = 0; d < 3; ++d) {
+                    const std::size_t l = k | std::size_t{1} << d;
+                    if (l == k || !(within[k] || within[l])) continue;
+                    const std::uint16_t a = within[k] ? voxels.labels[at[k]] : kBeyond;
+                    const std::uint16_t b = within[l] ? voxels.labels[at[l]] : kBeyond;
+                    if (!SurfaceNet::isFace(a, b)) continue;
+                    Vec<3> x;
+                    for (std::size_t e = 0; e < 3; ++e)
+                        x.c[e] = static_cast<double>(k >> e & 1) - 0.5;
+                    x.c[d] += within[k] && within[l] ? shareOf(at[k], at[l]) : 0.5;
+                    sum += x;
+                    ++count;
+                }
+            for (int d = 0; d < 3; ++d) {
+                const std::uint16_t i = cell[static_cast<std::size_t>(d)];
+                if (count > 0 && i != 0 && i != size[static_cast<std::size_t>(d)])
+                    net.vertices[v][d] += sum[d] / count;
+            }
+        }
+    });
 }
 
 }  // namespace vdbpack
