@@ -380,8 +380,7 @@ TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][gre
     CHECK(10 * counts.size() > 9 * pack.spheres.size());
     CHECK(counts.rbegin()->first <= static_cast<std::int64_t>(pack.spheres.size()));
 
-    recipe.outputs = {"labels:" + folder.file("r.vdb")};
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    CHECK_THROWS_AS(OutputTarget("labels:" + folder.file("r.vdb")), ParameterError);
 }
 
 TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") {

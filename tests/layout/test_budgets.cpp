@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 2748},
     {"lib/vdbpack/run", 6350},
     {"tools", 3807},
-    {"tests", 31600},
+    {"tests", 31620},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 632;
