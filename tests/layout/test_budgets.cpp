@@ -43,7 +43,7 @@ const std::map<std::string, std::size_t> kFolderLines{
     {"lib/vdbpack/options", 2995},
     {"lib/vdbpack/run", 6292},
     {"tools", 3808},
-    {"tests", 31687},
+    {"tests", 31686},
 };
 /// Most lines of a file, and of a function from its opening brace to its end.
 constexpr std::size_t kFileLines = 632;
