@@ -12,10 +12,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CLI::App app("fuzz");
     app.name("vdb_pack");
     app.set_config("--config")->check(CLI::ExistingFile);
-    app.config_formatter(std::make_shared<RecipeFormat>(
-        app, [](const std::string& option) {
-            return option == "output" ? FileIn::output : FileIn::domain;
-        }));
+    app.config_formatter(std::make_shared<RecipeFormat>(app, [](const std::string& option) {
+        return option == "output" ? FileIn::output : FileIn::domain;
+    }));
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();
     CLI::App* const pack = app.add_subcommand("pack");

@@ -2,17 +2,17 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/clipped_domain.h"
+#include "vdbpack/domain/depth.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/domain/domain_text.h"
 #include "vdbpack/domain/intersection_domain.h"
 #include "vdbpack/domain/slice_domain.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/domain/depth.h"
 #include "vdbpack/mesh/coordinate_step.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/made_mesh.h"
 #include "vdbpack/mesh/mesh_sides.h"
-#include "vdbpack/domain/domain_image.h"
 
 #include <fmt/format.h>
 

@@ -2,10 +2,10 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_relations.h"
-#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/options/recipes.h"
 
 #include <nlohmann/json_fwd.hpp>
