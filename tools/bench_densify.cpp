@@ -5,12 +5,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/densify.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/domain_source.h"
 #include "vdbpack/verify/verify.h"
 
 #include <fmt/format.h>

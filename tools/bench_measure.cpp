@@ -107,7 +107,7 @@ void benchMeasure(int threads, double side, int edge) {
         pack.outputs = {folder + "/pack.vdb"};
         const double packing = runPack(pack).report.seconds.pack;
         MeasureRecipe recipe;
-        recipe.pack = pack.outputs.front();
+        recipe.pack = pack.outputs.front().text;
         recipe.domain = pack.domain;
         recipe.radius = pack.radius;
         recipe.threads = threads;

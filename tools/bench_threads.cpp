@@ -47,7 +47,7 @@ Job boxJob(const std::string& box, double fraction) {
     if (fraction > 0) job.name += fmt::format(", densified to {}", fraction);
     job.recipe.domain.source = box;
     job.recipe.radius = "uniform:1,2";
-    job.recipe.densify = fraction;
+    job.recipe.densify.fraction = fraction;
     return job;
 }
 
@@ -58,13 +58,14 @@ Job meshJob(const MeshArgument& mesh) {
     recipe.domain.source = mesh.file;
     recipe.domain.unit = mesh.unit;
     recipe.radius = fmt::format("uniform:{:g},{:g}", smallest, 2 * smallest);
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = fmt::format("uniform:{:g},{:g}", 3 * smallest, 6 * smallest);
+    BooleanVoids voids;
+    voids.shape.radius = SizeDistribution::uniform(3 * smallest, 6 * smallest);
+    voids.targetBvtv = 0.3;
+    recipe.voids.method = voids;
     recipe.voids.shell = 4 * smallest;
-    recipe.voids.targetBvtv = 0.3;
     job.name = fmt::format("{}, radii {}, voids boolean of {}, shell {:g}, BV/TV 0.3",
                            std::filesystem::path(mesh.file).filename().string(), recipe.radius,
-                           recipe.voids.radius, recipe.voids.shell);
+                           voids.shape.radius.spec(), recipe.voids.shell);
     return job;
 }
 

@@ -111,7 +111,7 @@ void benchVoids(const std::string& mesh, int threads, double targetCount) {
     CarveRecipe carving;
     carving.pack = pack;
     carving.domain = recipe;
-    carving.voids.method = "list:" + list;
+    carving.voids.method = ListedVoids{list};
     carving.voids.voxelSize = kVoxel;
     carving.threads = threads;
     // The best of several runs, in turn: other load on the machine varies.

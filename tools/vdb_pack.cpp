@@ -1,19 +1,20 @@
 // vdb_pack: parses, calls, prints. Whatever deserves a test is in the library.
 #include "cli/open_page.h"
-#include "cli/option_names.h"
 #include "cli/options.h"
 #include "cli/progress_line.h"
 #include "cli/terminal.h"
 #include "rank_session.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/dry_run.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
+#include "vdbpack/run/run_image.h"
 #include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/run_view.h"
 #include "vdbpack/run/study.h"
 
 #include <fmt/format.h>

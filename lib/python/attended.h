@@ -2,9 +2,9 @@
 #pragma once
 
 #include "arrays.h"
-#include "cli/option_names.h"
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/options/jobs.h"
 
 #include <pybind11/pybind11.h>
 

@@ -2,19 +2,19 @@
 // package around it turns keyword arguments into words of the command line, so that both take the
 // same options and give the same packs.
 #include "attended.h"
-#include "cli/option_names.h"
-#include "cli/options.h"
 #include "domain_arrays.h"
 #include "pack_arrays.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/measure/contacts.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/options/command_line.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_image.h"
 #include "vdbpack/run/run_mesh.h"
+#include "vdbpack/run/run_view.h"
 #include "vdbpack/verify/pack_hash.h"
 
 #include <nlohmann/json.hpp>

@@ -79,31 +79,31 @@ inline std::shared_ptr<const Image> imageOf(const py::array& values, const Doubl
         !std::isfinite(squaredLength(image->grid.origin)))
         throw InputError("affine: its axes lie in one plane, or are not finite");
     // The first index is the fastest in memory.
-    const auto take = [&](auto type, VoxelType voxels) {
+    const auto take = [&](auto type, NumberType voxels) {
         using T = decltype(type);
         const py::array_t<T, py::array::f_style | py::array::forcecast> packed(values);
         const std::size_t bytes = sizeof(T) * image->grid.voxels();
         image->type = voxels;
-        image->bytes.reset(static_cast<std::byte*>(std::malloc(bytes)));
+        image->bytes = voxelMemory(bytes);
         if (!image->bytes) throw ResourceError("image: no memory for a copy of it");
         std::memcpy(image->bytes.get(), packed.data(), bytes);
     };
     const char kind = values.dtype().kind();
     const auto size = values.dtype().itemsize();
     if (kind == 'b' || (kind == 'u' && size == 1))
-        take(std::uint8_t{}, VoxelType::uint8);
+        take(std::uint8_t{}, NumberType::u8);
     else if (kind == 'u' && size == 2)
-        take(std::uint16_t{}, VoxelType::uint16);
+        take(std::uint16_t{}, NumberType::u16);
     else if (kind == 'i' && size <= 2)
-        take(std::int16_t{}, VoxelType::int16);
+        take(std::int16_t{}, NumberType::i16);
     else if (kind == 'u' && size == 4)
-        take(std::uint32_t{}, VoxelType::uint32);
+        take(std::uint32_t{}, NumberType::u32);
     else if (kind == 'i' || kind == 'u')
-        take(fitting(values), VoxelType::int32);
+        take(fitting(values), NumberType::i32);
     else if (kind == 'f' && size == 4)
-        take(float{}, VoxelType::float32);
+        take(float{}, NumberType::f32);
     else if (kind == 'f')
-        take(double{}, VoxelType::float64);
+        take(double{}, NumberType::f64);
     else
         throw ParameterError("image: an array of numbers is needed");
     image->format = "array";

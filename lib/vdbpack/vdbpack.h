@@ -5,8 +5,9 @@
 //             implicitDomain; cut by clippedDomain and sliceDomain
 //   pack      packSpheres, packToCount, largestBall; sizes by SizeDistribution
 //   densify   densify: makes a pack denser, or removes its overlaps
-//   voids     booleanVoids, latticeVoids, voidsAtSpheres, foamVoids, readVoidList; stampVoids,
-//             cutVoids, spheresOutside and keepOnly
+//   voids     makeVoids by any method, for a target BV/TV; booleanVoids, latticeVoids,
+//             voidsAtSpheres, foamVoids, readVoidList; stampVoids, cutVoids, spheresOutside,
+//             keepOnly
 //   verify    verifyPack, checkOverlap, checkProtrusion: independent of the packer
 //   measure   solidFraction, interiorFraction, densityProfile, countContacts, listContacts,
 //             pairCorrelation; measureMorphometry of a solid
@@ -50,15 +51,15 @@
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
 #include "vdbpack/mesh/triangle_mesh.h"
 #include "vdbpack/pack/largest_ball.h"
 #include "vdbpack/pack/pack_to_count.h"
 #include "vdbpack/pack/packer.h"
 #include "vdbpack/preview/preview.h"
+#include "vdbpack/repair/mesh_repair.h"
+#include "vdbpack/report/library_versions.h"
 #include "vdbpack/report/report_page.h"
-#include "vdbpack/run/dry_run.h"
-#include "vdbpack/run/library_versions.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/run_mesh.h"
@@ -66,6 +67,7 @@
 #include "vdbpack/verify/verify.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/dilated_pack.h"
+#include "vdbpack/voids/make_voids.h"
 #include "vdbpack/voids/orientation.h"
 #include "vdbpack/voids/stamp.h"
 #include "vdbpack/voids/void_field.h"

@@ -105,15 +105,15 @@ TEST_CASE("labels and columns pass through convert", "[cli][columns]") {
 TEST_CASE("existing spheres keep their labels and columns, with a shell and voids too",
           "[cli][columns]") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
-    PackRecipe recipe = recipeFor("box:14,14,14", "uniform:0.5,1", given.out);
+    PackJob recipe = recipeFor("box:14,14,14", "uniform:0.5,1", given.out);
     recipe.existing = given.file;
     const bool cut = GENERATE(false, true);
     CAPTURE(given.file, cut);
     if (cut) {
-        recipe.voids.shell = 2;
-        recipe.voids.method = "boolean";
-        recipe.voids.radius = "constant:1";
-        recipe.voids.targetBvtv = 0.7;
+        recipe.request.shell = 2;
+        recipe.request.method = "boolean";
+        recipe.request.radius = "constant:1";
+        recipe.request.targetBvtv = 0.7;
     }
     const auto run = runPack(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());
@@ -136,17 +136,17 @@ TEST_CASE(
     "[cli][columns]") {
     const Labelled given(GENERATE(from_range(std::begin(kWithColumns), std::end(kWithColumns))));
     CAPTURE(given.file);
-    CarveRecipe recipe;
+    CarveJob recipe;
     recipe.pack = given.file;
     recipe.domain.source = "ball:5";
     recipe.outputs = {given.out};
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1";
-    recipe.voids.targetBvtv = 0.6;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1";
+    recipe.request.targetBvtv = 0.6;
     const auto run = runCarve(recipe);
     REQUIRE(run.report.voids->culled > 5);
     REQUIRE(given.requireLabels() == given.labels.size() - run.report.voids->culled);
-    recipe.voids.shell = 1;
+    recipe.request.shell = 1;
     runCarve(recipe);
     const auto shelled = readPack(given.out);
     REQUIRE(*std::max_element(shelled.region.begin(), shelled.region.end()) == 1);
@@ -156,13 +156,13 @@ TEST_CASE("spheres without ids keep the names that their places gave them when o
           "[cli][columns]") {
     const TemporaryFolder folder;
     runPack(recipeFor("ball:5", "uniform:0.5,1", folder.file("in.csv")));
-    CarveRecipe recipe;
+    CarveJob recipe;
     recipe.pack = folder.file("in.csv");
     recipe.domain.source = "ball:5";
     recipe.outputs = {folder.file("out.csv")};
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1";
-    recipe.voids.targetBvtv = 0.6;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1";
+    recipe.request.targetBvtv = 0.6;
     runCarve(recipe);
     const auto before = readPack(folder.file("in.csv"));
     const auto after = readPack(folder.file("out.csv"));
@@ -179,7 +179,7 @@ TEST_CASE("densified spheres keep their labels and columns", "[cli][columns]") {
     recipe.pack = given.file;
     recipe.domain.source = "ball:5";
     recipe.outputs = {given.out};
-    recipe.fraction = 0.01;  // overlaps alone
+    recipe.densify.fraction = 0.01;  // overlaps alone
     runDensify(recipe);
     REQUIRE(given.requireLabels() == given.labels.size());
 }

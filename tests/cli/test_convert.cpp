@@ -1,4 +1,5 @@
 // From one format to another, and what is made of level sets on the way.
+#include "cli/recipes.h"
 #include "formats/lattice_pack.h"
 #include "support/temporary_folder.h"
 #include "support/text_file.h"
@@ -6,10 +7,10 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/verify/verify.h"
@@ -25,10 +26,10 @@ using Catch::Matchers::Contains;
 
 namespace {
 
-ConvertRecipe recipeFor(const std::string& from, const std::vector<std::string>& to) {
+ConvertRecipe recipeOf(const std::string& from, const std::vector<std::string>& to) {
     ConvertRecipe recipe;
     recipe.pack = from;
-    recipe.outputs = to;
+    recipe.outputs = {to.begin(), to.end()};
     return recipe;
 }
 
@@ -42,7 +43,7 @@ TEST_CASE("a pack through every format and back is the same doubles", "[convert]
     for (const std::string to :
          {"a.npz", "b.xyz", "c.vtp", "d.vtkhdf", "d.vdb", "e.csv", "f.data"}) {
         CAPTURE(from, to);
-        const auto result = runConvert(recipeFor(from, {scratch.file(to)}));
+        const auto result = runConvert(recipeOf(from, {scratch.file(to)}));
         REQUIRE(result.kind == "spheres");
         REQUIRE(result.count == 300);
         REQUIRE(result.hash == packHash(pack));
@@ -58,7 +59,7 @@ TEST_CASE("a pack through every format and back is the same doubles", "[convert]
         REQUIRE(read.contacts == pack.contacts);
     }
     runConvert(
-        recipeFor(from, {"yade:" + (scratch.file("g.txt")), "points:" + (scratch.file("h.vdb"))}));
+        recipeOf(from, {"yade:" + (scratch.file("g.txt")), "points:" + (scratch.file("h.vdb"))}));
     REQUIRE(readPack("yade:" + (scratch.file("g.txt"))).spheres == pack.spheres);
     REQUIRE(readPack(scratch.file("h.vdb")).spheres == pack.spheres);
 }
@@ -68,11 +69,11 @@ TEST_CASE("circles stay circles", "[convert]") {
     auto pack = latticePack<2>(50, {{0, 10}}, 30, 2);
     pack.sliceHeight = 7;
     writePack(pack, scratch.file("p.csv"), {});
-    const auto result = runConvert(
-        recipeFor(scratch.file("p.csv"), {scratch.file("p.svg"), scratch.file("p.npz")}));
+    const auto result =
+        runConvert(recipeOf(scratch.file("p.csv"), {scratch.file("p.svg"), scratch.file("p.npz")}));
     REQUIRE(result.kind == "circles");
     REQUIRE(asCircles(readPack(scratch.file("p.npz"))).spheres == pack.spheres);
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
+    REQUIRE_THROWS_WITH(runConvert(recipeOf(scratch.file("p.csv"), {scratch.file("p.stl")})),
                         Contains("p.stl"));
 }
 
@@ -81,9 +82,9 @@ TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}};
     writePack(pack, scratch.file("p.csv"), {});
-    auto recipe = recipeFor(scratch.file("p.csv"), {scratch.file("p.data"), scratch.file("p.stl"),
-                                                    "fog:" + (scratch.file("fog.vdb")),
-                                                    "levelsets:" + (scratch.file("l.vdb"))});
+    auto recipe = recipeOf(scratch.file("p.csv"), {scratch.file("p.data"), scratch.file("p.stl"),
+                                                   "fog:" + (scratch.file("fog.vdb")),
+                                                   "levelsets:" + (scratch.file("l.vdb"))});
     recipe.density = "bulk:1000";
     REQUIRE_THROWS_WITH(runConvert(recipe), Contains("`domain`"));
     recipe.domain.source = "ball:2";
@@ -109,39 +110,39 @@ TEST_CASE("a domain gives a converted pack its surface and its bulk density", "[
 
 TEST_CASE("solids are converted between level set and surface", "[convert]") {
     const TemporaryFolder scratch;
-    auto recipe = recipeFor(scratch.file("p.csv"), {"levelsets:" + (scratch.file("l.vdb"))});
+    auto recipe = recipeOf(scratch.file("p.csv"), {"levelsets:" + (scratch.file("l.vdb"))});
     Pack<3> pack;
     pack.spheres = {{{{0, 0, 0}}, 1}};
     writePack(pack, scratch.file("p.csv"), {});
     recipe.domain.source = "ball:5";
     runConvert(recipe);
-    REQUIRE(runConvert(recipeFor(scratch.file("l.vdb"), {scratch.file("s.stl")})).kind ==
+    REQUIRE(runConvert(recipeOf(scratch.file("l.vdb"), {scratch.file("s.stl")})).kind ==
             "level set");
-    const auto again = runConvert(
-        recipeFor(scratch.file("s.stl"), {scratch.file("t.vdb"), scratch.file("t.stl")}));
+    const auto again =
+        runConvert(recipeOf(scratch.file("s.stl"), {scratch.file("t.vdb"), scratch.file("t.stl")}));
     REQUIRE(again.kind == "mesh");
     REQUIRE(readMesh(scratch.file("t.stl")).vertices == readMesh(scratch.file("s.stl")).vertices);
     REQUIRE(holdsLevelSet(scratch.file("t.vdb")));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("s.stl"), {scratch.file("t.csv")})),
+    REQUIRE_THROWS_WITH(runConvert(recipeOf(scratch.file("s.stl"), {scratch.file("t.csv")})),
                         Contains("t.csv"));
 }
 
 TEST_CASE("a conversion that cannot be is refused before anything is written", "[convert]") {
     const TemporaryFolder scratch;
     writePack(latticePack<3>(5, {}, 4, 1), scratch.file("p.csv"), {});
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {})), Contains("`outputs`"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.csv")})),
+    REQUIRE_THROWS_WITH(runConvert(recipeOf(scratch.file("p.csv"), {})), Contains("`outputs`"));
+    REQUIRE_THROWS_WITH(runConvert(recipeOf(scratch.file("p.csv"), {scratch.file("p.csv")})),
                         Contains("p.csv"));
-    REQUIRE_THROWS_WITH(runConvert(recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")})),
+    REQUIRE_THROWS_WITH(runConvert(recipeOf(scratch.file("p.csv"), {scratch.file("p.stl")})),
                         Contains("p.stl") && Contains("`domain`"));
     REQUIRE_THROWS_WITH(
-        runConvert(recipeFor(scratch.file("p.csv"), {"fog:" + (scratch.file("p.txt"))})),
+        runConvert(recipeOf(scratch.file("p.csv"), {"fog:" + (scratch.file("p.txt"))})),
         Contains("fog:FILE.vdb"));
     REQUIRE_THROWS_WITH(
-        runConvert(recipeFor(scratch.file("p.csv"), {"solid:" + (scratch.file("p.stl"))})),
+        runConvert(recipeOf(scratch.file("p.csv"), {"solid:" + (scratch.file("p.stl"))})),
         Contains("`packGrid` solid"));
     REQUIRE_THROWS_WITH(
-        runConvert(recipeFor(scratch.file("p.csv"), {"list:" + (scratch.file("v.csv"))})),
+        runConvert(recipeOf(scratch.file("p.csv"), {"list:" + (scratch.file("v.csv"))})),
         Contains("v.csv"));
     REQUIRE(scratch.files() == 1);
 }
@@ -151,7 +152,7 @@ TEST_CASE("the level set of a long and thin shape resolves its thickness", "[con
     Pack<3> pack;
     pack.spheres = {{{{1, 1, 1}}, 1}};
     writePack(pack, scratch.file("p.csv"), {});
-    auto recipe = recipeFor(scratch.file("p.csv"), {scratch.file("p.stl")});
+    auto recipe = recipeOf(scratch.file("p.csv"), {scratch.file("p.stl")});
     recipe.domain.source = "box:2,2,1500";
     runConvert(recipe);
     CHECK(checkMesh(readMesh(scratch.file("p.stl"))).enclosedVolume == Approx(6000).epsilon(0.01));
@@ -159,21 +160,21 @@ TEST_CASE("the level set of a long and thin shape resolves its thickness", "[con
 
 TEST_CASE("spheres do not replace the level sets of a .vdb", "[convert]") {
     const TemporaryFolder scratch;
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "ball:5";
     recipe.radius = "uniform:0.5,1";
     recipe.outputs = {scratch.file("whole.vdb"), scratch.file("points.csv")};
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1.5";
-    recipe.voids.targetBvtv = 0.7;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1.5";
+    recipe.request.targetBvtv = 0.7;
     runPack(recipe);
     REQUIRE(holdsLevelSet(scratch.file("whole.vdb")));
-    CHECK_THROWS_AS(runConvert(recipeFor(scratch.file("points.csv"), {scratch.file("whole.vdb")})),
+    CHECK_THROWS_AS(runConvert(recipeOf(scratch.file("points.csv"), {scratch.file("whole.vdb")})),
                     ParameterError);
     CHECK(holdsLevelSet(scratch.file("whole.vdb")));
-    const auto told = runConvert(recipeFor(scratch.file("whole.vdb"), {scratch.file("again.vdb")}));
+    const auto told = runConvert(recipeOf(scratch.file("whole.vdb"), {scratch.file("again.vdb")}));
     REQUIRE(told.warnings.size() == 1);
     CHECK_THAT(told.warnings[0], Contains("level sets"));
-    CHECK(runConvert(recipeFor(scratch.file("points.csv"), {scratch.file("again.vdb")}))
+    CHECK(runConvert(recipeOf(scratch.file("points.csv"), {scratch.file("again.vdb")}))
               .warnings.empty());
 }

@@ -9,7 +9,7 @@
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/voids/cull.h"
 
@@ -25,17 +25,17 @@ using namespace vdbpack::test;
 
 namespace {
 
-PackRecipe porousBall(const std::string& source) {
-    PackRecipe recipe = recipeFor(source, "uniform:0.25,0.5");
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1.2";
-    recipe.voids.aspect = "constant:1.5";
-    recipe.voids.targetBvtv = 0.4;
-    recipe.voids.shell = 1.5;
+PackJob porousBall(const std::string& source) {
+    PackJob recipe = recipeFor(source, "uniform:0.25,0.5");
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1.2";
+    recipe.request.aspect = "constant:1.5";
+    recipe.request.targetBvtv = 0.4;
+    recipe.request.shell = 1.5;
     return recipe;
 }
 
-std::vector<std::string> warningsOf(const PackRecipe& recipe) {
+std::vector<std::string> warningsOf(const PackJob& recipe) {
     return runPack(recipe).report.warnings;
 }
 
@@ -51,9 +51,9 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     const TemporaryFolder folder;
     const std::string bone = folder.file("ball.obj");
     writeObj(ballMesh(8, 3), bone);
-    PackRecipe recipe = porousBall(bone);
-    recipe.voids.fill = Fill::solid;
-    recipe.voids.keepConnected = true;
+    PackJob recipe = porousBall(bone);
+    recipe.request.fill = Fill::solid;
+    recipe.request.keepConnected = true;
     recipe.outputs = {folder.file("solid.vdb")};
     const RunResult run = runPack(recipe);
     REQUIRE(run.passed);
@@ -66,8 +66,8 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
     for (const bool solid : {false, true}) {
         CAPTURE(solid);
         VerifyRecipe verify;
-        verify.pack = recipe.outputs[0];
-        verify.domain.source = solid ? recipe.outputs[0] : bone;
+        verify.pack = recipe.outputs[0].text;
+        verify.domain.source = solid ? recipe.outputs[0].text : bone;
         if (solid) verify.domain.gridName = "solid";
         const RunResult check = runVerify(verify);
         CHECK(check.passed);
@@ -83,67 +83,67 @@ TEST_CASE("the solid beside voids is filled in one run, inside the bone and the 
 
 TEST_CASE("more of the solid is filled when it is filled than when it is cut from a pack",
           "[voids][cli]") {
-    PackRecipe recipe = porousBall("ball:8");
-    recipe.voids.shell = 0;
-    recipe.voids.targetBvtv = 0.3;
+    PackJob recipe = porousBall("ball:8");
+    recipe.request.shell = 0;
+    recipe.request.targetBvtv = 0.3;
     const auto solidVolume = [](const RunResult& run) {
         double sum = 0;
         for (const auto& s : std::get<Pack<3>>(run.pack).spheres) sum += std::pow(s.radius, 3);
         return sum;
     };
-    recipe.voids.cull = Cull::touch;
+    recipe.request.cull = Cull::touch;
     const double cut = solidVolume(runPack(recipe));
-    recipe.voids.cull = Cull::center;
-    recipe.voids.fill = Fill::solid;
+    recipe.request.cull = Cull::center;
+    recipe.request.fill = Fill::solid;
     CHECK(solidVolume(runPack(recipe)) > 1.2 * cut);
 }
 
 TEST_CASE("spheres that fill little of a solid are warned of", "[voids][cli]") {
-    PackRecipe recipe = porousBall("ball:8");
-    recipe.voids.fill = Fill::solid;
+    PackJob recipe = porousBall("ball:8");
+    recipe.request.fill = Fill::solid;
     CHECK_FALSE(mentions(warningsOf(recipe), "between the voids"));
     recipe.radius = "uniform:0.4,0.8";
-    recipe.voids.targetBvtv = 0.2;
+    recipe.request.targetBvtv = 0.2;
     CHECK(mentions(warningsOf(recipe), "between the voids"));
 }
 
 TEST_CASE("a solid to fill needs voids that are made before the pack", "[voids][cli]") {
-    PackRecipe recipe = recipeFor("ball:8", "uniform:0.5,1");
-    recipe.voids.fill = Fill::solid;
+    PackJob recipe = recipeFor("ball:8", "uniform:0.5,1");
+    recipe.request.fill = Fill::solid;
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    recipe.voids.method = "mixed";
+    recipe.request.method = "mixed";
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    recipe.voids.method = "boolean";
+    recipe.request.method = "boolean";
     recipe.domain.source = "disc:8";
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
 }
 
 TEST_CASE("a target count is the number of spheres that are written", "[voids][cli]") {
-    PackRecipe recipe = porousBall("ball:8");
+    PackJob recipe = porousBall("ball:8");
     recipe.radius = "uniform:1,2";
     recipe.targetCount = 3000;
     SECTION("spheres in voids do not count") {}
     SECTION("nor those that are not connected") {
-        recipe.voids.keepConnected = true;
+        recipe.request.keepConnected = true;
     }
     SECTION("nor those that voids touch") {
-        recipe.voids.cull = Cull::touch;
+        recipe.request.cull = Cull::touch;
     }
     SECTION("those that densifying adds do") {
-        recipe.densify = 0.62;
+        recipe.densify.fraction = 0.62;
     }
     SECTION("and those that nearly touch after it, which stay connected") {
-        recipe.densify = 0.62;
-        recipe.voids.keepConnected = true;
+        recipe.densify.fraction = 0.62;
+        recipe.request.keepConnected = true;
     }
     SECTION("holes among the spheres do not") {
-        recipe.voids.method = "mixed";
-        recipe.voids.aspect.clear();
-        recipe.voids.shell = 0;
-        recipe.voids.targetBvtv = 0.75;
+        recipe.request.method = "mixed";
+        recipe.request.aspect.clear();
+        recipe.request.shell = 0;
+        recipe.request.targetBvtv = 0.75;
     }
     SECTION("in the solid alone") {
-        recipe.voids.fill = Fill::solid;
+        recipe.request.fill = Fill::solid;
     }
     const RunResult run = runPack(recipe);
     CHECK(static_cast<double>(run.report.count) == Approx(3000).epsilon(0.02));
@@ -151,27 +151,27 @@ TEST_CASE("a target count is the number of spheres that are written", "[voids][c
 
 TEST_CASE("the voids around a solid have one size in all rounds of a target count",
           "[.slow][voids][cli]") {
-    PackRecipe recipe = porousBall("ball:10");
+    PackJob recipe = porousBall("ball:10");
     recipe.radius = "uniform:1,2";
     recipe.targetCount = 1500;
-    recipe.voids.fill = Fill::solid;
-    recipe.voids.radius.clear();  // from the radii of the spheres
-    recipe.voids.keepConnected = true;
-    recipe.densify = 0.62;
+    recipe.request.fill = Fill::solid;
+    recipe.request.radius.clear();  // from the radii of the spheres
+    recipe.request.keepConnected = true;
+    recipe.densify.fraction = 0.62;
     const RunResult run = runPack(recipe);
     CHECK(static_cast<double>(run.report.count) == Approx(1500).epsilon(0.02));
 }
 
 TEST_CASE("a dry run predicts the spheres that voids leave, and the time of the voids",
           "[voids][cli]") {
-    PackRecipe recipe = porousBall("ball:10");
-    const DryRun expected = dryRunPack(recipe);
+    PackJob recipe = porousBall("ball:10");
+    const DryRun expected = dryRunPack(settled(recipe));
     CHECK(expected.seconds.voids > 0);
     CHECK(expected.count == Approx(static_cast<double>(runPack(recipe).report.count)).epsilon(0.1));
 }
 
 TEST_CASE("a target count knows how thin the domain is", "[pack][cli]") {
-    PackRecipe recipe = recipeFor("box:4,4,3000", "");
+    PackJob recipe = recipeFor("box:4,4,3000", "");
     recipe.targetCount = 1000;
     const RunResult run = runPack(recipe);
     CHECK(run.passed);
@@ -181,7 +181,7 @@ TEST_CASE("a target count knows how thin the domain is", "[pack][cli]") {
 TEST_CASE("small target counts are met or warned of, and are whole numbers", "[pack][cli]") {
     const double target = GENERATE(1, 2, 3, 5, 12);
     CAPTURE(target);
-    PackRecipe recipe = recipeFor("box:20,20,20", "");
+    PackJob recipe = recipeFor("box:20,20,20", "");
     recipe.targetCount = target;
     const RunResult run = runPack(recipe);
     if (static_cast<double>(run.report.count) != target)
@@ -191,10 +191,10 @@ TEST_CASE("small target counts are met or warned of, and are whole numbers", "[p
 }
 
 TEST_CASE("voids that leave no sphere are refused", "[voids][cli]") {
-    PackRecipe recipe = recipeFor("ball:6", "uniform:0.5,1");
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:2";
-    recipe.voids.count = 3000;
+    PackJob recipe = recipeFor("ball:6", "uniform:0.5,1");
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:2";
+    recipe.request.count = 3000;
     const std::string message = messageOf<ParameterError>([&] { runPack(recipe); });
     CHECK_THAT(message, Catch::Contains("boolean") && Catch::Contains("0.0000"));
 }
@@ -202,11 +202,11 @@ TEST_CASE("voids that leave no sphere are refused", "[voids][cli]") {
 TEST_CASE("extreme targets of BV/TV are met or warned of", "[voids][cli]") {
     const double target = GENERATE(0.001, 0.999);
     CAPTURE(target);
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = "ball:6";
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1.5";
-    recipe.voids.targetBvtv = target;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1.5";
+    recipe.request.targetBvtv = target;
     std::optional<RunResult> run;
     try {
         run = runVoids(recipe);
@@ -219,25 +219,25 @@ TEST_CASE("extreme targets of BV/TV are met or warned of", "[voids][cli]") {
 }
 
 TEST_CASE("voids smaller than the spheres are warned of, with both sizes", "[voids][cli]") {
-    PackRecipe recipe = recipeFor("ball:8", "constant:1");
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:0.5";
-    recipe.voids.targetBvtv = 0.6;
+    PackJob recipe = recipeFor("ball:8", "constant:1");
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:0.5";
+    recipe.request.targetBvtv = 0.6;
     CHECK(mentions(warningsOf(recipe), "0.5"));
     recipe.radius = "constant:0.4";
-    recipe.voids.radius = "constant:1.5";
+    recipe.request.radius = "constant:1.5";
     CHECK_FALSE(mentions(warningsOf(recipe), "smaller than the spheres"));
 }
 
 TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli]") {
-    PackRecipe recipe = recipeFor("ball:8", "uniform:0.4,0.8");
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:1.5";
-    recipe.voids.targetBvtv = 0.15;
+    PackJob recipe = recipeFor("ball:8", "uniform:0.4,0.8");
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:1.5";
+    recipe.request.targetBvtv = 0.15;
     const RunResult run = runPack(recipe);
     REQUIRE(run.report.voids->spheresAttached.value() < 0.9);
     CHECK(mentions(run.report.warnings, "keepConnected"));
-    recipe.voids.keepConnected = true;
+    recipe.request.keepConnected = true;
     const RunResult kept = runPack(recipe);
     CHECK_FALSE(mentions(kept.report.warnings, "Set `keepConnected`"));
     CHECK(kept.report.contacts->components == 1);
@@ -246,11 +246,11 @@ TEST_CASE("a pack of which voids leave loose spheres is warned of", "[voids][cli
 TEST_CASE("existing spheres that reach into voids are kept where the solid is filled",
           "[voids][cli]") {
     const TemporaryFolder folder;
-    PackRecipe first = recipeFor("ball:8", "constant:1", folder.file("first.csv"));
-    first.maxCount = 60;
+    PackJob first = recipeFor("ball:8", "constant:1", folder.file("first.csv"));
+    first.packing.maxCount = 60;
     runPack(first);
-    PackRecipe recipe = porousBall("ball:8");
-    recipe.voids.fill = Fill::solid;
+    PackJob recipe = porousBall("ball:8");
+    recipe.request.fill = Fill::solid;
     recipe.existing = folder.file("first.csv");
     const RunResult run = runPack(recipe);
     CHECK(run.report.inputProtrusions > 0);
@@ -264,8 +264,8 @@ TEST_CASE("a pack whose radii hardly fit is warned of", "[cli]") {
 
 TEST_CASE("the shell of a filled solid is that of the bone", "[voids][cli]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = porousBall("ball:8");
-    recipe.voids.fill = Fill::solid;
+    PackJob recipe = porousBall("ball:8");
+    recipe.request.fill = Fill::solid;
     recipe.reportFile = folder.file("page.html");
     const auto run = runPack(recipe);
     REQUIRE(run.report.voids);

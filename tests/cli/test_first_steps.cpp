@@ -5,6 +5,8 @@
 #include "support/text_file.h"
 #include "support/tool.h"
 
+#include "vdbpack/options/command_line.h"
+
 #include <catch2/catch.hpp>
 
 #include <filesystem>
@@ -36,7 +38,7 @@ TEST_CASE("without words a terminal is shown commands that can be run", "[cli]")
         const auto words = wordsOf(step.words);
         if (words.front() == "demo") continue;
         CAPTURE(step.words);
-        CHECK(std::holds_alternative<PackJob>(jobOf(words)));
+        CHECK(std::holds_alternative<vdbpack::PackJob>(vdbpack::jobOf(words)));
     }
     const auto elsewhere = vdbPack("");
     CHECK(elsewhere.code == 2);

@@ -1,4 +1,5 @@
 // Properties of spheres and voids from the grey values of images, and packs as label maps.
+#include "cli/recipes.h"
 #include "support/image_file.h"
 #include "support/message_of.h"
 #include "support/temporary_folder.h"
@@ -61,7 +62,7 @@ TEST_CASE("grey values of an image become a column", "[cli][parts]") {
               Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
                                 [](const Vec<3>& p) { return 100 + 3 * p[0] - p[2]; }),
               "float");
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = file;
     recipe.domain.label = GENERATE("all", "5+9");
     recipe.radius = "uniform:0.8,1.6";
@@ -99,7 +100,7 @@ TEST_CASE("grey values become densities, moduli and classes of material", "[cli]
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
     writeHalves(file);
     writeSlope(grey);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = file;
     recipe.domain.label = "5+9";
     recipe.radius = "uniform:0.8,1.6";
@@ -164,11 +165,11 @@ TEST_CASE("a part with a density of its own keeps it", "[cli][grey]") {
     const std::string file = folder.file("halves.nrrd"), grey = folder.file("grey.nrrd");
     writeHalves(file);
     writeSlope(grey);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
     recipe.radius = "uniform:0.8,1.6";
-    PackRecipe part = recipe;
+    PackJob part = recipe;
     part.domain.source = file;
     part.domain.label = "5";
     recipe.parts.push_back(part);
@@ -192,7 +193,7 @@ TEST_CASE("an interrupt or a damaged image costs columns, not the pack", "[cli][
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");
     writeSlope(grey);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "box:60,60,60";
     recipe.radius = "uniform:0.5,1";
     recipe.grey.samples = {"hu=" + grey};
@@ -218,10 +219,10 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd"), file = folder.file("p.csv");
     writeSlope(grey);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "ball:8";
     recipe.radius = "uniform:0.8,1.6";
-    recipe.voids.shell = 3;
+    recipe.request.shell = 3;
     recipe.grey.samples = {"hu=" + grey};
     recipe.grey.calibration = "12,-150";
     recipe.outputs = {file};
@@ -237,7 +238,7 @@ TEST_CASE("densities of a pack end where others are requested or spheres are add
     DensifyRecipe densify;
     densify.pack = file;
     densify.domain.source = "ball:8";
-    densify.fraction = 0.6;
+    densify.densify.fraction = 0.6;
     const RunResult dense = runDensify(densify);
     const auto& more = std::get<Pack<3>>(dense.pack);
     REQUIRE(more.spheres.size() > pack.spheres.size());
@@ -250,7 +251,7 @@ TEST_CASE("calibrations that say too little or too much are refused", "[cli][gre
     const TemporaryFolder folder;
     const std::string grey = folder.file("grey.nrrd");
     writeSlope(grey);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "ball:5";
     recipe.radius = "uniform:0.8,1.6";
     const auto refused = [&](const char* word) {
@@ -299,12 +300,12 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
               Voxels<float>::of(gridAround(20, {{1, 1, 1}}),
                                 [](const Vec<3>& p) { return 800 + 60 * p[0]; }),
               "float");
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = "box:20,20,20";
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "uniform:0.5,0.8";
-    recipe.voids.bvtvField = grey;
-    recipe.voids.bvtvRange = "0,2000";
+    recipe.request.method = "boolean";
+    recipe.request.radius = "uniform:0.5,0.8";
+    recipe.request.bvtvField = grey;
+    recipe.request.bvtvRange = "0,2000";
     recipe.domain.voxelSpacing = "0.25";
     recipe.outputs = {"labels-solid:" + folder.file("s.nrrd")};
     const RunResult run = runVoids(recipe);
@@ -329,16 +330,16 @@ TEST_CASE("voids follow the BV/TV that grey values say", "[cli][grey]") {
         CHECK(solid[slab] / all[slab] ==
               Approx((800 + 60 * (-7.5 + 5 * slab)) / 2000).margin(0.04));
 
-    recipe.voids.bvtvRange.clear();
+    recipe.request.bvtvRange.clear();
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("bvtvRange"));
-    recipe.voids.bvtvRange = "5,5";
+    recipe.request.bvtvRange = "5,5";
     CHECK_THROWS_AS(runVoids(recipe), ParameterError);
-    recipe.voids.bvtvRange = "3000,5000";
+    recipe.request.bvtvRange = "3000,5000";
     CHECK_THROWS_AS(runVoids(recipe), InputError);
-    recipe.voids.bvtvRange = "0,2000";
+    recipe.request.bvtvRange = "0,2000";
     recipe.domain.source = "box:500,0,0,520,20,20";
     CHECK_THAT(messageOf<InputError>([&] { runVoids(recipe); }), Contains("elsewhere"));
-    recipe.voids.method = "overlay";
+    recipe.request.method = "overlay";
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("boolean"));
 }
 
@@ -347,7 +348,7 @@ TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][gre
     const std::string file = folder.file("halves.nrrd");
     writeHalves(file);
     const ImageSpace space = GENERATE(ImageSpace::lps, ImageSpace::ras);
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = file;
     recipe.domain.label = "all";
     recipe.domain.space = space;
@@ -380,16 +381,15 @@ TEST_CASE("a pack is written as label maps on the grid of its image", "[cli][gre
     CHECK(10 * counts.size() > 9 * pack.spheres.size());
     CHECK(counts.rbegin()->first <= static_cast<std::int64_t>(pack.spheres.size()));
 
-    recipe.outputs = {"labels:" + folder.file("r.vdb")};
-    CHECK_THROWS_AS(runPack(recipe), ParameterError);
+    CHECK_THROWS_AS(OutputTarget("labels:" + folder.file("r.vdb")), ParameterError);
 }
 
 TEST_CASE("label maps of a mesh or shape need a size of voxels", "[cli][grey]") {
     const TemporaryFolder folder;
-    PackRecipe recipe;
+    PackJob recipe;
     recipe.domain.source = "ball:6";
     recipe.radius = "uniform:1,2";
-    recipe.voids.shell = 2;
+    recipe.request.shell = 2;
     recipe.outputs = {"labels-regions:" + folder.file("r.nii.gz"),
                       "labels-solid:" + folder.file("s.nii.gz")};
     CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("voxelSpacing"));

@@ -7,9 +7,9 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/pack/packer.h"
-#include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run.h"
 #include "vdbpack/run/run_convert.h"
 #include "vdbpack/run/study.h"
@@ -88,9 +88,9 @@ TEMPLATE_TEST_CASE_SIG("to be asked whether to stop changes no pack", "[pack]", 
 
 TEST_CASE("a pack interrupted in any stage after it is kept, checked and marked", "[run]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = recipeFor("box:40,40,40", "uniform:1,2");
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:3";
+    PackJob recipe = recipeFor("box:40,40,40", "uniform:1,2");
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:3";
     recipe.outputs = {"solid:" + folder.file("p.stl"), "list:" + folder.file("l.csv"),
                       folder.file("p.csv")};
     recipe.reportFile = folder.file("p.html");
@@ -130,7 +130,7 @@ TEST_CASE("a pack interrupted in any stage after it is kept, checked and marked"
 
 TEST_CASE("names for what an interrupt leaves are checked before the run", "[run]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = recipeFor("box:20,20,20", "uniform:1,2");
+    PackJob recipe = recipeFor("box:20,20,20", "uniform:1,2");
     recipe.outputs = {folder.file("p.interrupted.csv")};
     runPack(recipe);
     recipe.existing = folder.file("p.interrupted.csv");
@@ -147,7 +147,7 @@ TEST_CASE("names for what an interrupt leaves are checked before the run", "[run
 TEST_CASE("an interrupted study leaves the table of a former one", "[run]") {
     const TemporaryFolder folder;
     const std::string table = folder.file("t.csv");
-    const PackRecipe recipe = recipeFor("box:20,20,20", "uniform:1,2");
+    const PackJob recipe = recipeFor("box:20,20,20", "uniform:1,2");
     runStudy(recipe, {1, 2, 3}, table);
     const auto former = std::filesystem::file_size(table);
     int packs = 0;
@@ -161,7 +161,7 @@ TEST_CASE("an interrupted study leaves the table of a former one", "[run]") {
 
 TEST_CASE("runs with nothing to keep throw when they are cancelled, and write nothing", "[run]") {
     const TemporaryFolder folder, out;
-    PackRecipe recipe = recipeFor("box:20,20,20", "uniform:1,2");
+    PackJob recipe = recipeFor("box:20,20,20", "uniform:1,2");
     recipe.outputs = {folder.file("p.csv")};
     runPack(recipe);
     // In the first, second, ... place where they ask.
@@ -181,19 +181,19 @@ TEST_CASE("runs with nothing to keep throw when they are cancelled, and write no
             }
             for (const auto& name : namesIn(out.path())) std::filesystem::remove(out.file(name));
         };
-        VoidsRecipe voids;
+        VoidsJob voids;
         voids.domain.source = "box:20,20,20";
-        voids.voids.method = "boolean";
-        voids.voids.radius = "constant:2";
-        voids.voids.targetBvtv = 0.5;
+        voids.request.method = "boolean";
+        voids.request.radius = "constant:2";
+        voids.request.targetBvtv = 0.5;
         voids.outputs = {out.file("v.vdb")};
-        stops(runVoids, voids);
-        CarveRecipe carve;
+        stops(vdbpack::runVoids, settled(voids));
+        CarveJob carve;
         carve.pack = folder.file("p.csv");
         carve.domain.source = "box:20,20,20";
-        carve.voids = voids.voids;
+        carve.request = voids.request;
         carve.outputs = {out.file("c.csv")};
-        stops(runCarve, carve);
+        stops(vdbpack::runCarve, settled(carve));
         VerifyRecipe verify;
         verify.pack = folder.file("p.csv");
         verify.domain.source = "box:20,20,20";

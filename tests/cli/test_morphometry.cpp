@@ -30,12 +30,12 @@ Callbacks hearing(std::string& warned) {
 
 /// The solid that a Boolean model of voids leaves of a domain, in a file.
 void writeSolid(const std::string& domain, const std::string& file) {
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = domain;
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "uniform:1.2,1.6";
-    recipe.voids.targetBvtv = 0.3;
-    recipe.voids.voxelSize = 0.5;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "uniform:1.2,1.6";
+    recipe.request.targetBvtv = 0.3;
+    recipe.request.voxelSize = 0.5;
     recipe.outputs = {file};
     recipe.threads = 2;
     runVoids(recipe);

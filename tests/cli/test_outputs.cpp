@@ -4,8 +4,8 @@
 #include "support/text_file.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/outputs.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/formats/outputs.h"
+#include "vdbpack/formats/sphere_density.h"
 
 #include <catch2/catch.hpp>
 
@@ -36,8 +36,8 @@ TEST_CASE("a pack written under a name with a colon stands in the file of that n
 
 TEST_CASE("outputs that a run has nothing for are refused with what it has", "[outputs]") {
     VoidRecipe none, voids, thinning;
-    voids.method = "boolean";
-    thinning.method = "threshold";
+    voids.method = BooleanVoids{};
+    thinning.method = Thinning{Thinning::By::threshold, {}, {}};
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.csv"}, RunKind::measure, none),
                         Contains("contacts:FILE.csv"));
     REQUIRE_THROWS_WITH(checkOutputKinds({"p.csv"}, RunKind::voids, voids),

@@ -21,7 +21,7 @@ using test::recipeFor;
 TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][periodic]") {
     const TemporaryFolder folder;
     auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
-    recipe.densify = 0.645;
+    recipe.densify.fraction = 0.645;
     recipe.outputs = {folder.file("p.vtp"), folder.file("p.csv")};
     const auto run = runPack(recipe);
     CHECK(run.passed);
@@ -50,7 +50,7 @@ TEST_CASE("a periodic cell is packed, densified, measured and verified", "[cli][
     CHECK_THAT(runVerify(verify, {}).report.warnings[0], Contains("p.vtp") && Contains("24,22,27"));
     DensifyRecipe denser;
     denser.pack = verify.pack;
-    denser.fraction = 0.655;
+    denser.densify.fraction = 0.655;
     const auto result = runDensify(denser);
     CHECK(result.passed);
     CHECK(result.report.solidFractionTotal.value_or(0) >= 0.655);
@@ -76,25 +76,23 @@ TEST_CASE("boxes repeat along the axes that are named", "[cli][periodic]") {
 
 TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     const TemporaryFolder folder;
-    const auto refused = [](PackRecipe recipe) {
-        CHECK_THROWS_AS(runPack(recipe), ParameterError);
-    };
+    const auto refused = [](PackJob recipe) { CHECK_THROWS_AS(runPack(recipe), ParameterError); };
     const auto recipe = recipeFor("periodic:24,22,26", "uniform:1,2");
     auto other = recipe;
-    other.voids.method = "mixed";
-    other.voids.radius = "uniform:2,3";
+    other.request.method = "mixed";
+    other.request.radius = "uniform:2,3";
     refused(other);
-    other.voids.method = "boolean";
-    other.voids.radius = "uniform:2,12";  // longer than the cell with its aspect
+    other.request.method = "boolean";
+    other.request.radius = "uniform:2,12";  // longer than the cell with its aspect
     refused(other);
-    other.voids.radius = "uniform:2,3";
-    other.voids.fill = Fill::solid;
+    other.request.radius = "uniform:2,3";
+    other.request.fill = Fill::solid;
     refused(other);
     other = recipe;
     other.outputs = {folder.file("s.stl")};
     refused(other);
     other = recipe;
-    other.voids.shell = 2;
+    other.request.shell = 2;
     refused(other);
     other = recipe;
     other.domain.clips = {"plane:0,0,1,3"};
@@ -103,7 +101,7 @@ TEST_CASE("what is not done in a periodic cell is refused", "[cli][periodic]") {
     other.domain.slice = "z=0";
     refused(other);
     other = recipe;
-    other.order = Order::center;
+    other.packing.order = Order::center;
     refused(other);
     other = recipe;
     other.outputs = {"labels:" + folder.file("l.nrrd")};

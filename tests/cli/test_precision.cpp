@@ -50,9 +50,9 @@ void checkMoved(const TriangleMesh& mesh, const std::string& radius, double targ
         if (first == 0) first = total;
         CHECK(total == Approx(first).margin(tolerance));
         for (const auto& output : recipe.outputs) {
-            CAPTURE(output);
+            CAPTURE(output.text);
             VerifyRecipe verify;
-            verify.pack = output;
+            verify.pack = output.text;
             verify.domain = recipe.domain;
             const auto checked = runVerify(verify);
             CHECK(checked.passed);

@@ -29,8 +29,8 @@ bool isPng(const std::string& path) {
     return content(path).rfind("\x89PNG\r\n\x1a\n", 0) == 0;
 }
 
-PackRecipe drawn(const std::string& domain, const std::string& file) {
-    PackRecipe recipe = recipeFor(domain, "uniform:1,2");
+PackJob drawn(const std::string& domain, const std::string& file) {
+    PackJob recipe = recipeFor(domain, "uniform:1,2");
     recipe.preview.file = file;
     recipe.preview.width = 160;
     recipe.preview.height = 120;
@@ -68,9 +68,9 @@ TEST_CASE("clipped, sliced and voided domains are drawn", "[preview][run]") {
     runPack(sliced);
     CHECK(isPng(folder.file("sliced.png")));
     auto shelled = drawn("ball:12", folder.file("shelled.png"));
-    shelled.voids.method = "boolean";
-    shelled.voids.shell = 2;
-    shelled.voids.targetBvtv = 0.4;
+    shelled.request.method = "boolean";
+    shelled.request.shell = 2;
+    shelled.request.targetBvtv = 0.4;
     shelled.preview.color = PreviewColor::region;
     runPack(shelled);
     CHECK(isPng(folder.file("shelled.png")));
@@ -81,11 +81,11 @@ TEST_CASE("voids alone are drawn as the solid that they leave", "[preview][run]"
     if (domain == "ball:10" && !canDrawSpace()) return;
     CAPTURE(domain);
     const TemporaryFolder folder;
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = domain;
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "uniform:1,2";
-    recipe.voids.targetBvtv = 0.5;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "uniform:1,2";
+    recipe.request.targetBvtv = 0.5;
     recipe.preview.file = folder.file("v.png");
     recipe.preview.width = 160;
     recipe.preview.height = 120;
@@ -100,11 +100,11 @@ TEST_CASE("what is carved is drawn", "[preview][run]") {
     auto pack = recipeFor("ball:10", "uniform:1,2");
     pack.outputs = {folder.file("p.csv")};
     runPack(pack);
-    CarveRecipe recipe;
+    CarveJob recipe;
     recipe.pack = folder.file("p.csv");
     recipe.domain.source = "ball:10";
-    recipe.voids.method = "boolean";
-    recipe.voids.targetBvtv = 0.5;
+    recipe.request.method = "boolean";
+    recipe.request.targetBvtv = 0.5;
     recipe.preview.file = folder.file("c.png");
     recipe.preview.cut = PreviewCut{1, 0};
     const auto run = runCarve(recipe);

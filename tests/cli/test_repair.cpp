@@ -156,7 +156,7 @@ TEST_CASE("bones that nearly touch are packed apart with --repair-components", "
     const auto apart = changesOf("--repair-components separate");
     CHECK(apart["before"]["components"] == 4);
     CHECK(apart["after"]["components"] == 2);
-    CHECK(apart["fused"].size() == 2);
+    CHECK(apart["fusedInto"] == 2);
     const auto wrong = vdbPack("mesh " + words + "--repair-components apart");
     CHECK(wrong.code == 2);
     CHECK_THAT(wrong.text, Contains("--repair-components") && Contains("separate"));

@@ -6,7 +6,6 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/dry_run.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
@@ -105,9 +104,9 @@ TEST_CASE("verify passes what pack wrote, in every format, with the same hash", 
     CHECK(packed.report.overlap->max == 0);
     CHECK(packed.report.protrusion->max == 0);
     for (const auto& file : recipe.outputs) {
-        CAPTURE(file);
+        CAPTURE(file.text);
         VerifyRecipe verify;
-        verify.pack = file;
+        verify.pack = file.text;
         verify.domain.source = folder.file("b.obj");
         verify.radius = "uniform:1,2";
         const auto run = runVerify(verify);
@@ -147,7 +146,7 @@ TEST_CASE("what a run warns of is in its report", "[run][report]") {
     CHECK_THAT(warned[0], Catch::Contains("`unit`"));
     CHECK(packed.report.warnings == warned);
     MeasureRecipe measure;
-    measure.pack = recipe.outputs[0];
+    measure.pack = recipe.outputs[0].text;
     CHECK_THAT(runMeasure(measure).run.report.warnings.at(0), Catch::Contains("`packUnit`"));
 }
 
@@ -373,7 +372,7 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     }
     PackRecipe recipe = recipeFor("ball:25", "uniform:0.8,1.6");
     recipe.existing = file;
-    recipe.gap = 0.05;
+    recipe.packing.gap = 0.05;
     recipe.outputs = {folder.file("out.csv"), folder.file("out.vdb")};
     std::vector<std::string> warnings;
     Callbacks callbacks;
@@ -430,62 +429,6 @@ TEST_CASE("a pack is added to, and what stood there is written again as it was",
     CHECK_THROWS_AS(runPack(recipe), IoError);
 }
 
-TEST_CASE("a dry run comes true, and writes nothing", "[run]") {
-    const TemporaryFolder folder;
-    test::writeObj(test::ballMesh(20, 5), folder.file("ball.obj"));
-    struct Case {
-        const char* name;
-        PackRecipe recipe;
-    };
-    std::vector<Case> cases;
-    cases.push_back({"one that is made at once", recipeFor("box:40,40,40", "uniform:1,2")});
-    cases.push_back({"box", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
-    cases.push_back({"with a gap", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
-    cases.back().recipe.gap = 0.1;
-    cases.push_back({"plane", recipeFor("rect:200,200", "uniform:0.3,0.6")});
-    cases.push_back({"wide", recipeFor("box:80,80,80", "lognormal:0.8,0.4,0.4,2")});
-    cases.push_back({"mesh", recipeFor(folder.file("ball.obj"), "uniform:0.4,0.8")});
-    cases.push_back({"so many", recipeFor(folder.file("ball.obj"), "")});
-    cases.back().recipe.targetCount = 30000;
-    cases.push_back({"equal circles", recipeFor("rect:300,300", "constant:0.35")});
-    cases.push_back({"so many with a gap", recipeFor("box:40,40,40", "")});
-    cases.back().recipe.targetCount = 3000;
-    cases.back().recipe.gap = 0.5;
-    {
-        std::ofstream out(folder.file("stands.csv"));
-        out << "x,y,z,radius\n0,0,0,15\n0,0,300,50\n";
-    }
-    cases.push_back({"beside others", recipeFor("box:60,60,60", "uniform:0.9,1.8")});
-    cases.back().recipe.existing = folder.file("stands.csv");
-    cases.push_back({"so many beside others", recipeFor("box:60,60,60", "")});
-    cases.back().recipe.existing = folder.file("stands.csv");
-    cases.back().recipe.targetCount = 4000;
-    cases.push_back({"at most", recipeFor("box:60,60,60", "uniform:0.6,1.2")});
-    cases.back().recipe.maxCount = 1000;
-    for (auto& [name, recipe] : cases) {
-        CAPTURE(name);
-        recipe.outputs = {folder.file("pack.csv")};
-        const DryRun predicted = dryRunPack(recipe);
-        CHECK_FALSE(std::filesystem::exists(folder.file("pack.csv")));
-        recipe.outputs = {};
-        const auto run = runPack(recipe);
-        CHECK(predicted.count == Approx(static_cast<double>(run.report.count)).epsilon(0.02));
-        CHECK(predicted.solidFraction == Approx(total(run)).margin(0.01));
-        CHECK(predicted.seconds.pack > 0);
-        CHECK(predicted.estimate.memory() > 4e7);
-        const auto json = toJson(predicted);
-        CHECK(json["dryRun"] == true);
-        CHECK(json["spheres"]["count"] == std::llround(predicted.count));
-        CHECK_THAT(summary(predicted), Catch::Contains("dry run"));
-    }
-    PackRecipe bad = recipeFor("box:40,40,40", "uniform:1,2");
-    bad.outputs = {folder.file("none/pack.csv")};
-    CHECK_THROWS_AS(dryRunPack(bad), IoError);
-    bad.outputs = {};
-    bad.radius = "uniform:30,40";
-    CHECK_THROWS_AS(dryRunPack(bad), InputError);
-}
-
 TEST_CASE("a target count is met, or the run says that it is not", "[run]") {
     const auto count = [](PackRecipe recipe, double target, bool& warned) {
         recipe.targetCount = target;
@@ -503,8 +446,8 @@ TEST_CASE("a target count is met, or the run says that it is not", "[run]") {
             CHECK(std::fabs(n - target) < std::max(6.0, 0.05 * target));
         }
     PackRecipe recipe = recipeFor("box:20,20,20", "");
-    recipe.gap = 1;
+    recipe.packing.gap = 1;
     CHECK(count(recipe, 3000, warned) == Approx(3000).epsilon(0.02));
-    recipe.gap = 5;
+    recipe.packing.gap = 5;
     CHECK_THROWS_WITH(count(recipe, 1000, warned), Catch::Contains("gap of 5 mm"));
 }

@@ -39,13 +39,13 @@ DomainRecipe fromOuter(const std::string& file) {
     return recipe;
 }
 
-PackRecipe porous(const std::string& file) {
-    PackRecipe recipe = recipeFor(file, "uniform:0.3,0.6");
+PackJob porous(const std::string& file) {
+    PackJob recipe = recipeFor(file, "uniform:0.3,0.6");
     recipe.domain = fromOuter(file);
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "constant:0.9";
-    recipe.voids.targetBvtv = 0.5;
-    recipe.voids.shell = kShell;
+    recipe.request.method = "boolean";
+    recipe.request.radius = "constant:0.9";
+    recipe.request.targetBvtv = 0.5;
+    recipe.request.shell = kShell;
     return recipe;
 }
 
@@ -104,10 +104,10 @@ TEST_CASE("clips do not count as surface where a shell is measured from the oute
 TEST_CASE("voids reach the walls of cavities where the shell is measured from the outer surface",
           "[voids][cli]") {
     const TemporaryFolder folder;
-    const PackRecipe recipe = porous(hollowBall(folder));
+    const PackJob recipe = porous(hollowBall(folder));
     for (const Fill fill : {Fill::domain, Fill::solid}) {
-        PackRecipe filled = recipe;
-        filled.voids.fill = fill;
+        PackJob filled = recipe;
+        filled.request.fill = fill;
         const RunResult run = runPack(filled);
         REQUIRE(run.passed);
         REQUIRE(run.report.count > 1000);
@@ -133,11 +133,11 @@ TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of
             << ",1.4,1.4,1,0,0\n";
     }
     out.close();
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain = fromOuter(hollowBall(folder));
-    recipe.voids.method = "list:" + list;
-    recipe.voids.shell = 1;
-    recipe.voids.voxelSize = 0.2;
+    recipe.request.method = "list:" + list;
+    recipe.request.shell = 1;
+    recipe.request.voxelSize = 0.2;
     const VoidReport outer = *runVoids(recipe).report.voids;
     CHECK(outer.solidAttached.value() < 0.95);
     recipe.domain.shellFrom = ShellFrom::walls;
@@ -147,11 +147,11 @@ TEST_CASE("a solid is attached where it reaches the outer shell, not the wall of
 TEST_CASE("measures by region take the shell from the outer surface", "[measure][cli]") {
     const TemporaryFolder folder;
     const std::string bone = hollowBall(folder);
-    PackRecipe recipe = recipeFor(bone, "uniform:0.3,0.6");
+    PackJob recipe = recipeFor(bone, "uniform:0.3,0.6");
     recipe.outputs = {folder.file("pack.csv")};
     runPack(recipe);
     MeasureRecipe measure;
-    measure.pack = recipe.outputs.front();
+    measure.pack = recipe.outputs.front().text;
     measure.domain = fromOuter(bone);
     measure.shell = kShell;
     const auto structure = runMeasure(measure).structure;
@@ -166,14 +166,14 @@ TEST_CASE("measures by region take the shell from the outer surface", "[measure]
 TEST_CASE("a shell from the outer surface is refused or warned of where it means nothing",
           "[cli]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = porous(hollowBall(folder));
-    recipe.voids.targetBvtv.reset();
-    recipe.voids.method = "mixed";
+    PackJob recipe = porous(hollowBall(folder));
+    recipe.request.targetBvtv.reset();
+    recipe.request.method = "mixed";
     CHECK_THROWS_AS(runPack(recipe), ParameterError);
 
-    PackRecipe plain = recipeFor("box:10,10,10", "uniform:0.5,1");
+    PackJob plain = recipeFor("box:10,10,10", "uniform:0.5,1");
     plain.domain.shellFrom = ShellFrom::outer;
-    plain.voids.shell = 1;
+    plain.request.shell = 1;
     const auto warnings = runPack(plain).report.warnings;
     REQUIRE_FALSE(warnings.empty());
     CHECK(warnings.front().find("`shellFrom`") != std::string::npos);

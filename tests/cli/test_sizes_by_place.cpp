@@ -9,7 +9,7 @@
 #include "support/tool.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/run/dry_run.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
 
 #include <catch2/catch.hpp>
@@ -51,8 +51,8 @@ void writeTwoFactors(const std::string& file) {
     openvdb::io::File(file).write({grid});
 }
 
-PackRecipe recipeWith(const std::string& field, const std::string& radius = "uniform:1,2") {
-    PackRecipe recipe = recipeFor(kBox, radius);
+PackJob recipeWith(const std::string& field, const std::string& radius = "uniform:1,2") {
+    PackJob recipe = recipeFor(kBox, radius);
     recipe.sizeField = field;
     return recipe;
 }
@@ -84,11 +84,11 @@ TEST_CASE("sizes follow a table or a grid, and the report says how well", "[cli]
 
 TEST_CASE("the shell and the inside have radii of their own, before and after densifying",
           "[cli]") {
-    PackRecipe recipe = recipeFor("ball:14", "uniform:1,2");
+    PackJob recipe = recipeFor("ball:14", "uniform:1,2");
     recipe.shellRadius = "uniform:0.5,0.9";
-    recipe.voids.shell = 3;
+    recipe.request.shell = 3;
     const bool dense = GENERATE(false, true);
-    if (dense) recipe.densify = 0.62;
+    if (dense) recipe.densify.fraction = 0.62;
     CAPTURE(dense);
     const RunResult run = runPack(recipe);
     CHECK(run.passed);
@@ -106,12 +106,12 @@ TEST_CASE("the shell and the inside have radii of their own, before and after de
 TEST_CASE("a field densifies with its local sizes", "[cli]") {
     const TemporaryFolder folder;
     putContent(folder.file("ramp.csv"), rampTable(0.5, 1.5));
-    PackRecipe recipe = recipeWith(folder.file("ramp.csv"));
+    PackJob recipe = recipeWith(folder.file("ramp.csv"));
     const auto front = runPack(recipe).report;
-    recipe.densify = *front.solidFractionTotal + 0.02;
+    recipe.densify.fraction = *front.solidFractionTotal + 0.02;
     const auto dense = runPack(recipe).report;
     REQUIRE(dense.densified);
-    CHECK(*dense.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(*dense.solidFractionTotal >= recipe.densify.fraction - 1e-9);
     CHECK(dense.overlap->max < 1e-6);
     CHECK(dense.localSizes.front().ks < 0.05);
     recipe.threads = 3;
@@ -127,24 +127,24 @@ TEST_CASE("a bone densifies whatever the radii leave of its shell", "[cli][long]
     const Case c = GENERATE(Case{3, "uniform:1.5,3", "uniform:0.75,1.2"},
                             Case{1.4, "uniform:0.8,1.6", "uniform:0.4,0.8"},
                             Case{1.2, "uniform:1.2,2.4", "uniform:0.6,1.2"});
-    PackRecipe recipe = recipeFor(kMeshes + "/mandible.ply", c.radius);
-    recipe.voids.shell = c.shell;
+    PackJob recipe = recipeFor(kMeshes + "/mandible.ply", c.radius);
+    recipe.request.shell = c.shell;
     recipe.shellRadius = c.shellRadius;
     CAPTURE(c.shell);
-    recipe.densify = 0.61;
+    recipe.densify.fraction = 0.61;
     const auto report = runPack(recipe).report;
-    CHECK(*report.solidFractionTotal >= recipe.densify - 1e-9);
+    CHECK(*report.solidFractionTotal >= recipe.densify.fraction - 1e-9);
     CHECK(report.overlap->max < 1e-6);
     CHECK(report.protrusion->max < 1e-6);
     for (const auto& group : report.localSizes) CHECK(group.ks < 0.02);
 }
 
 TEST_CASE("a warning names a shell that stays empty", "[cli]") {
-    PackRecipe recipe = recipeFor("ball:8", "uniform:0.8,1.6");
+    PackJob recipe = recipeFor("ball:8", "uniform:0.8,1.6");
     recipe.shellRadius = "uniform:0.4,0.8";
     for (const double thickness : {0.3, 1.6}) {
         CAPTURE(thickness);
-        recipe.voids.shell = thickness;
+        recipe.request.shell = thickness;
         const auto report = runPack(recipe).report;
         const auto empty = std::count_if(
             report.warnings.begin(), report.warnings.end(), [](const std::string& warning) {
@@ -176,21 +176,21 @@ TEST_CASE("sizes by place refuse what they cannot use", "[cli]") {
         CHECK_THAT(withTable(rampTable(1, 21)), Contains("21") && Contains("20"));
     }
     SECTION("radii of a shell without a shell") {
-        PackRecipe recipe = recipeFor(kBox, "uniform:1,2");
+        PackJob recipe = recipeFor(kBox, "uniform:1,2");
         recipe.shellRadius = "uniform:0.5,1";
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }),
                    Contains("shellRadius") && Contains("shell"));
-        recipe.voids.shell = 2;
+        recipe.request.shell = 2;
         recipe.shellRadius = "uniform:0.5";
         CHECK_THROWS_AS(runPack(recipe), ParameterError);
         recipe.shellRadius = "constant:0.001";
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("200"));
     }
     SECTION("holes among the spheres") {
-        PackRecipe recipe = recipeFor(kBox, "uniform:1,2");
-        recipe.voids.shell = 2;
+        PackJob recipe = recipeFor(kBox, "uniform:1,2");
+        recipe.request.shell = 2;
         recipe.shellRadius = "uniform:0.5,1";
-        recipe.voids.method = "mixed";
+        recipe.request.method = "mixed";
         CHECK_THAT(messageOf<ParameterError>([&] { runPack(recipe); }), Contains("mixed"));
     }
     SECTION("files that are no field, or not there") {
@@ -220,7 +220,7 @@ TEST_CASE("a recipe file repeats a pack of sizes by place", "[cli]") {
 TEST_CASE("a dry run foresees the count of sizes by place", "[cli]") {
     const TemporaryFolder folder;
     putContent(folder.file("ramp.csv"), rampTable(0.3, 1.2));
-    PackRecipe recipe = recipeWith(folder.file("ramp.csv"), "uniform:0.5,1");
+    PackJob recipe = recipeWith(folder.file("ramp.csv"), "uniform:0.5,1");
     const auto count = static_cast<double>(runPack(recipe).report.count);
-    CHECK(dryRunPack(recipe).count == Approx(count).epsilon(0.15));
+    CHECK(dryRunPack(settled(recipe)).count == Approx(count).epsilon(0.15));
 }

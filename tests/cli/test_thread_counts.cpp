@@ -68,7 +68,7 @@ void requireEqual(const Pack<Dim>& a, const Pack<Dim>& b) {
 /// Runs the recipe with 1, 2, 3 and 8 threads. The spheres must be the same and in the same order,
 /// with all that is known of them, and so must the reports and the bytes of the files.
 /// @return the first run.
-RunResult requireSameForAnyThreads(PackRecipe recipe) {
+RunResult requireSameForAnyThreads(PackJob recipe) {
     const TemporaryFolder folder;
     recipe.outputs = {folder.file("p.csv"), folder.file("p.ply")};
     std::optional<RunResult> first;
@@ -78,7 +78,7 @@ RunResult requireSameForAnyThreads(PackRecipe recipe) {
         recipe.threads = threads;
         RunResult run = runPack(recipe);
         std::vector<std::string> written;
-        for (const auto& output : recipe.outputs) written.push_back(bytesOf(output));
+        for (const auto& output : recipe.outputs) written.push_back(bytesOf(output.file));
         if (!first) {
             first = std::move(run);
             files = std::move(written);
@@ -98,8 +98,8 @@ RunResult requireSameForAnyThreads(PackRecipe recipe) {
     return std::move(*first);
 }
 
-PackRecipe boneRecipe(const std::string& name, double count) {
-    PackRecipe recipe = recipeFor(boneFile(name), "");
+PackJob boneRecipe(const std::string& name, double count) {
+    PackJob recipe = recipeFor(boneFile(name), "");
     recipe.targetCount = count;
     return recipe;
 }
@@ -131,7 +131,7 @@ TEST_CASE("every bundled bone packs the same for any number of threads", "[run][
 
 TEST_CASE("circles are the same for any number of threads", "[run][threads]") {
     requireSameForAnyThreads(recipeFor("rect:40,30", "uniform:0.3,0.6"));
-    PackRecipe slice = boneRecipe("irregular", 2000);
+    PackJob slice = boneRecipe("irregular", 2000);
     slice.domain.slice = "z=0";
     requireSameForAnyThreads(slice);
 }
@@ -141,10 +141,10 @@ TEST_CASE("orders and efforts are the same for any number of threads", "[run][th
         for (const Effort effort : {Effort::fast, Effort::normal, Effort::dense}) {
             CAPTURE(static_cast<int>(order), static_cast<int>(effort));
             for (const char* domain : {"cylinder:6,15", "rect:30,30"}) {
-                PackRecipe recipe = recipeFor(domain, "uniform:0.4,0.8");
-                recipe.order = order;
-                recipe.effort = effort;
-                recipe.gap = 0.01;
+                PackJob recipe = recipeFor(domain, "uniform:0.4,0.8");
+                recipe.packing.order = order;
+                recipe.packing.effort = effort;
+                recipe.packing.gap = 0.01;
                 requireSameForAnyThreads(recipe);
             }
         }
@@ -153,12 +153,12 @@ TEST_CASE("orders and efforts are the same for any number of threads", "[run][th
 
 TEST_CASE("a bone with voids is the same for any number of threads",
           "[run][voids][threads][.slow]") {
-    PackRecipe recipe = boneRecipe("irregular", 4000);
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "uniform:2,3";
-    recipe.voids.shell = 3;
-    recipe.voids.targetBvtv = 0.4;
-    recipe.voids.keepConnected = true;
+    PackJob recipe = boneRecipe("irregular", 4000);
+    recipe.request.method = "boolean";
+    recipe.request.radius = "uniform:2,3";
+    recipe.request.shell = 3;
+    recipe.request.targetBvtv = 0.4;
+    recipe.request.keepConnected = true;
     const auto run = requireSameForAnyThreads(recipe);
     CHECK(run.report.voids->culled > 500);
     // Circles in a slice of it, in the same way.
@@ -170,7 +170,7 @@ TEST_CASE("a bone with voids is the same for any number of threads",
 TEST_CASE("a repaired bone is the same for any number of threads",
           "[run][repair][threads][.slow]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = recipeFor(folder.file("broken.obj"), "");
+    PackJob recipe = recipeFor(folder.file("broken.obj"), "");
     recipe.targetCount = 3000;
     recipe.domain.repair = true;
     test::writeObj(brokenBone("irregular"), recipe.domain.source);
@@ -184,12 +184,12 @@ TEST_CASE("a repaired bone is the same for any number of threads",
 
 TEST_CASE("spheres around others are the same for any number of threads", "[run][threads]") {
     const TemporaryFolder folder;
-    PackRecipe recipe = boneRecipe("irregular", 3000);
+    PackJob recipe = boneRecipe("irregular", 3000);
     recipe.domain.clips = {"plane:0,0,1,0"};
     recipe.outputs = {folder.file("half.csv")};
     const auto half = runPack(recipe);
-    PackRecipe whole = recipeFor(boneFile("irregular"), "uniform:0.8,1.2");
-    whole.existing = recipe.outputs[0];
+    PackJob whole = recipeFor(boneFile("irregular"), "uniform:0.8,1.2");
+    whole.existing = recipe.outputs[0].text;
     const auto run = requireSameForAnyThreads(whole);
     CHECK(run.report.existing == half.report.count);
     CHECK(run.report.count > run.report.existing + 500);

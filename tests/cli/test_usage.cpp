@@ -1,7 +1,6 @@
 // The command line: help, misuse, recipes, completion, progress.
 #include "cli/help.h"
 #include "cli/progress_line.h"
-#include "cli/suggest.h"
 #include "support/paths.h"
 #include "support/temporary_folder.h"
 #include "support/tool.h"
@@ -46,18 +45,6 @@ TEST_CASE("lines break between words, and a long word stands alone", "[cli]") {
     CHECK(wrapped("a muchtoolongword b", 6, 1, 0) == "a\n muchtoolongword\n b");
     CHECK(wrapped("a\nb", 80, 2, 0) == "a\n  b");
     CHECK(wrapped("", 80, 2, 0) == "");
-}
-
-TEST_CASE("distances of words are those of their letters", "[cli]") {
-    CHECK(editDistance("", "") == 0);
-    CHECK(editDistance("", "abc") == 3);
-    CHECK(editDistance("radius", "radius") == 0);
-    CHECK(editDistance("raduis", "radius") == 1);  // neighbors swapped
-    CHECK(editDistance("kitten", "sitting") == 3);
-    CHECK(editDistance("sitting", "kitten") == 3);
-    CHECK(mostLike("--raduis", {"--seed", "--radius"}) == "--radius");
-    CHECK(mostLike("--vox", {"--seed", "--voxel"}) == "--voxel");
-    CHECK(mostLike("--thickness", {"--seed", "--radius"}) == "");
 }
 
 TEST_CASE("misuse is reported with what was meant", "[cli]") {

@@ -53,7 +53,7 @@ const std::vector<Written> kOutputs{
     {"points:FOLDER/p.vdb", {"p.vdb"}},
     {"fog:FOLDER/p.vdb", {"p.vdb"}},
     {"levelsets:FOLDER/p.vdb", {"p.vdb"}},
-    {"blender:FOLDER/p.py", {"p.py", "p.points.npy"}},
+    {"blender:FOLDER/p.py", {"p.py", "p.points.npz"}},
 };
 
 std::string inFolder(std::string output, const std::string& folder) {

@@ -1,4 +1,5 @@
 #include "support/generators.h"
+#include "support/triangle_oracle.h"
 
 #include "vdbpack/core/rng.h"
 #include "vdbpack/domain/facet_bins.h"
@@ -14,37 +15,20 @@ using namespace vdbpack;
 
 namespace {
 
-Vec<3> onSegment(const Vec<3>& x, const Vec<3>& a, const Vec<3>& b) {
-    const Vec<3> edge = b - a;
-    const double square = squaredLength(edge);
-    const double t = square > 0 ? std::clamp(dot(x - a, edge) / square, 0.0, 1.0) : 0.0;
-    return a + edge * t;
-}
-
-// By another road than the code under test: barycentric coordinates from the normal equations,
-// else the nearest of three edges.
 double distanceTo(const Facet<3>& f, const Vec<3>& x) {
-    double best = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i)
-        best = std::min(best, length(onSegment(x, f[i], f[(i + 1) % 3]) - x));
-    const Vec<3> u = f[1] - f[0];
-    const Vec<3> v = f[2] - f[0];
-    const Vec<3> p = x - f[0];
-    const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v);
-    const double det = uu * vv - uv * uv;
-    if (det > 1e-12 * uu * vv) {
-        const double s = (vv * dot(p, u) - uv * dot(p, v)) / det;
-        const double t = (uu * dot(p, v) - uv * dot(p, u)) / det;
-        if (s >= 0 && t >= 0 && s + t <= 1) best = std::min(best, length(p - u * s - v * t));
-    }
-    return best;
+    return test::distanceTo(x, f[0], f[1], f[2]);
 }
 
 double distanceTo(const Facet<2>& f, const Vec<2>& x) {
-    const Vec<3> a{{f[0][0], f[0][1], 0}};
-    const Vec<3> b{{f[1][0], f[1][1], 0}};
-    const Vec<3> p{{x[0], x[1], 0}};
-    return length(onSegment(p, a, b) - p);
+    const auto lifted = [](const Vec<2>& v) { return Vec<3>{{v[0], v[1], 0}}; };
+    return test::distanceTo(lifted(x), lifted(f[0]), lifted(f[1]), lifted(f[1]));
+}
+
+std::vector<Facet<3>> facetsOf(const TriangleMesh& mesh) {
+    std::vector<Facet<3>> facets;
+    for (const auto& t : mesh.triangles)
+        facets.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    return facets;
 }
 
 template <int Dim>
@@ -152,10 +136,7 @@ TEMPLATE_TEST_CASE_SIG("bins find every facet within reach, and no other", "[dom
 }
 
 TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices", "[domain]") {
-    const TriangleMesh mesh = test::ballMesh(10, 4);
-    std::vector<Facet<3>> facets;
-    for (const auto& t : mesh.triangles)
-        facets.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    const auto facets = facetsOf(test::ballMesh(10, 4));
     const FacetBins<3> bins(facets);
     RandomStream random(3, 3);
     for (int k = 0; k < 150; ++k) {
@@ -173,10 +154,8 @@ TEST_CASE("bins answer exactly all over a mesh, also beside edges and vertices",
 
 TEST_CASE("a fan of thousands of long triangles is searched exactly, in memory as for others",
           "[domain]") {
-    const TriangleMesh mesh = test::rotated(test::doubleConeMesh(10, 8, 20000), {{1, 2, 3}}, 0.7);
-    std::vector<Facet<3>> facets;
-    for (const auto& t : mesh.triangles)
-        facets.push_back({mesh.vertices[t[0]], mesh.vertices[t[1]], mesh.vertices[t[2]]});
+    const auto facets =
+        facetsOf(test::rotated(test::doubleConeMesh(10, 8, 20000), {{1, 2, 3}}, 0.7));
     const FacetBins<3> bins(facets);
     REQUIRE(bins.memoryBytes() < 256 * facets.size());
     RandomStream random(3, 5);

@@ -1,5 +1,6 @@
 // Level sets sampled into voxels.
 #include "support/generators.h"
+#include "voids/stamping.h"
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
@@ -29,13 +30,7 @@ std::shared_ptr<const VdbGrid> ballGrid(double voxelSize) {
 }
 
 double distanceAt(const VoxelImage& image, std::size_t voxel) {
-    const auto nx = static_cast<std::size_t>(image.size[0]);
-    const auto ny = static_cast<std::size_t>(image.size[1]);
-    const Vec<3> at = image.origin +
-                      Vec<3>{{static_cast<double>(voxel % nx), static_cast<double>(voxel / nx % ny),
-                              static_cast<double>(voxel / nx / ny)}} *
-                          image.voxelSize;
-    return length(at - kCenter) - kRadius;
+    return length(centerOf(image, voxel) - kCenter) - kRadius;
 }
 
 }  // namespace

@@ -40,6 +40,15 @@ std::string writtenText(const Pack<Dim>& pack, const std::string& target,
     return contentOf(scratch.file(target.substr(target.find(':') + 1)));
 }
 
+/// The pack that comes back from a file written to `target`.
+template <int Dim>
+Pack<3> readBack(const Pack<Dim>& pack, const std::string& target,
+                 const PackWriteOptions& options = {}, const PackReadOptions& reading = {}) {
+    const TemporaryFolder scratch;
+    writePack(pack, inFolder(scratch, target), options);
+    return readPack(inFolder(scratch, target), reading);
+}
+
 /// Numbers as the bytes of a file.
 template <typename T>
 std::string bytesOf(std::vector<T> values, bool bigEndian = false) {

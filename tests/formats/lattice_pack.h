@@ -67,4 +67,16 @@ inline void requireSameAttributes(const PackAttributes& read, const PackAttribut
     REQUIRE((read.contacts == written.contacts));
 }
 
+/// The further columns. @param named  whether their names are the same, too.
+inline void requireSameColumns(const PackAttributes& read, const PackAttributes& written,
+                               bool named = true) {
+    REQUIRE(read.columns.size() == written.columns.size());
+    for (std::size_t c = 0; c < read.columns.size(); ++c) {
+        CAPTURE(c);
+        if (named) CHECK(read.columns[c].name == written.columns[c].name);
+        CHECK((read.columns[c].numbers == written.columns[c].numbers));
+        CHECK((read.columns[c].texts == written.columns[c].texts));
+    }
+}
+
 }  // namespace vdbpack::test

@@ -1,4 +1,4 @@
-// A script for Blender and the array beside it. What Blender makes of them is checked with Blender
+// A script for Blender and the pack beside it. What Blender makes of them is checked with Blender
 // itself, by tests/clients/check_blender.
 #include "formats/lattice_pack.h"
 #include "support/temporary_folder.h"
@@ -7,18 +7,17 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/surface_level_set.h"
+#include "vdbpack/formats/outputs.h"
+#include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/write_blender.h"
-#include "vdbpack/run/outputs.h"
 
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
-#include <cmath>
-#include <cstring>
+#include <array>
 #include <filesystem>
 #include <limits>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -27,48 +26,6 @@ using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-/// An array of records, read by what its header says.
-struct Records {
-    std::map<std::string, std::pair<std::string, std::size_t>> fields;  ///< type and offset
-    std::size_t count = 0, stride = 0;
-    std::string bytes;
-
-    explicit Records(const std::string& content) {
-        REQUIRE(content.substr(0, 8) == std::string("\x93NUMPY\x02\x00", 8));
-        std::uint32_t length = 0;
-        std::memcpy(&length, content.data() + 8, 4);
-        REQUIRE((12 + length) % 64 == 0);
-        const std::string header = content.substr(12, length);
-        REQUIRE(header.back() == '\n');
-        REQUIRE_THAT(header, Contains("'fortran_order': False"));
-        for (std::size_t at = header.find("('"); at != std::string::npos;
-             at = header.find("('", at + 1)) {
-            const auto middle = header.find("', '", at), end = header.find("')", middle);
-            const std::string type = header.substr(middle + 4, end - middle - 4);
-            fields[header.substr(at + 2, middle - at - 2)] = {type, stride};
-            stride += static_cast<std::size_t>(type.back() - '0');
-        }
-        const std::string shape = "'shape': (";
-        count = std::stoul(header.substr(header.find(shape) + shape.size()));
-        bytes = content.substr(12 + length);
-        REQUIRE(bytes.size() == count * stride);
-    }
-
-    double at(const std::string& name, std::size_t i) const {
-        const auto& [type, offset] = fields.at(name);
-        const char* const from = bytes.data() + i * stride + offset;
-        const auto load = [from](auto value) {
-            std::memcpy(&value, from, sizeof value);
-            return static_cast<double>(value);
-        };
-        if (type == "<f4") return load(0.0f);
-        if (type == "<f8") return load(0.0);
-        if (type == "<i4") return load(std::int32_t{0});
-        REQUIRE(type == "<i8");
-        return load(std::int64_t{0});
-    }
-};
 
 /// What the script knows of the pack: what it says is a literal of Python that JSON reads too.
 nlohmann::json knownIn(const std::string& script) {
@@ -81,11 +38,6 @@ nlohmann::json knownIn(const std::string& script) {
     return nlohmann::json::parse(text);
 }
 
-std::uint32_t crcOf(const std::string& bytes) {
-    return static_cast<std::uint32_t>(
-        crc32(0, reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uInt>(bytes.size())));
-}
-
 /// A level set without OpenVDB's headers.
 std::shared_ptr<const VdbGrid> someLevelSet() {
     return surfaceLevelSet(*ballDomain<3>(5), 0.25);
@@ -93,62 +45,42 @@ std::shared_ptr<const VdbGrid> someLevelSet() {
 
 }  // namespace
 
-TEMPLATE_TEST_CASE_SIG("the array beside a Blender script holds every sphere from the middle",
-                       "[formats]", ((int Dim), Dim), 2, 3) {
-    const auto unit = GENERATE(Unit::meter, Unit::millimeter, Unit::micrometer);
-    const double away = GENERATE(0.0, 730.0, -1e5);
-    CAPTURE(Dim, unitName(unit), away);
-    Vec<Dim> middle;
-    for (int d = 0; d < Dim; ++d) middle[d] = away * (d + 1);
-    // More than are written at once.
-    auto pack = latticePack<Dim>(20000, middle, 60, 3);
+TEMPLATE_TEST_CASE_SIG("a Blender script names its pack, which lies beside it", "[formats]",
+                       ((int Dim), Dim), 2, 3) {
+    const auto unit = GENERATE(Unit::meter, Unit::millimeter);
+    CAPTURE(Dim, unitName(unit));
+    auto pack = latticePack<Dim>(2000, {}, 60, 3);
     pack.sliceHeight = Dim == 2 ? 12.5 : 0;
-    pack.columns = {{"material", std::vector<double>(20000, 0.25), {}},
-                    {"no plain name", std::vector<double>(20000, 1), {}},
-                    {"label", {}, std::vector<std::string>(20000, "a")}};
+    pack.columns = {{"material", std::vector<double>(2000, 0.25), {}}};
     const TemporaryFolder scratch;
     PackWriteOptions options;
     options.unit = unit;
     options.generator = "vdb_pack \"test\" \\ '''";
     const std::vector<std::string> files = {scratch.file("b\xC3\xBCne.py"),
-                                            scratch.file("b\xC3\xBCne.points.npy")};
+                                            scratch.file("b\xC3\xBCne.points.npz")};
     REQUIRE(writeBlender(pack, files[0], options) == files);
     REQUIRE(scratch.files() == 2);
 
-    const auto known = knownIn(contentOf(files[0]));
-    REQUIRE(known["name"] == "b\xC3\xBCne.py");
-    REQUIRE(known["points"] == "b\xC3\xBCne.points.npy");
-    REQUIRE(known["volume"] == "");
-    REQUIRE(known["count"] == 20000);
-    REQUIRE(known["dim"] == Dim);
-    REQUIRE(known["unit"] == unitName(unit));
-    REQUIRE(known["generator"] == options.generator);
-    const Records records(contentOf(files[1]));
-    REQUIRE(records.count == 20000);
-    REQUIRE(known["crc32"] == crcOf(records.bytes));
-    REQUIRE(records.fields.count("material") == 1);
-    REQUIRE(records.fields.size() == 10);
-
-    const double scale = millimetersPer(unit);
-    const char* const axes[] = {"x", "y", "z"};
-    for (std::size_t i = 0; i < records.count; ++i) {
-        const auto& s = pack.spheres[i];
-        for (int d = 0; d < 3; ++d) {
-            const double truth = d < Dim ? s.center[d < Dim ? d : 0] : pack.sliceHeight;
-            const double center = known["center"][static_cast<std::size_t>(d)];
-            const double error = (records.at(axes[d], i) + center) * scale - truth;
-            if (!(std::abs(error) < 3e-6)) FAIL("sphere " << i << " is off by " << error);
-        }
-        if (!(std::abs(records.at("radius", i) * scale - s.radius) < 1e-7 * s.radius) ||
-            records.at("id", i) != static_cast<double>(i) ||
-            records.at("region", i) != pack.region[i] ||
-            records.at("order", i) != static_cast<double>(pack.order[i]) ||
-            records.at("contacts", i) != pack.contacts[i] ||
-            !(std::abs(records.at("depth", i) * scale - static_cast<double>(pack.depth[i])) <
-              1e-5) ||
-            records.at("material", i) != 0.25)
-            FAIL("an attribute of sphere " << i << " is another");
+    auto known = knownIn(contentOf(files[0]));
+    std::uint32_t crc = 0;
+    for (const auto& s : pack.spheres) {
+        std::array<double, 3> place{0, 0, pack.sliceHeight / millimetersPer(unit)};
+        for (std::size_t d = 0; d < Dim; ++d)
+            place[d] = s.center[static_cast<int>(d)] / millimetersPer(unit);
+        crc = static_cast<std::uint32_t>(
+            crc32(crc, reinterpret_cast<const Bytef*>(place.data()), sizeof place));
     }
+    CHECK(known == nlohmann::json{{"name", "b\xC3\xBCne.py"},
+                                  {"points", "b\xC3\xBCne.points.npz"},
+                                  {"volume", ""},
+                                  {"count", 2000},
+                                  {"crc32", crc},
+                                  {"dim", Dim},
+                                  {"unit", unitName(unit)},
+                                  {"generator", options.generator}});
+    const auto read = readPack(files[1]);
+    REQUIRE(read.spheres.size() == 2000);
+    CHECK(read.columns.at(0).numbers == pack.columns[0].numbers);
 }
 
 TEST_CASE("a Blender script finds the level sets beside it or in the file of the run",
@@ -187,7 +119,7 @@ TEST_CASE("a run's .vdb is shared with its Blender script, whichever comes first
     have.options.levelSets = {someLevelSet()};
     const std::string script = scratch.file("a.py"), volume = scratch.file("p.vdb");
     const bool first = GENERATE(true, false);
-    std::vector<std::string> outputs = {"blender:" + script, volume};
+    std::vector<OutputTarget> outputs = {"blender:" + script, volume};
     if (first) std::swap(outputs[0], outputs[1]);
     const auto files = writeOutputs(outputs, have, {});
     REQUIRE(files.size() == 3);
@@ -223,6 +155,6 @@ TEST_CASE("what cannot be a Blender script is refused and leaves nothing", "[for
 TEST_CASE("no sphere at all is written too", "[formats]") {
     const TemporaryFolder scratch;
     const auto files = writeBlender(Pack<3>{}, scratch.file("a.py"), {});
-    REQUIRE(Records(contentOf(files[1])).count == 0);
+    REQUIRE(readPack(files[1]).spheres.empty());
     REQUIRE(knownIn(contentOf(files[0]))["count"] == 0);
 }

@@ -20,7 +20,7 @@ using namespace vdbpack::test;
 
 namespace {
 
-const char* const kFormats[] = {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "usda", "lammps"};
+const char* const kFormats[] = {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps"};
 
 std::string prefixed(const std::string& format, const std::string& path) {
     return format + ":" + path;
@@ -53,7 +53,13 @@ struct WrittenPack {
     std::string whole;
 
     explicit WrittenPack(std::string formatName) : format(std::move(formatName)) {
-        writePack(smallPack(), prefixed(format, path), {});
+        if (format == "dump")  // is not written
+            putContent(path,
+                       "ITEM: TIMESTEP\n100\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS pp pp "
+                       "ff\n-1 1\n-1 1\n-1 1\nITEM: ATOMS id type x y z radius\n7 1 1 2 3 0.5\n4 "
+                       "3 4 5 -6 1\n");
+        else
+            writePack(smallPack(), prefixed(format, path), {});
         whole = contentOf(path);
     }
     bool isReadable() const { return reads(prefixed(format, path)); }
@@ -75,19 +81,21 @@ TEST_CASE("a file cut short at any byte is an error or a shorter pack", "[format
         readable += file.isReadable() ? 1 : 0;
     }
     if (file.format == "ply" || file.format == "npz") REQUIRE(readable == 0);
-    if (file.format == "usda") REQUIRE(readable == 1);  // without its last line break
     if (file.format == "vtp") REQUIRE(readable == 1);
     if (file.format == "vdb") REQUIRE(readable < 260);
 }
 
 TEST_CASE("a file with flipped bits is an error or another pack", "[formats]") {
-    const WrittenPack file(GENERATE(from_range(std::begin(kFormats), std::end(kFormats))));
+    const WrittenPack file(GENERATE(as<std::string>{}, "vdb", "vtp", "csv", "ply", "yade", "xyz",
+                                    "npz", "lammps", "dump"));
     CAPTURE(file.format);
     RandomStream random(22, 1);
     for (int trial = 0; trial < 500; ++trial) {
         CAPTURE(trial);
         putContent(file.path, withFlippedBits(file.whole, 1 + trial % 4, random));
-        CHECK_NOTHROW(file.isReadable());
+        if (!file.isReadable() || file.format != "npz") continue;
+        // Names and sizes of the directory bear no checksum; numbers do.
+        CHECK(readPack("npz:" + file.path).spheres == smallPack().spheres);
     }
 }
 
@@ -107,7 +115,7 @@ TEST_CASE("one format under the name of another is refused", "[formats]") {
 TEST_CASE("a folder or a missing file is an IoError in every format", "[formats]") {
     const TemporaryFolder scratch;
     for (const std::string format :
-         {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "usda", "usdz", "lammps", "dump"}) {
+         {"vdb", "vtp", "csv", "ply", "yade", "xyz", "npz", "lammps", "dump"}) {
         CAPTURE(format);
         REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file(""))), IoError);
         REQUIRE_THROWS_AS(readPack(prefixed(format, scratch.file("none"))), IoError);
@@ -120,7 +128,7 @@ TEST_CASE("an empty file is an error, except a list that may be empty", "[format
     for (const std::string content : {"", "\n", "\n\n \n", "\xef\xbb\xbf"}) {
         putContent(path, content);
         for (const std::string format :
-             {"vdb", "vtp", "csv", "ply", "xyz", "npz", "usda", "usdz", "lammps", "dump"}) {
+             {"vdb", "vtp", "csv", "ply", "xyz", "npz", "lammps", "dump"}) {
             CAPTURE(format, content);
             REQUIRE_THROWS_AS(readPack(prefixed(format, path)), InputError);
         }

@@ -31,13 +31,10 @@ TEST_CASE("files keep the periodic cell of a pack", "[formats][periodic]") {
         GENERATE(as<std::string>{}, "p.vdb", "p.vtp", "p.xyz", "p.data", "yade:p.txt");
     const Unit unit = GENERATE(Unit::millimeter, Unit::meter);
     CAPTURE(axes, file);
-    const TemporaryFolder folder;
-    const std::string name = inFolder(folder, file);
     const Pack<3> pack = packIn(axes);
     PackWriteOptions write;
     write.unit = unit;
-    writePack(pack, name, write);
-    const Pack<3> back = readPack(name);
+    const Pack<3> back = readBack(pack, file, write);
     CHECK(back.spheres.size() == 2);
     CHECK(back.cell.wraps == pack.cell.wraps);
     for (int d = 0; d < 3; ++d) {
@@ -60,12 +57,10 @@ TEST_CASE("LAMMPS, YADE and ASE find the cell where they look for it", "[formats
 }
 
 TEST_CASE("texts of cells are checked", "[formats][periodic]") {
-    CHECK_FALSE(parseCellText("xw 0 0 0 1 1 1", Unit::millimeter));
-    CHECK_FALSE(parseCellText("x 0 0 0 0 1 1", Unit::millimeter));
-    CHECK_FALSE(parseCellText("x 0 0 0 1 1", Unit::millimeter));
-    CHECK_FALSE(parseCellText("x 0 0 0 inf 1 1", Unit::millimeter));
-    const auto cell = parseCellText("y 0 -1 0 1 1 1", Unit::meter);
-    REQUIRE(cell);
-    CHECK(cell->length(1) == 2000);
+    for (const char* text :
+         {"xw 0 0 0 1 1 1", "x 0 0 0 0 1 1", "x 0 0 0 1 1", "x 0 0 0 inf 1 1", ""})
+        CHECK_THAT(messageOf<InputError>([&] { cellIn(text, Unit::millimeter, "f"); }),
+                   Contains("f: ") && Contains("cell"));
+    CHECK(cellIn("y 0 -1 0 1 1 1", Unit::meter, "f").length(1) == 2000);
     CHECK(cellText(PeriodicCell<3>{}).empty());
 }

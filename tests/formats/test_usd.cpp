@@ -1,15 +1,15 @@
-// USD: what we write, what other programs do, and what is broken.
+// USD: what is written; it is not read back.
 #include "formats/file_text.h"
 #include "formats/lattice_pack.h"
-#include "support/flipped_bits.h"
 
 #include "vdbpack/mesh/triangle_mesh.h"
 
 #include <catch2/catch.hpp>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
-#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,20 +18,6 @@ using namespace vdbpack::test;
 using Catch::Matchers::Contains;
 
 namespace {
-
-/// A stage in mm with one Points prim of these statements.
-std::string stageOf(const std::string& statements, const std::string& around = {}) {
-    return "#usda 1.0\n(\n    metersPerUnit = 0.001\n)\ndef Xform \"a\"\n{\n" + around +
-           "    def Points \"p\"\n    {\n" + statements + "    }\n}\n";
-}
-
-const char* const kTwo =
-    "point3f[] points = [(1, 2, 3), (4, 5, 6)]\n"
-    "float[] widths = [1, 2] (interpolation = \"vertex\")\n";
-
-std::vector<Sphere<3>> placed(const std::string& around) {
-    return readText("p.usda", stageOf(kTwo, around)).spheres;
-}
 
 /// The numbers between the brackets after a name.
 std::vector<double> numbersOf(const std::string& text, const std::string& name) {
@@ -94,57 +80,24 @@ def Xform "pack" (
 )");
 }
 
-TEST_CASE("a .usda file gives back the same pack", "[formats][usd]") {
-    const auto pack = packWithColumns(GENERATE(0u, 1u, 500u), "Young's modulus", "größe",
-                                      {"", "say \"\\\"\n\ta\xff\xf0\x9f\xa6\xb4\x01"});
-    const std::string file = GENERATE("p.usda", "p.usd", "p.usdz");
-    const auto read = readText(file, writtenText(pack, file));
-    REQUIRE(read.spheres == pack.spheres);
-    requireSameAttributes(read, pack);
-    if (pack.spheres.empty()) return;
-    REQUIRE(read.columns.size() == 2);
-    for (std::size_t c = 0; c < 2; ++c) {
-        REQUIRE(read.columns[c].name == pack.columns[c].name);
-        REQUIRE(read.columns[c].numbers == pack.columns[c].numbers);
-        REQUIRE(read.columns[c].texts == pack.columns[c].texts);
-    }
-}
-
-TEST_CASE("names of columns that USD cannot have come back", "[formats][usd]") {
-    Pack<3> pack;
-    pack.spheres = {{{{1, 2, 3}}, 1}};
-    for (const char* name : {"a b", "a_b", "a:b", "7", "displayColor", "radius_1", "velocities"})
-        pack.columns.push_back({name, {0.1}, {}});
+TEST_CASE("every column of a .usda has one value a sphere, under a name that USD accepts",
+          "[formats][usd]") {
+    auto pack = packWithColumns(GENERATE(0u, 1u, 500u), "a b", "größe", {"", "say \"\\\"\n\xff"});
+    const std::size_t n = pack.spheres.size();
+    for (const char* name : {"a_b", "7", "displayColor"})
+        pack.columns.push_back({name, std::vector<double>(n, 0.1), {}});
     const auto text = writtenText(pack, "p.usda");
-    REQUIRE_THAT(text, Contains("primvars:_7 = ") && Contains("primvars:a_b_2 = "));
-    const auto read = readText("p.usda", text);
-    REQUIRE(read.columns.size() == pack.columns.size());
-    for (std::size_t c = 0; c < pack.columns.size(); ++c) {
-        CHECK(read.columns[c].name == pack.columns[c].name);
-        CHECK(read.columns[c].numbers == pack.columns[c].numbers);
-    }
-}
-
-TEST_CASE("any doubles survive a .usda file, wherever the spheres lie", "[formats][usd]") {
-    RandomStream random(GENERATE(range(1u, 9u)), 3);
-    Pack<3> pack;
-    Vec<3> center, size;
-    for (int d = 0; d < 3; ++d) {
-        center[d] = 2000 * (random.uniform() - 0.5);
-        size[d] = std::exp2(20 * random.uniform() - 10);
-    }
-    for (int i = 0; i < 300; ++i) {
-        Sphere<3> s;
-        for (int d = 0; d < 3; ++d) s.center[d] = center[d] + size[d] * (random.uniform() - 0.5);
-        s.radius = 1e-3 + random.uniform() / 3;
-        pack.spheres.push_back(s);
-    }
-    pack.columns.push_back({"odd", std::vector<double>(300, 1.0 / 3), {}});
-    pack.columns.back().numbers[1] = std::numeric_limits<double>::infinity();
-    pack.columns.back().numbers[2] = -5e-324;
-    const auto read = readText("p.usda", writtenText(pack, "p.usda"));
-    REQUIRE(read.spheres == pack.spheres);
-    REQUIRE(read.columns[0].numbers == pack.columns[0].numbers);
+    REQUIRE(std::count(text.begin(), text.end(), '{') == std::count(text.begin(), text.end(), '}'));
+    REQUIRE(numbersOf(text, "point3f[] points").size() == 3 * n);
+    REQUIRE(numbersOf(text, "float[] widths").size() == n);
+    REQUIRE(numbersOf(text, "int64[] ids") == std::vector<double>(pack.id.begin(), pack.id.end()));
+    if (n == 0) return;
+    REQUIRE(numbersOf(text, "int[] primvars:region").size() == n);
+    REQUIRE(numbersOf(text, "double[] primvars:a_b") == pack.columns[0].numbers);
+    for (const char* name : {"a_b_2", "_7", "displayColor_2"})
+        REQUIRE(numbersOf(text, std::string("double[] primvars:") + name).size() == n);
+    REQUIRE_THAT(text, Contains("displayName = \"a b\"") && Contains("displayName = \"größe\""));
+    if (n > 1) REQUIRE_THAT(text, Contains("\"say \\\"\\\\\\\"\\x0a\\xff\""));
 }
 
 TEST_CASE("points of a .usda are floats about an origin near them", "[formats][usd]") {
@@ -185,18 +138,17 @@ TEST_CASE("a .usda file records its unit, its generator and the periodic cell", 
     const auto text = writtenText(pack, "p.usda", options);
     REQUIRE_THAT(text, Contains("string generator = \"a \\\"b\\\" 1\""));
     if (options.unit == Unit::micrometer) REQUIRE_THAT(text, Contains("metersPerUnit = 1e-06"));
-    const auto read = readText("p.usda", text);
-    REQUIRE(read.spheres == pack.spheres);
-    REQUIRE(read.cell.wraps == pack.cell.wraps);
-    REQUIRE(read.cell.box.hi == pack.cell.box.hi);
+    REQUIRE_THAT(text, Contains("string periodic_cell = \"xz 0.0 0.0 0.0 "));
 }
 
 TEST_CASE("circles of a slice become points at its height", "[formats][usd]") {
     Pack<2> pack = latticePack<2>(20, {{0, 0}}, 10, 3);
     pack.sliceHeight = 12.5;
-    const auto read = asCircles(readText("p.usda", writtenText(pack, "p.usda")));
-    REQUIRE(read.spheres == pack.spheres);
-    REQUIRE(read.sliceHeight == 12.5);
+    const auto points = numbersOf(writtenText(pack, "p.usda"), "point3f[] points");
+    for (std::size_t i = 0; i < 20; ++i) {
+        REQUIRE(points[3 * i] == pack.spheres[i].center[0]);
+        REQUIRE(points[3 * i + 2] == points[2]);
+    }
 }
 
 TEST_CASE("a surface stands beside the points, in the same place", "[formats][usd]") {
@@ -221,203 +173,6 @@ TEST_CASE("a surface stands beside the points, in the same place", "[formats][us
     // Of vertex 0 and sphere 0, in cm: the translation is that of both.
     REQUIRE(points[0] - vertices[0] == Approx(0.1).margin(1e-6));
     REQUIRE(vertices[1] == 0);
-    REQUIRE(readText("p.usda", text).spheres.size() == 2);
-}
-
-TEST_CASE("a .usda of another program is read", "[formats][usd]") {
-    // As Houdini and usdcat write: types and comments of all kinds, variants, values by time.
-    const auto read = readText("p.usda", R"(#usda 1.0
-(
-    "comment"
-    doc = """two
-lines with "quotes" """
-    endTimeCode = 2
-    metersPerUnit = 0.01
-    subLayers = [ @./a.usda@ (offset = 1), @@@b @.usda@@@ ]
-    customLayerData = { string "a key" = "x"; dictionary d = { int[] n = [1, 2] } }
-)
-/* nothing */
-def Scope "Looks" { def Material "m" { token outputs:surface.connect = </Looks/m/s.outputs:surface> } }
-class "_c" { def Points "none" { point3f[] points = [(9, 9, 9)] } }
-over "geo" { def Points "empty" { } }
-def Xform "geo" (
-    prepend references = @x.usd@</geo>
-    variants = { string size = "big" }
-    prepend variantSets = "size"
-)
-{
-    reorder properties = ["b", "a"]
-    custom rel target
-    float unset
-    asset file = @a.png@ ( doc = "a" )
-    variantSet "size" = { "big" { def Points "q" { point3f[] points = [(0, 0, 0)] } } }
-    def Points "first" ( active = true )
-    {
-        float3[] extent.timeSamples = { 1: [(0, 0, 0), (1, 1, 1)] }
-        point3f[] points = [(7, 7, 7)]
-        point3f[] points.timeSamples = {
-            2: [(1, 2, 3), (4, 5, 6),],  # the last one
-            1: [(0, 0, 0)],
-            0: None,
-        }
-        float[] widths = [0.5] ( interpolation = "constant" )
-        uniform token subsetFamily:type = "a"
-        vector3f[] velocities = [(1, 0, 0), (0, 2, 0)];int64[] ids = [5, 9]
-        string[] primvars:part = ["a", 'b'] (
-            customData = { bool x = 1 }
-            interpolation = "varying"
-        )
-        int[] primvars:part:indices = [1, 0]
-        bool[] primvars:on = [true, 0] ( interpolation = "vertex" )
-        float[] primvars:pscale = [3, 4] ( interpolation = "vertex" )
-        half[] primvars:h = [inf, -.5e1] ( interpolation = "vertex" )
-        color3f[] primvars:displayColor = [(1, 0, 0), (0, 1, 0)] ( interpolation = "vertex" )
-        float primvars:all = 3 ( interpolation = "constant" )
-        matrix4d[] xforms = [ ( (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1) ) ]
-    }
-    def Points "second" { point3f[] points = [(1, 1, 1)] }
-}
-)");
-    REQUIRE(read.spheres == std::vector<Sphere<3>>{{{{10, 20, 30}}, 2.5}, {{{40, 50, 60}}, 2.5}});
-    REQUIRE(read.id == std::vector<std::int64_t>{5, 9});
-    std::vector<std::string> names;
-    for (const auto& column : read.columns) names.push_back(column.name);
-    REQUIRE(names == std::vector<std::string>{"velocities_0", "velocities_1", "velocities_2",
-                                              "part", "on", "pscale", "h", "displayColor_0",
-                                              "displayColor_1", "displayColor_2"});
-    REQUIRE(read.columns[1].numbers == std::vector<double>{0, 2});
-    REQUIRE(read.columns[3].texts == std::vector<std::string>{"b", "a"});
-    REQUIRE(read.columns[4].numbers == std::vector<double>{1, 0});
-    REQUIRE(read.columns[6].numbers[1] == -5);
-}
-
-TEST_CASE("the Points prim of a .usda can be chosen", "[formats][usd]") {
-    const TemporaryFolder scratch;
-    const auto file = scratch.file("p.usda");
-    putContent(file, "#usda 1.0\ndef Points \"a\" {\n" + std::string(kTwo) +
-                         "}\ndef \"g\" { def Points \"b\" { point3f[] points = [(7, 8, 9)]\n"
-                         "float[] widths = [2] } }\n");
-    PackReadOptions options;
-    const auto first = [&] { return readPack(file, options).spheres[0].center[0]; };
-    REQUIRE(first() == 1);
-    options.gridName = GENERATE("b", "/g/b", "g/b");
-    REQUIRE(first() == 7);
-    options.gridName = "c";
-    REQUIRE_THAT(messageOf<InputError>(first), Contains("'c'") && Contains("/g/b"));
-}
-
-TEST_CASE("transformations of a .usda move, turn and scale spheres", "[formats][usd]") {
-    const auto op = [](const std::string& type, const std::string& name, const std::string& value) {
-        return type + " xformOp:" + name + " = " + value + "\n";
-    };
-    const auto order = [](const std::string& names) {
-        return "uniform token[] xformOpOrder = [" + names + "]\n";
-    };
-    const auto center = [](const std::string& around) { return placed(around)[0].center; };
-    const auto requireAt = [](const Vec<3>& found, const Vec<3>& expected) {
-        for (int d = 0; d < 3; ++d) {
-            CAPTURE(d);
-            REQUIRE(found[d] == Approx(expected[d]).margin(1e-12));
-        }
-    };
-    const std::string move = op("double3", "translate", "(10, 20, 30)");
-    requireAt(center(move), {{1, 2, 3}});  // not in the order: not applied
-    requireAt(center(move + order("\"xformOp:translate\"")), {{11, 22, 33}});
-    const std::string scale = op("float3", "scale", "(2, 2, 2)");
-    // The last one is applied first.
-    requireAt(center(move + scale + order("\"xformOp:translate\", \"xformOp:scale\"")),
-              {{12, 24, 36}});
-    requireAt(center(move + scale + order("\"xformOp:scale\", \"xformOp:translate\"")),
-              {{22, 44, 66}});
-    REQUIRE(placed(scale + order("\"xformOp:scale\""))[1].radius == 2);
-    requireAt(center(op("float", "rotateZ", "90") + order("\"xformOp:rotateZ\"")), {{-2, 1, 3}});
-    requireAt(center(op("float", "rotateX:t", "90") + order("\"xformOp:rotateX:t\"")),
-              {{1, -3, 2}});
-    // About x first, then y: (1, 2, 3) to (1, -3, 2) to (2, -3, -1).
-    requireAt(center(op("float3", "rotateXYZ", "(90, 90, 0)") + order("\"xformOp:rotateXYZ\"")),
-              {{2, -3, -1}});
-    requireAt(center(op("quatf", "orient", "(0.70710678118654752, 0, 0, 0.70710678118654752)") +
-                     order("\"xformOp:orient\"")),
-              {{-2, 1, 3}});
-    requireAt(center(op("matrix4d", "transform",
-                        "( (0, 1, 0, 0), (-1, 0, 0, 0), (0, 0, 1, 0), (5, 6, 7, 1) )") +
-                     order("\"xformOp:transform\"")),
-              {{3, 7, 10}});
-    requireAt(center(op("float3", "translate:pivot", "(1, 0, 0)") + op("float", "rotateZ", "90") +
-                     order("\"xformOp:translate:pivot\", \"xformOp:rotateZ\", "
-                           "\"!invert!xformOp:translate:pivot\"")),
-              {{-1, 0, 3}});
-    requireAt(center(op("float", "rotateZ", "30") +
-                     order("\"xformOp:rotateZ\", \"!invert!xformOp:rotateZ\"")),
-              {{1, 2, 3}});
-    REQUIRE_THAT(errorOf("p.usda", stageOf(kTwo, op("float3", "scale", "(1, 1, 2)") +
-                                                     order("\"xformOp:scale\""))),
-                 Contains("ellipsoids"));
-    REQUIRE_THAT(errorOf("p.usda", stageOf(kTwo, op("float3", "shear", "(1, 1, 2)") +
-                                                     order("\"xformOp:shear\""))),
-                 Contains("shear"));
-}
-
-TEST_CASE("a prim may leave the transformations around it", "[formats][usd]") {
-    const std::string own =
-        "double3 xformOp:translate = (1, 1, 1)\n"
-        "uniform token[] xformOpOrder = [\"!resetXformStack!\", \"xformOp:translate\"]\n";
-    // The transformation of the prim around comes after the points in the file, too.
-    const auto text = stageOf(kTwo + own);
-    const auto end = text.rfind('}');
-    const auto moved = text.substr(0, end) +
-                       "double3 xformOp:translate = (50, 0, 0)\n"
-                       "uniform token[] xformOpOrder = [\"xformOp:translate\"]\n}\n";
-    REQUIRE(readText("p.usda", moved).spheres[0].center == Vec<3>{{2, 3, 4}});
-    auto kept = moved;
-    kept.erase(kept.find("\"!resetXformStack!\", "), std::strlen("\"!resetXformStack!\", "));
-    REQUIRE(readText("p.usda", kept).spheres[0].center == Vec<3>{{52, 3, 4}});
-}
-
-TEST_CASE("a broken .usda file is refused with place and remedy", "[formats][usd]") {
-    const std::string points = "point3f[] points = [(1, 2, 3)]\n";
-    const auto [content, word] = GENERATE_COPY(table<std::string, std::string>({
-        {"", "#usda"},
-        {"PXR-USDC\1\2\3", "usdcat"},
-        {"#usda 1.0\n", "no Points prim"},
-        {"#usda 1.0\n(", "line 2"},
-        {"#usda 1.0\n( metersPerUnit = 0.0254 )\n", "0.0254"},
-        {"#usda 1.0\ndef Points \"a\" {", "cut short"},
-        {"#usda 1.0\ndef Points \"a {\n}", "closing quote"},
-        {"#usda 1.0\n/* def", "comment"},
-        {"#usda 1.0\n}", "prim or an attribute"},
-        {stageOf(points), "widths"},
-        {stageOf(points + "float[] widths = []\n"), "widths"},
-        {stageOf(points + "float[] widths = [1, 2]\n"), "2 values for 1 points"},
-        {stageOf(points + "int[] widths = [1]\n"), "widths"},
-        {stageOf(points + "float[] widths = [(1, 2)]\n"), "widths"},
-        {stageOf(points + "float[] widths = [-1]\n"), "radius is -0.5"},
-        {stageOf("point3f[] points = [(1, 2)]\nfloat[] widths = [1]\n"), "three coordinates"},
-        {stageOf("int3[] points = [(1, 2, 3)]\nfloat[] widths = [1]\n"), "three coordinates"},
-        {stageOf("point3f[] points = [(1, 2, 3), (1, 2)]\n"), "line 9"},
-        {stageOf("point3f[] points = [(1, 2, x)]\n"), "line 9"},
-        {stageOf("point3f[] points = [\"a\"]\n"), "texts for numbers"},
-        {stageOf("point3f[] points = [(1, 2, 3), \"a\"]\n"), "numbers and texts"},
-        {stageOf("point3f[] points = [(inf, 2, 3)]\nfloat[] widths = [1]\n"), "not finite"},
-        {stageOf(points + "float[] widths = [1]\nint64[] ids = [1, 2]\n"), "ids"},
-        {stageOf(points + "float[] widths = [1]\nint64[] ids = [1.5]\n"), "1.5"},
-        {stageOf(points + "float[] widths = [1]\nint[] primvars:n = [1, 2] (interpolation = "
-                          "\"vertex\")\n"),
-         "primvars:n"},
-        {stageOf(points + "float[] widths = [1]\nint[] primvars:n = [1] (interpolation = "
-                          "\"vertex\")\nint[] primvars:n:indices = [1]\n"),
-         "index 1"},
-    }));
-    CAPTURE(content, word);
-    REQUIRE_THAT(errorOf("p.usda", content), Contains("p.usda") && Contains(word));
-}
-
-TEST_CASE("prims nested without end are refused", "[formats][usd]") {
-    std::string text = "#usda 1.0\n";
-    for (int i = 0; i < 100000; ++i) text += "def \"a\" {";
-    REQUIRE_THAT(errorOf("p.usda", text), Contains("nested deeper"));
-    REQUIRE_THAT(errorOf("p.usda", "#usda 1.0\ndef \"a\" { int a = " + std::string(100000, '[')),
-                 Contains("cut short"));
 }
 
 TEST_CASE("a .usdz begins its file at a multiple of 64 bytes, uncompressed", "[formats][usd]") {
@@ -437,15 +192,10 @@ TEST_CASE("a .usdz begins its file at a multiple of 64 bytes, uncompressed", "[f
     REQUIRE(size == text.size());
 }
 
-TEST_CASE("a .usdz that is damaged is an error or the same pack", "[formats][usd]") {
-    const auto bytes = writtenText(packWithColumns(2, "n", "t", {"a", "b"}), "p.usdz");
-    const auto whole = readText("p.usdz", bytes).spheres;
-    for (std::size_t size = 0; size < bytes.size(); size += 7)
-        REQUIRE_FALSE(errorOf("p.usdz", bytes.substr(0, size)).empty());
-    RandomStream random(3, 1);
-    for (int trial = 0; trial < 300; ++trial) {
-        const auto damaged = withFlippedBits(bytes, 1, random);
-        if (errorOf("p.usdz", damaged).empty()) CHECK(readText("p.usdz", damaged).spheres == whole);
-    }
-    REQUIRE_THAT(errorOf("p.usdz", "not a zip"), Contains("p.usdz"));
+TEST_CASE("reading USD is refused with what to do instead", "[formats][usd]") {
+    const std::string file = GENERATE("p.usda", "p.usd", "p.usdz");
+    REQUIRE_THROWS_AS(readPack(file), ParameterError);
+    REQUIRE_THROWS_WITH(readPack(file), Contains(file) && Contains("not read") &&
+                                            Contains(".vtp") && Contains(".csv") &&
+                                            Contains("the program"));
 }

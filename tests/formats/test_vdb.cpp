@@ -1,4 +1,5 @@
 // What stands in a .vdb file, seen through OpenVDB itself.
+#include "formats/file_text.h"
 #include "formats/lattice_pack.h"
 #include "support/grids.h"
 #include "support/temporary_folder.h"
@@ -146,10 +147,8 @@ TEST_CASE("doubles on no lattice come back within 2^-26 of a voxel", "[formats]"
 
 TEST_CASE("a sparse pack does not lose its lattice to large voxels", "[formats]") {
     // As after culling: few of the spheres are left, on the lattice of the full pack.
-    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(300, {{500, 500, 500}}, 300, 34);
-    writePack(pack, scratch.file("p.vdb"), {});
-    REQUIRE(readPack(scratch.file("p.vdb")).spheres == pack.spheres);
+    REQUIRE(readBack(pack, "p.vdb").spheres == pack.spheres);
 }
 
 TEST_CASE("the surface is written as a level set beside the points", "[formats]") {
@@ -238,9 +237,7 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[formats]") {
     pack.columns.push_back({"Young's modulus", std::vector<double>(20, 1.5), {}});
     pack.columns.push_back({"Young_s modulus", std::vector<double>(20, 2.5), {}});
     pack.columns.push_back({"P", std::vector<double>(20, 0.1), {}});
-    const TemporaryFolder scratch;
-    writePack(pack, scratch.file("p.vdb"), {});
-    const auto read = readPack(scratch.file("p.vdb"));
+    const auto read = readBack(pack, "p.vdb");
     REQUIRE(read.columns.size() == 3);
     REQUIRE(read.columns[0].name == "Young_s_modulus");
     REQUIRE(read.columns[1].numbers[0] == 2.5);
@@ -248,11 +245,9 @@ TEST_CASE("column names that OpenVDB refuses are adapted", "[formats]") {
 }
 
 TEST_CASE("a million spheres are written and read in seconds", "[formats][.slow]") {
-    const TemporaryFolder scratch;
     const auto pack = latticePack<3>(1'000'000, {{100, 200, 300}}, 300, 37);
     for (const char* name : {"p.vdb", "p.csv", "p.vtp", "p.ply"}) {
         CAPTURE(name);
-        writePack(pack, scratch.file(name), {});
-        REQUIRE(readPack(scratch.file(name)).spheres.size() == pack.spheres.size());
+        REQUIRE(readBack(pack, name).spheres.size() == pack.spheres.size());
     }
 }

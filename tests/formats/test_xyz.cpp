@@ -86,7 +86,7 @@ TEST_CASE("a broken .xyz file is refused with line and remedy", "[formats]") {
         {"1\nProperties=pos:R:3:radius:R:1\n1 2 3\n", "line 3: has 3 words"},
         {"1\nProperties=pos:R:3:radius:R:1\n1 2 3 x\n", "line 3: column 'radius'"},
         {"1\nProperties=pos:R:3:radius:R:1\n1 2 3 -4\n", "radius is -4"},
-        {"2\nProperties=pos:R:3:radius:R:1\n1 2 3 4\n", "1 of 2 particles"},
+        {"2\nProperties=pos:R:3:radius:R:1\n1 2 3 4\n", "1 of 2"},
         {"9000000000000000000\nProperties=pos:R:3:radius:R:1\n1 2 3 4\n", "cut short"},
     }));
     CAPTURE(content);

@@ -29,7 +29,7 @@ TEST_CASE("YADE text is read with and without its format line", "[formats]") {
     REQUIRE_THAT(errorOf("p.txt", "#format\n1 2 3 4\n"), Contains("''"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n#format x_y_z_r\n"), Contains("line 2"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n1 2 3 4 5\n"),
-                 Contains("line 2") && Contains("5 numbers"));
+                 Contains("line 2") && Contains("5 words"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 3 4\n1 2 x 4\n"), Contains("line 2") && Contains("'x'"));
     REQUIRE_THAT(errorOf("p.txt", "# unit of length: furlong\n1 2 3 4\n"), Contains("furlong"));
     REQUIRE_THAT(errorOf("p.txt", "1 2 nan 4\n"), Contains("line 1"));
@@ -63,5 +63,5 @@ TEST_CASE("every format of YADE's textExt and textClumps is read", "[formats]") 
     REQUIRE(unnamed.spheres == spheres);
     REQUIRE(unnamed.columns.at(1).name == "attribute2");
     REQUIRE_THAT(errorOf("p.txt", "#format x_y_z_r_attrs\n1 2 3 4 5\n1 2 3 4\n"),
-                 Contains("line 3") && Contains("4 numbers"));
+                 Contains("line 3") && Contains("4 words"));
 }

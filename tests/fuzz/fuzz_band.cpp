@@ -4,6 +4,7 @@
 #include "support/band_oracle.h"
 
 #include "vdbpack/field/narrow_band.h"
+#include "vdbpack/field/sealed_band.h"
 
 #include <set>
 

@@ -1,6 +1,7 @@
 // Recipes: options of a command as TOML.
-#include "cli/recipe.h"
 #include "fuzz_file.h"
+
+#include "vdbpack/options/recipe_toml.h"
 
 using namespace vdbpack;
 
@@ -11,28 +12,35 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     CLI::App app("fuzz");
     app.name("vdb_pack");
     app.set_config("--config")->check(CLI::ExistingFile);
-    app.config_formatter(std::make_shared<RecipeFormat>(app));
+    app.config_formatter(std::make_shared<RecipeFormat>(app, [](const std::string& option) {
+        return option == "output" ? FileIn::output : FileIn::domain;
+    }));
     app.allow_config_extras(CLI::config_extras_mode::error);
     app.fallthrough();
     CLI::App* const pack = app.add_subcommand("pack");
     app.add_subcommand("voids");
     std::string radius, domain;
     std::vector<std::string> outputs;
-    double fraction = 0;
-    int threads = 0;
-    bool quiet = false;
-    pack->add_option("DOMAIN,--domain", domain);
-    pack->add_option("-o,--out", outputs);
-    pack->add_option("--radius", radius)->default_val("constant:1");
-    pack->add_option("--void-fraction", fraction)->check(CLI::Range(0.0, 1.0));
-    pack->add_option("--threads", threads);
-    pack->add_flag("--quiet", quiet);
+    std::optional<double> fraction;
+    bool connected = false;
+    OptionList rows;
+    rows.text("domain", "", domain, "").naming(FileIn::domain);
+    rows.texts("output", "", outputs, "").naming(FileIn::output);
+    rows.text("radius", "", radius, "").naming(FileIn::sizes);
+    rows.number("target-bvtv", "", fraction, Range::notNegative, "");
+    rows.flag("keep-connected", connected, "");
+    const auto options = rows.take();
+    pack->add_option("--domain", domain);
+    pack->add_option("--output", outputs);
+    pack->add_option("--radius", radius);
+    pack->add_option("--target-bvtv", fraction);
+    pack->add_flag("--keep-connected", connected);
     const std::string words[] = {"vdb_pack", "pack", "--config", path};
     const char* arguments[] = {words[0].c_str(), words[1].c_str(), words[2].c_str(),
                                words[3].c_str()};
     try {
         app.parse(4, arguments);
-        recipeText(*pack, "a/b");
+        recipeText(*pack, options, "a/b");
     } catch (const CLI::ParseError& e) {
         if (*e.what() == '\0') fuzz::report("an error without a message");
     }

@@ -20,10 +20,10 @@ TEST_CASE("grey values of spheres are the means over their voxels", "[image][lon
     const auto made = Voxels<std::int16_t>::of(grid, valueAt);
     Image image;
     image.grid = grid;
-    image.type = VoxelType::int16;
+    image.type = NumberType::i16;
     image.slope = 0.5;
     image.intercept = -100;
-    image.bytes.reset(static_cast<std::byte*>(std::malloc(2 * made.values.size())));
+    image.bytes = voxelMemory(2 * made.values.size());
     std::memcpy(image.bytes.get(), made.values.data(), 2 * made.values.size());
 
     RandomStream random(4, 1);
@@ -40,16 +40,11 @@ TEST_CASE("grey values of spheres are the means over their voxels", "[image][lon
     const double range = 0.5 * 1600;
     for (std::size_t i = 0; i < spheres.size(); ++i) {
         double sum = 0, count = 0;
-        std::size_t v = 0;
-        for (std::size_t z = 0; z < grid.size[2]; ++z)
-            for (std::size_t y = 0; y < grid.size[1]; ++y)
-                for (std::size_t x = 0; x < grid.size[0]; ++x, ++v) {
-                    const Vec<3> at = grid.at(
-                        {{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
-                    if (length(at - spheres[i].center) > spheres[i].radius) continue;
-                    sum += 0.5 * made.values[v] - 100;
-                    ++count;
-                }
+        forEachVoxel(grid, [&](std::size_t v, const Vec<3>& at) {
+            if (length(at - spheres[i].center) > spheres[i].radius) return;
+            sum += 0.5 * made.values[v] - 100;
+            ++count;
+        });
         if (count > 0)
             CHECK(means[i] == Approx(sum / count).margin(1e-6));
         else

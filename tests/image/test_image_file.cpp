@@ -33,7 +33,7 @@ Voxels<std::uint8_t> halves(bool leftHanded = false) {
 
 void checkSame(const Image& image, const Voxels<std::uint8_t>& made, double margin) {
     REQUIRE(image.grid.size == made.grid.size);
-    REQUIRE(image.type == VoxelType::uint8);
+    REQUIRE(image.type == NumberType::u8);
     for (const Vec<3>& index : {Vec<3>{{0, 0, 0}}, Vec<3>{{20, 3, 14}}, Vec<3>{{-1, 20, 7}}})
         CHECK(length(image.grid.at(index) - made.grid.at(index)) < margin);
     const auto* const bytes = reinterpret_cast<const std::uint8_t*>(image.bytes.get());

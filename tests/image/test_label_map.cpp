@@ -45,18 +45,14 @@ TEST_CASE("a voxel has the label of the sphere that its center lies in", "[image
     for (std::size_t i = 0; i < balls.size(); ++i)
         labels.push_back(static_cast<std::int32_t>(3 * i + 1));
     const LabelMap map = labelMapOf(balls, labels, grid);
-    std::size_t voxel = 0, labelled = 0, wrong = 0;
-    for (std::size_t z = 0; z < grid.size[2]; ++z)
-        for (std::size_t y = 0; y < grid.size[1]; ++y)
-            for (std::size_t x = 0; x < grid.size[0]; ++x, ++voxel) {
-                const Vec<3> at = grid.at(
-                    {{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)}});
-                std::int32_t expected = 0;
-                for (std::size_t i = 0; i < balls.size(); ++i)
-                    if (length(at - balls[i].center) <= balls[i].radius) expected = labels[i];
-                wrong += map.labels[voxel] != expected;
-                labelled += expected != 0;
-            }
+    std::size_t labelled = 0, wrong = 0;
+    forEachVoxel(grid, [&](std::size_t voxel, const Vec<3>& at) {
+        std::int32_t expected = 0;
+        for (std::size_t i = 0; i < balls.size(); ++i)
+            if (length(at - balls[i].center) <= balls[i].radius) expected = labels[i];
+        wrong += map.labels[voxel] != expected;
+        labelled += expected != 0;
+    });
     CHECK(wrong == 0);
     CHECK(labelled > 500);
 }

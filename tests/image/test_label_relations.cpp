@@ -11,9 +11,9 @@ using namespace vdbpack;
 TEST_CASE("components and contacts of labels are those of a search voxel by voxel", "[image]") {
     Image image;
     image.grid.size = {13, 9, 11};
-    image.type = VoxelType::uint8;
+    image.type = NumberType::u8;
     const std::size_t count = image.grid.voxels();
-    image.bytes.reset(static_cast<std::byte*>(std::malloc(count)));
+    image.bytes = voxelMemory(count);
     auto* const values = reinterpret_cast<std::uint8_t*>(image.bytes.get());
     RandomStream random(5, GENERATE(1, 2, 3));
     for (std::size_t i = 0; i < count; ++i)

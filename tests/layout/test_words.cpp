@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 #include <regex>
 #include <string>
 #include <vector>
@@ -58,6 +59,17 @@ std::regex wordsToAvoid() {
     return std::regex(any + ")\\b", std::regex::optimize);
 }
 
+/// How often the comments of a header put a pronoun where the reader looks for the noun.
+std::size_t pronouns(const std::string& content) {
+    static const std::regex pronoun(
+        "\\b(those of|that of|the ones|is "
+        "told)\\b");
+    static const std::regex lineBreak("\n *///?<? *");
+    const std::string text = std::regex_replace(content, lineBreak, " ");
+    return static_cast<std::size_t>(
+        std::distance(std::sregex_iterator(text.begin(), text.end(), pronoun), {}));
+}
+
 }  // namespace
 
 TEST_CASE("texts avoid words that have to be read twice", "[layout]") {
@@ -89,4 +101,14 @@ TEST_CASE("a word to avoid is found with its line", "[layout]") {
     CHECK(linesWith(text, "a.md", wordsToAvoid()) == std::vector<std::string>{"a.md:2: The user is "
                                                                               "told of it."});
     CHECK(linesWith("It is reported.", "a.md", wordsToAvoid()).empty());
+}
+
+TEST_CASE("a header has one pronoun for a noun at the most", "[layout]") {
+    CHECK(pronouns("/// The radii, or those\n    /// of the shell; that of none.\n") == 2);
+    const std::string lib = kTests + "/../lib";
+    for (const auto& entry : fs::recursive_directory_iterator(lib)) {
+        if (entry.path().extension() != ".h") continue;
+        CAPTURE(fs::relative(entry.path(), lib).string());
+        CHECK(pronouns(contentOf(entry.path().string())) <= 1);
+    }
 }

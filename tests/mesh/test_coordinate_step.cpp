@@ -2,8 +2,8 @@
 #include "support/temporary_folder.h"
 
 #include "vdbpack/core/vec.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/mesh/coordinate_step.h"
-#include "vdbpack/run/domain_source.h"
 
 #include <catch2/catch.hpp>
 

@@ -1,6 +1,8 @@
 #include "support/generators.h"
+#include "support/paths.h"
 
 #include "vdbpack/core/rng.h"
+#include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/mesh_check.h"
 #include "vdbpack/mesh/welding.h"
 
@@ -53,6 +55,8 @@ TEST_CASE("a mesh folded flat is reported to enclose nothing", "[mesh]") {
 TEST_CASE("an empty mesh has a health report", "[mesh]") {
     const auto health = checkMesh({});
     CHECK(health.triangles == 0);
+    CHECK(health.shells == 0);
+    CHECK(health.enclosedVolume == 0);
     CHECK(health.bounds.empty());
     CHECK(toJson(health)["bounds"].is_null());
     CHECK(!toText(health).empty());
@@ -223,6 +227,18 @@ TEST_CASE("vertices that no triangle names count for nothing", "[mesh]") {
     CHECK(health.vertices == 8);
     CHECK(health.eulerNumber == 2);
     CHECK(health.bounds.hi == Vec<3>{{1, 1, 1}});
+}
+
+TEST_CASE("the bundled meshes are single sound surfaces with the tunnels that they should have",
+          "[mesh]") {
+    const auto [name, tunnels] = GENERATE(table<const char*, int>(
+        {{"femur", 0}, {"mandible", 0}, {"hip", 1}, {"skull", 6}, {"irregular", 0}}));
+    CAPTURE(name);
+    const auto health = checkMesh(readMesh(kMeshes + "/" + name + ".ply"));
+    CHECK(health.isWatertight());
+    CHECK(health.shells == 1);
+    CHECK(health.inconsistentEdges + health.degenerateTriangles + health.invertedShells == 0);
+    CHECK(health.eulerNumber == 2 - 2 * tunnels);
 }
 
 }  // namespace

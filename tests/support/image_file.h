@@ -12,6 +12,17 @@
 
 namespace vdbpack::test {
 
+/// Calls `work(number, center)` for each voxel of a grid, in their order.
+template <class Work>
+void forEachVoxel(const ImageGrid& grid, const Work& work) {
+    std::size_t i = 0;
+    for (std::size_t z = 0; z < grid.size[2]; ++z)
+        for (std::size_t y = 0; y < grid.size[1]; ++y)
+            for (std::size_t x = 0; x < grid.size[0]; ++x)
+                work(i++, grid.at({{static_cast<double>(x), static_cast<double>(y),
+                                    static_cast<double>(z)}}));
+}
+
 /// Numbers at the voxels of a grid.
 template <class T>
 struct Voxels {
@@ -22,13 +33,9 @@ struct Voxels {
     template <class F>
     static Voxels of(const ImageGrid& grid, const F& valueAt) {
         Voxels v{grid, std::vector<T>(grid.voxels())};
-        std::size_t i = 0;
-        for (std::size_t z = 0; z < grid.size[2]; ++z)
-            for (std::size_t y = 0; y < grid.size[1]; ++y)
-                for (std::size_t x = 0; x < grid.size[0]; ++x)
-                    v.values[i++] = static_cast<T>(
-                        valueAt(grid.at({{static_cast<double>(x), static_cast<double>(y),
-                                          static_cast<double>(z)}})));
+        forEachVoxel(grid, [&](std::size_t i, const Vec<3>& p) {
+            v.values[i] = static_cast<T>(valueAt(p));
+        });
         return v;
     }
 };

@@ -4,7 +4,6 @@
 #include "support/well_formed.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/mesh/made_mesh.h"
@@ -15,8 +14,10 @@
 #include <catch2/catch.hpp>
 #include <zlib.h>
 
-#include <algorithm>
-#include <filesystem>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -50,39 +51,53 @@ Pack<Dim> randomPack(std::size_t count) {
     return pack;
 }
 
-/// The arrays of a view by name, as its script decodes them.
-std::map<std::string, std::vector<std::uint64_t>> arraysIn(const ViewData& data) {
-    std::map<std::string, std::vector<std::uint64_t>> arrays;
-    std::size_t at = 0;
-    for (const auto& array : data.facts["arrays"]) {
-        const auto count = array["count"].get<std::size_t>();
-        const auto planes = array["planes"].get<std::size_t>();
-        const auto bytes = array["bytes"].get<std::size_t>();
-        std::string plain(count * planes, '\0');
-        auto size = static_cast<uLongf>(plain.size());
-        REQUIRE(uncompress(reinterpret_cast<Bytef*>(plain.data()), &size,
-                           reinterpret_cast<const Bytef*>(data.bytes.data() + at),
-                           static_cast<uLong>(bytes)) == Z_OK);
-        REQUIRE(size == plain.size());
-        at += bytes;
-        auto& numbers = arrays[array["name"].get<std::string>()];
-        for (std::size_t i = 0; i < count; ++i) {
-            std::uint64_t n = 0;
-            for (std::size_t p = planes; p-- > 0;)
-                n = n << 8 | static_cast<std::uint8_t>(plain[p * count + i]);
-            numbers.push_back(n);
-        }
+using Json = nlohmann::ordered_json;
+
+std::string bytesOfBase64(const std::string& text) {
+    const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string bytes;
+    unsigned held = 0, bits = 0;
+    for (const char c : text.substr(0, text.find('='))) {
+        held = held << 6 | static_cast<unsigned>(letters.find(c));
+        bits += 6;
+        if (bits >= 8) bytes += static_cast<char>(held >> (bits -= 8) & 255);
     }
-    REQUIRE(at == data.bytes.size());
-    return arrays;
+    return bytes;
 }
 
-Vec<3> placeOf(std::uint64_t code) {
-    Vec<3> place;
-    for (int bit = 0; bit < 16; ++bit)
-        for (int d = 0; d < 3; ++d)
-            place[d] += static_cast<double>(code >> (3 * bit + d) & 1) * (1 << bit);
-    return place;
+/// The whole numbers of facts, as the script of a view decodes them.
+std::vector<std::uint32_t> wholeNumbersOf(const Json& facts) {
+    const std::string packed = bytesOfBase64(facts["data"].get<std::string>());
+    const auto count = facts["count"].get<std::size_t>();
+    std::string plain(4 * count + 1, '\0');
+    auto size = static_cast<uLongf>(plain.size());
+    REQUIRE(uncompress(reinterpret_cast<Bytef*>(plain.data()), &size,
+                       reinterpret_cast<const Bytef*>(packed.data()),
+                       static_cast<uLong>(packed.size())) == Z_OK);
+    REQUIRE((size == 2 * count || size == 4 * count));
+    const auto word = [&](std::size_t i) {
+        return static_cast<std::uint32_t>(static_cast<std::uint8_t>(plain[2 * i]) |
+                                          static_cast<std::uint8_t>(plain[2 * i + 1]) << 8);
+    };
+    std::vector<std::uint32_t> numbers;
+    for (std::size_t i = 0; i < count; ++i)
+        numbers.push_back(word(i) + (size == 4 * count ? word(count + i) << 16 : 0));
+    return numbers;
+}
+
+std::vector<double> valuesOf(const Json& facts) {
+    std::vector<double> values;
+    for (const std::uint32_t n : wholeNumbersOf(facts))
+        values.push_back(facts["lo"].get<double>() + facts["step"].get<double>() * n);
+    return values;
+}
+
+/// x, y and z of points.
+std::vector<Vec<3>> pointsOf(const Json& parts) {
+    const auto x = valuesOf(parts[0]), y = valuesOf(parts[1]), z = valuesOf(parts[2]);
+    std::vector<Vec<3>> points;
+    for (std::size_t i = 0; i < x.size(); ++i) points.push_back({{x[i], y[i], z[i]}});
+    return points;
 }
 
 template <int Dim>
@@ -97,115 +112,136 @@ ViewScene<Dim> sceneOf(const Pack<Dim>& pack) {
 TEMPLATE_TEST_CASE_SIG("a view holds each sphere within half a step, and its columns", "[view]",
                        ((int Dim), Dim), 2, 3) {
     const Pack<Dim> pack = randomPack<Dim>(3000);
-    const ViewData data = viewData(sceneOf(pack), {});
-    auto arrays = arraysIn(data);
-    const auto& facts = data.facts;
-    const auto& rows = arrays["row"];
-    REQUIRE(rows.size() == pack.spheres.size());
-    auto sorted = rows;
-    std::sort(sorted.begin(), sorted.end());
-    const auto outer = facts["outer"].get<std::size_t>(), inner = facts["inner"].get<std::size_t>();
-    const double step = facts["step"], radiusStep = facts["radius"]["step"];
-    std::uint64_t code = 0;
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        REQUIRE(sorted[i] == i);
-        code = (i == outer || i == outer + inner ? 0 : code) + arrays["code"][i];
-        const Sphere<Dim>& s = pack.spheres[rows[i]];
-        const Vec<3> place = placeOf(code);
+    const Json facts = viewData(sceneOf(pack), {});
+    const auto centers = pointsOf(facts["spheres"]);
+    const auto radii = valuesOf(facts["spheres"][3]);
+    REQUIRE(centers.size() == pack.spheres.size());
+    for (std::size_t i = 0; i < centers.size(); ++i) {
         for (int d = 0; d < Dim; ++d)
-            REQUIRE(facts["lo"][static_cast<std::size_t>(d)].template get<double>() +
-                        step * place[d] ==
-                    Approx(s.center[d]).margin(0.501 * step));
-        REQUIRE(facts["radius"]["lo"].template get<double>() +
-                    radiusStep * static_cast<double>(arrays["radius"][i]) ==
-                Approx(s.radius).margin(0.501 * radiusStep));
+            REQUIRE(centers[i][d] == Approx(pack.spheres[i].center[d]).margin(0.5 * 41 / 65534));
+        REQUIRE(radii[i] == Approx(pack.spheres[i].radius).margin(0.5 * 1.0 / 65534));
     }
-    std::map<std::string, nlohmann::ordered_json> columns;
-    for (const auto& column : facts["columns"])
+    CHECK_FALSE(facts.contains("rows"));
+    std::map<std::string, Json> columns;
+    for (const Json& column : facts["columns"])
         columns[column["name"].template get<std::string>()] = column;
-    CHECK(columns.size() == 8);
-    CHECK(columns["order"]["isRow"] == true);
-    CHECK(columns["part"]["kinds"] == true);
-    CHECK_FALSE(columns["density"].contains("whole"));
-    const auto valueOf = [&](const std::string& name, std::size_t i) {
-        return columns[name]["lo"].template get<double>() +
-               columns[name]["step"].template get<double>() *
-                   static_cast<double>(arrays[":" + name][i]);
-    };
-    for (std::size_t i = 0; i < rows.size(); ++i) {
-        const std::size_t row = rows[i];
-        REQUIRE(valueOf("id", i) == static_cast<double>(pack.id[row]));
-        REQUIRE(valueOf("region", i) == pack.region[row]);
-        REQUIRE(valueOf("contacts", i) == pack.contacts[row]);
-        REQUIRE(valueOf("part", i) == pack.columns[1].numbers[row]);
-        REQUIRE(valueOf("depth", i) == Approx(pack.depth[row]).margin(1e-4));
-        REQUIRE(valueOf("density", i) == Approx(pack.columns[0].numbers[row]).margin(0.01));
-        REQUIRE(columns["name"]["words"][arrays[":name"][i]] == pack.columns[2].texts[row]);
+    REQUIRE(columns.size() == 8);
+    // Numbers of rows need no data.
+    CHECK_FALSE(columns["order"].contains("data"));
+    CHECK(columns["order"]["lo"] == 0);
+    CHECK(columns["region"]["names"] == Json{"cortical", "trabecular"});
+    CHECK(columns["part"]["names"][2] == "2");
+    CHECK_FALSE(columns["density"].contains("colors"));
+    CHECK(columns["depth"]["unit"] == "mm");
+    std::map<std::string, std::vector<double>> values;
+    for (const auto& [name, column] : columns)
+        if (column.contains("data")) values[name] = valuesOf(column);
+    for (std::size_t i = 0; i < centers.size(); ++i) {
+        REQUIRE(values["id"][i] == static_cast<double>(pack.id[i]));
+        REQUIRE(values["region"][i] == pack.region[i]);
+        REQUIRE(values["contacts"][i] == pack.contacts[i]);
+        REQUIRE(values["part"][i] == pack.columns[1].numbers[i]);
+        REQUIRE(values["depth"][i] == Approx(pack.depth[i]).margin(1e-4));
+        REQUIRE(values["density"][i] == Approx(pack.columns[0].numbers[i]).margin(0.01));
+        REQUIRE(columns["name"]["names"][static_cast<std::size_t>(values["name"][i])] ==
+                pack.columns[2].texts[i]);
     }
 }
 
-TEST_CASE("a view is the same for any number of threads", "[view]") {
-    const Pack<3> pack = randomPack<3>(5000);
-    const TriangleMesh wall = boxMesh({{{999, 999, 999}}, {{1041, 1041, 1041}}});
-    const auto madeBy = [&](int threads) {
-        return withThreads(threads, [&] {
-            ViewScene<3> scene = sceneOf(pack);
-            scene.wall = &wall;
-            return viewOf(scene).body;
-        });
-    };
-    const std::string one = madeBy(1);
-    for (const int threads : {2, 3, 8}) {
-        CAPTURE(threads);
-        CHECK(madeBy(threads) == one);
-    }
+TEST_CASE("whole numbers of a view are exact, others within half a step, and some are none",
+          "[view]") {
+    const double nothing = std::numeric_limits<double>::quiet_NaN();
+    const std::vector<double> whole{-5, 70000, 4294967290, 0};
+    CHECK(valuesOf(packedNumbers(whole)) == whole);
+    const Json some = packedNumbers({1.5, nothing, -3.25, 7, 1e-3});
+    const auto numbers = wholeNumbersOf(some);
+    CHECK(numbers[1] == 65535);
+    CHECK(numbers[2] == 0);
+    CHECK(numbers[3] == 65534);
+    CHECK(valuesOf(some)[4] == Approx(1e-3).margin(some["step"].get<double>() / 2));
+    CHECK(valuesOf(packedNumbers({2.5, 2.5})) == std::vector<double>{2.5, 2.5});
+    CHECK(wholeNumbersOf(packedNumbers({nothing}))[0] == 65535);
+    const double infinite = std::numeric_limits<double>::infinity();
+    CHECK(wholeNumbersOf(packedNumbers({1, infinite}))[1] == 65535);
 }
 
-TEST_CASE("of a large pack the surface and the planes of a cut are shown, and the page says so",
+TEST_CASE("of a large pack a random subset is shown, alike everywhere, and the page says so",
           "[view]") {
     Pack<3> pack;
-    for (int i = 0; i < 40 * 40 * 40; ++i)
+    for (int i = 0; i < 40 * 40 * 40; ++i) {
         pack.spheres.push_back({{{2.0 * (i % 40), 2.0 * (i / 40 % 40), 2.0 * (i / 1600)}}, 1});
-    ViewOptions options;
-    options.mostSpheres = 50000;
-    options.cut = PreviewCut{0, 39};
-    const ViewData data = viewData(sceneOf(pack), options);
-    auto arrays = arraysIn(data);
-    REQUIRE(arrays["row"].size() == options.mostSpheres);
-    CHECK(data.facts["of"] == pack.spheres.size());
-    CHECK_THAT(data.facts["words"].get<std::string>(),
-               Catch::Contains("50,000 of 64,000") && Catch::Contains("x = 39"));
-    std::vector<bool> shown(pack.spheres.size());
-    for (const auto row : arrays["row"]) shown[row] = true;
-    std::size_t others = 0, kept = 0;
-    for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-        const Vec<3>& x = pack.spheres[i].center;
-        double depth = 40;
-        for (int d = 0; d < 3; ++d) depth = std::min({depth, x[d] + 1, 79 - x[d]});
-        if (depth < 4 || (x[0] > 34 && x[0] < 40)) REQUIRE(shown[i]);
-        if (depth > 12 && (x[0] < 30 || x[0] > 41)) {
-            ++others;
-            kept += shown[i];
-        }
+        pack.order.push_back(i + 7);
+        pack.contacts.push_back(i % 11);
     }
-    CHECK(kept > others / 20);
-    CHECK(kept < others);
-    // Without a limit, all.
-    CHECK(viewData(sceneOf(pack), {}).facts.contains("words") == false);
+    ViewOptions options;
+    options.mostSpheres = 16000;
+    const Json facts = viewData(sceneOf(pack), options);
+    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("16,000 of 64,000"));
+    const auto steps = valuesOf(facts["rows"]), contacts = valuesOf(facts["columns"][1]);
+    const auto centers = pointsOf(facts["spheres"]);
+    REQUIRE(steps.size() == options.mostSpheres);
+    CHECK(facts["columns"][0]["lo"] == 7);
+    std::array<int, 8> inOctant{};
+    std::size_t row = 0;
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+        row += static_cast<std::size_t>(steps[i]);
+        REQUIRE(length(centers[i] - pack.spheres[row].center) < 0.01);
+        REQUIRE(contacts[i] == pack.contacts[row]);
+        ++inOctant[(centers[i][0] > 39) + 2 * (centers[i][1] > 39) + 4 * (centers[i][2] > 39)];
+    }
+    // 2000 of 8000 each; their standard deviation is 36.
+    for (const int n : inOctant) CHECK(std::abs(n - 2000) < 180);
+    CHECK(viewData(sceneOf(pack), options) == facts);
+    CHECK_THAT(viewData(sceneOf(pack), {})["words"].get<std::string>(), !Catch::Contains("64,000"));
 }
 
-TEST_CASE("columns that would make a page too large are left out, and it says so", "[view]") {
+TEST_CASE("columns and walls that would make a page too large are left out, and it says so",
+          "[view]") {
     const Pack<3> pack = randomPack<3>(4000);
     ViewOptions options;
-    options.mostBytes = 55000;
-    const ViewData data = viewData(sceneOf(pack), options);
-    CHECK(data.bytes.size() <= options.mostBytes);
-    CHECK(data.facts["columns"].size() < 8);
-    CHECK_THAT(data.facts["leftOut"].get<std::string>(), Catch::Contains("density"));
-    Pack<3> named = randomPack<3>(500);
-    named.columns = {Column{"label", {}, {}}};
-    for (int i = 0; i < 500; ++i) named.columns[0].texts.push_back(std::to_string(i));
-    CHECK(viewData(sceneOf(named), {}).facts["leftOut"] == "label");
+    options.mostBytes = 75000;
+    const TriangleMesh wall = boxMesh({{{999, 999, 999}}, {{1041, 1041, 1041}}});
+    ViewScene<3> scene = sceneOf(pack);
+    scene.wall = &wall;
+    Json facts = viewData(scene, options);
+    CHECK(facts["spheres"].dump().size() + facts["columns"].dump().size() <=
+          options.mostBytes + 20);
+    CHECK(facts["columns"].size() < 8);
+    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("density"));
+    const auto corners = wholeNumbersOf(facts["wall"]["corners"]);
+    REQUIRE(corners.size() == 36);
+    const auto points = pointsOf(facts["wall"]["points"]);
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        REQUIRE(points[corners[i]] == wall.vertices[wall.triangles[i / 3][i % 3]]);
+    options.mostTriangles = 11;
+    facts = viewData(scene, options);
+    CHECK_FALSE(facts.contains("wall"));
+    CHECK_THAT(facts["words"].get<std::string>(), Catch::Contains("12 triangles"));
+}
+
+TEST_CASE("the outline of a disc is a circle of its length", "[view]") {
+    const Pack<2> pack = randomPack<2>(1);
+    PlaneField field;
+    field.columns = field.rows = 200;
+    field.step = 0.15;
+    field.origin = {{-4, 85}};
+    const Vec<3> center{{10.3, 99.8, 0}};
+    for (std::int64_t j = 0; j < field.rows; ++j)
+        for (std::int64_t i = 0; i < field.columns; ++i)
+            field.distance.push_back(static_cast<float>(
+                std::hypot(field.origin[0] + static_cast<double>(i) * field.step - center[0],
+                           field.origin[1] + static_cast<double>(j) * field.step - center[1]) -
+                9));
+    ViewScene<2> scene = sceneOf(pack);
+    scene.field = &field;
+    const auto ends = pointsOf(viewData(scene, {})["wall"]["points"]);
+    REQUIRE(ends.size() % 2 == 0);
+    double total = 0;
+    for (std::size_t k = 0; k < ends.size(); k += 2) {
+        REQUIRE(length(ends[k] - center) == Approx(9).margin(0.003));
+        total += length(ends[k] - ends[k + 1]);
+    }
+    CHECK(total == Approx(2 * kPi * 9).epsilon(1e-3));
 }
 
 TEST_CASE("a page with a view is well-formed and names nothing to fetch", "[view]") {
@@ -248,7 +284,7 @@ TEST_CASE("view writes a page of a pack of any dimension", "[view][run]") {
     const std::string page = contentOf(recipe.reportFile);
     CHECK(result.bytes == page.size());
     CHECK(flawIn(page) == "");
-    CHECK_THAT(page, Catch::Contains("a pack.csv: 50 ") && Catch::Contains("view-bytes"));
+    CHECK_THAT(page, Catch::Contains("a pack.csv: 50 ") && Catch::Contains("view-facts"));
     recipe.domain.source = plane ? "box:9,9,9" : "rect:9,9";
     CHECK_THROWS_AS(runView(recipe), ParameterError);
     recipe.domain.source.clear();

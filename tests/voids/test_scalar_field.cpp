@@ -1,4 +1,5 @@
 // Fields of numbers in tables and .vdb files.
+#include "cli/recipes.h"
 #include "support/grids.h"
 #include "support/message_of.h"
 #include "support/random_point.h"
@@ -151,24 +152,24 @@ TEST_CASE("faulty fields of numbers are refused with the place", "[voids]") {
 
 TEST_CASE("Boolean voids follow BV/TV of a table or a grid", "[run][voids]") {
     const TemporaryFolder folder;
-    VoidsRecipe recipe;
+    VoidsJob recipe;
     recipe.domain.source = "box:0,0,0,10,10,10";
-    recipe.voids.method = "boolean";
-    recipe.voids.radius = "uniform:0.5,0.8";
+    recipe.request.method = "boolean";
+    recipe.request.radius = "uniform:0.5,0.8";
     recipe.outputs = {folder.file("v.vdb")};
-    recipe.voids.bvtvField = folder.file("field.csv");
-    putContent(recipe.voids.bvtvField, scatteredRamp("value"));
+    recipe.request.bvtvField = folder.file("field.csv");
+    putContent(recipe.request.bvtvField, scatteredRamp("value"));
     // Its mean.
     CHECK(*runVoids(recipe).report.voids->bvtv == Approx(0.5).margin(0.01));
-    recipe.voids.bvtvRange = "0,2";
+    recipe.request.bvtvRange = "0,2";
     CHECK(*runVoids(recipe).report.voids->bvtv == Approx(0.25).margin(0.01));
-    recipe.voids.bvtvRange.clear();
+    recipe.request.bvtvRange.clear();
     recipe.domain.source = "box:0,0,0,30,10,10";
     CHECK_THAT(messageOf<InputError>([&] { runVoids(recipe); }),
                Contains("(30, 10, 10)") && Contains("covers") && Contains("10.9"));
     recipe.domain.source = "box:2,2,1,6,6,6";
-    recipe.voids.bvtvField = writtenGrid(folder, rampGrid<openvdb::FloatGrid>());
+    recipe.request.bvtvField = writtenGrid(folder, rampGrid<openvdb::FloatGrid>());
     CHECK(*runVoids(recipe).report.voids->bvtv == Approx(ramp({{4, 4, 3.5}})).margin(0.01));
-    recipe.voids.bvtvField = folder.file("field.png");
+    recipe.request.bvtvField = folder.file("field.png");
     CHECK_THAT(messageOf<ParameterError>([&] { runVoids(recipe); }), Contains("field.png"));
 }

@@ -13,6 +13,7 @@
 #include <catch2/catch.hpp>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -139,7 +140,7 @@ TEMPLATE_TEST_CASE_SIG("an ellipsoid fills each box that a matrix selects", "[vo
     box.hi[1] = 7;
     if (Dim == 3) box.hi[2] = 6;
     const auto domain = boxDomain<Dim>(box);
-    const auto lattice = voidLattice<Dim>(box, "", &matrix);
+    const auto lattice = voidLattice<Dim>(box, {}, &matrix);
     const auto voids = latticeVoids<Dim>({*domain}, lattice, &matrix, 1, 1);
     REQUIRE(voids.size() ==
             static_cast<std::size_t>(std::count(matrix.cells.begin(), matrix.cells.end(), 1)));
@@ -169,7 +170,8 @@ TEMPLATE_TEST_CASE_SIG(
     "boxes kept at a smaller probability are a subset of those kept at a larger one",
     "[voids][field]", ((int Dim), Dim), 2, 3) {
     const auto domain = boxDomain<Dim>(cube<Dim>(Dim == 3 ? 20 : 80));
-    const std::string cell = Dim == 3 ? "1,0.8,1" : "1,0.8";
+    const std::vector<double> cell =
+        Dim == 3 ? std::vector<double>{1, 0.8, 1} : std::vector<double>{1, 0.8};
     const double h = Dim == 3 ? 0.1 : 0.06;
     const auto lattice = voidLattice<Dim>(domain->bounds(), cell, nullptr);
     const double boxes = Dim == 3 ? 20 * 25 * 20 : 80 * 100;
@@ -199,7 +201,7 @@ TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to 
     matrix.size = {2, 2, 1};
     matrix.cells = {1, 0, 0, 1};
     const auto plane = boxDomain<2>(cube<2>(8));
-    const auto lattice = voidLattice<2>(plane->bounds(), "2", &matrix);
+    const auto lattice = voidLattice<2>(plane->bounds(), {2}, &matrix);
     CHECK(lattice.count[0] == 4);
     const auto voids = latticeVoids<2>({*plane}, lattice, &matrix, 1, 1);
     REQUIRE(voids.size() == 8);
@@ -209,17 +211,19 @@ TEST_CASE("a matrix smaller than the lattice repeats, a single layer applies to 
         CHECK((i + j) % 2 == 0);
     }
     const auto space = boxDomain<3>(cube<3>(8));
-    const auto cubes = voidLattice<3>(space->bounds(), "", &matrix);
+    const auto cubes = voidLattice<3>(space->bounds(), {}, &matrix);
     CHECK(cubes.count == std::array<std::int64_t, 3>{2, 2, 2});
     CHECK(latticeVoids<3>({*space}, cubes, &matrix, 1, 1).size() == 4);
-    const auto refuse = [&](const char* cell) {
+    const auto refuse = [&](const std::vector<double>& cell) {
         return messageOf<ParameterError>([&] { voidLattice<3>(space->bounds(), cell, nullptr); });
     };
-    for (const char* cell : {"0", "-1", "1,2", "1,2,3,4", "a", "1,", ",1", "nan", "inf", "1 2 3"}) {
+    const double inf = std::numeric_limits<double>::infinity();
+    for (const auto& cell :
+         std::vector<std::vector<double>>{{0}, {-1}, {1, 2}, {1, 2, 3, 4}, {std::nan("")}, {inf}}) {
         CAPTURE(cell);
         CHECK_THAT(refuse(cell), Contains("`cell`"));
     }
-    CHECK_THROWS_AS(voidLattice<3>(space->bounds(), "1e-4", nullptr), ResourceError);
+    CHECK_THROWS_AS(voidLattice<3>(space->bounds(), {1e-4}, nullptr), ResourceError);
 }
 
 TEMPLATE_TEST_CASE_SIG("ellipsoids lie inside spheres or enclose them", "[voids][field]",

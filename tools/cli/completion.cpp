@@ -1,25 +1,16 @@
 #include "cli/completion.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/options/command_line.h"
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
 
-using vdbpack::ParameterError;
+using namespace vdbpack;
 
 namespace {
-
-std::vector<std::string> split(const std::string& text, char at) {
-    std::vector<std::string> parts;
-    for (std::size_t begin = 0; begin <= text.size();) {
-        const std::size_t end = std::min(text.find(at, begin), text.size());
-        parts.push_back(text.substr(begin, end - begin));
-        begin = end + 1;
-    }
-    return parts;
-}
 
 std::string joined(const std::vector<std::string>& words, const char* between) {
     return fmt::format("{}", fmt::join(words, between));
@@ -119,15 +110,6 @@ std::string fishScript(const CLI::App& app) {
 }
 
 }  // namespace
-
-void setWords(CLI::Option& option, const std::vector<std::string>& words) {
-    option.type_name(joined(words, "|"));
-}
-
-std::vector<std::string> wordsOf(const CLI::Option& option) {
-    const std::string name = option.get_type_name();
-    return name.find('|') == std::string::npos ? std::vector<std::string>() : split(name, '|');
-}
 
 std::string completionScript(const CLI::App& app, const std::string& shell) {
     if (shell == "bash") return bashScript(app);

@@ -1,6 +1,7 @@
 #include "cli/first_steps.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/options/command_line.h"
 
 #include <fmt/format.h>
 

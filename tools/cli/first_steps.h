@@ -1,7 +1,7 @@
 // What a new user meets first: commands to try, and the pack of a bundled bone.
 #pragma once
 
-#include "cli/options.h"
+#include "vdbpack/options/jobs.h"
 
 #include <array>
 #include <string>
@@ -23,7 +23,7 @@ std::string bundledMesh();
 
 /// The run of `vdb_pack demo`: packs the femur into a folder, which is made if need be.
 /// @throws vdbpack::IoError
-PackJob demoJob(const std::string& folder);
+vdbpack::PackJob demoJob(const std::string& folder);
 
 /// How to open what the demo wrote. @param program  as the user called it.
 std::string demoText(const std::string& folder, const std::string& program);

@@ -69,7 +69,7 @@ std::string optionText(const CLI::Option& option, bool positional) {
     return out + '\n' + escaped(text) + '\n';
 }
 
-std::string optionsOf(const CLI::App& app) {
+std::string optionLines(const CLI::App& app) {
     std::string out;
     const auto positionals = app.get_options(
         [](const CLI::Option* o) { return o->get_positional() && !o->get_group().empty(); });
@@ -121,7 +121,7 @@ std::string manPage(const CLI::App& app) {
             out += fmt::format(".TP\n\\fB{}\\fR\n{}\n", escaped(command->get_name()),
                                escaped(command->get_description()));
     }
-    out += optionsOf(app);
+    out += optionLines(app);
     std::string codes = program.get_footer();
     codes.erase(0, codes.find(':') + 1);  // "Exit codes: 0 done, ..."
     out += ".SH EXIT STATUS\n" + escaped(std::string(trimmed(codes))) + '\n';

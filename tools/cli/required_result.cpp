@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/options/command_line.h"
 
 #include <fmt/format.h>
 
@@ -10,15 +11,6 @@
 #include <variant>
 
 using namespace vdbpack;
-
-std::string shellQuoted(const std::string& word) {
-    const char* plain =
-        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_./:,=+@%{}";
-    if (!word.empty() && word.find_first_not_of(plain) == std::string::npos) return word;
-    std::string quoted = "'";
-    for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-    return quoted + "'";
-}
 
 namespace {
 
@@ -49,7 +41,7 @@ std::string offeredFile(const Recipe& recipe) {
     else if constexpr (std::is_same_v<Recipe, VoidsJob>)
         return (plane ? "list:" : "") +
                offeredFile(domain, "_voids" + seedPart(recipe.study), plane);
-    else if constexpr (std::is_same_v<Recipe, CarveRecipe>)
+    else if constexpr (std::is_same_v<Recipe, CarveJob>)
         return offeredFile(recipe.pack, "_carved", plane);
     else if constexpr (std::is_same_v<Recipe, DensifyRecipe>)
         return offeredFile(recipe.pack, "_denser", plane);

@@ -48,7 +48,7 @@ def _words(options: Mapping[str, Any], folder: str) -> Tuple[List[str], List[str
         if isinstance(value, numpy.bool_):
             value = bool(value)
         if value is None or value is False:
-            unset.append(option)
+            unset.append(option[2:])
             continue
         if name == "preview" and value is True:
             words += [option, os.path.join(folder, "preview.png")]

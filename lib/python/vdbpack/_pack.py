@@ -300,9 +300,9 @@ def _rebuilt(positions: Floats, radii: Floats, columns: Dict[str, Any], state: D
 
 
 def read(file: Path, unit: str = "mm", grid: str = "") -> Pack:
-    """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .usda .vtkhdf, LAMMPS, LIGGGHTS, YADE.
+    """Reads a pack of any program: .vdb .csv .vtp .ply .xyz .npz .vtkhdf, LAMMPS, LIGGGHTS, YADE.
 
-    unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb or .usda.
+    unit: of the file, if it does not state its own: "m", "cm", "mm" or "um". grid: of a .vdb.
     """
     return Pack._of(_core.read(os.fsdecode(file), unit, grid))
 

@@ -1,10 +1,10 @@
 // The share of a volume that spheres have, the same digits in any order and over any ranks.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/ranks.h"
 #include "vdbpack/core/sphere.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <cstddef>
@@ -22,8 +22,8 @@ double ballShare(const std::vector<Sphere<Dim>>& spheres, double volume, Ranks* 
     constexpr double kParts = 0x1p58;
     const double scale = kParts / volume;
     const std::uint64_t own = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, spheres.size(), 4096), std::uint64_t{0},
-        [&](const tbb::blocked_range<std::size_t>& part, std::uint64_t sum) {
+        IndexRange(0, spheres.size(), 4096), std::uint64_t{0},
+        [&](const IndexRange& part, std::uint64_t sum) {
             for (std::size_t i = part.begin(); i < part.end(); ++i)
                 sum += static_cast<std::uint64_t>(Measure<Dim>::ball(spheres[i].radius + shell) *
                                                   scale);

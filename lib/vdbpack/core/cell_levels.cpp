@@ -54,16 +54,15 @@ void requireUsable(const std::vector<Sphere<Dim>>& spheres) {
         return ok;
     };
     std::atomic<std::size_t> first{spheres.size()};
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spheres.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t i = block.begin(); i < block.end(); ++i) {
-                              if (usable(spheres[i])) continue;
-                              std::size_t seen = first;
-                              while (i < seen && !first.compare_exchange_weak(seen, i)) {
-                              }
-                              return;
-                          }
-                      });
+    parallelFor(IndexRange(0, spheres.size(), 4096), [&](const IndexRange& block) {
+        for (std::size_t i = block.begin(); i < block.end(); ++i) {
+            if (usable(spheres[i])) continue;
+            std::size_t seen = first;
+            while (i < seen && !first.compare_exchange_weak(seen, i)) {
+            }
+            return;
+        }
+    });
     if (first == spheres.size()) return;
     const Sphere<Dim>& s = spheres[first];
     std::string at;
@@ -108,8 +107,8 @@ double CellLevels<Dim>::layAxes(Level& level, const std::vector<Sphere<Dim>>& sp
     const std::size_t n = members.size();
     using Extent = std::pair<Box<Dim>, double>;
     const auto [bounds, largest] = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, n, 4096), Extent{},
-        [&](const tbb::blocked_range<std::size_t>& block, Extent extent) {
+        IndexRange(0, n, 4096), Extent{},
+        [&](const IndexRange& block, Extent extent) {
             for (std::size_t k = block.begin(); k < block.end(); ++k) {
                 const Sphere<Dim>& s = spheres[members[k]];
                 extent.first.add(s.center);

@@ -2,10 +2,8 @@
 #pragma once
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/sphere.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -174,7 +172,7 @@ void CellLevels<Dim>::pairsWithin(const Level& level, const Visit& visit,
     const auto nx = static_cast<std::uint64_t>(level.axis(0).count);
     const auto ny = static_cast<std::uint64_t>(level.axis(1).count);
     const auto nz = Dim > 2 ? static_cast<std::uint64_t>(level.axes.back().count) : 1;
-    const auto cells = [&](const tbb::blocked_range<std::size_t>& block) {
+    const auto cells = [&](const IndexRange& block) {
         for (std::size_t slot = block.begin(); slot < block.end(); ++slot) {
             const std::uint32_t a0 = level.start[slot], a1 = level.start[slot + 1];
             if (a0 == a1) continue;
@@ -202,7 +200,7 @@ void CellLevels<Dim>::pairsWithin(const Level& level, const Visit& visit,
             }
         }
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, level.slots(), 256), cells);
+    parallelFor(IndexRange(0, level.slots(), 256), cells);
 }
 
 template <int Dim>
@@ -218,7 +216,7 @@ void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const 
                             static_cast<double>(fine.spheres.size()) * std::pow(3, Dim - 1);
     const Level& from = fromCoarse ? coarse : fine;
     const Level& through = fromCoarse ? fine : coarse;
-    const auto spheres = [&](const tbb::blocked_range<std::size_t>& block) {
+    const auto spheres = [&](const IndexRange& block) {
         for (std::size_t k = block.begin(); k < block.end(); ++k) {
             const auto i = static_cast<std::uint32_t>(k);
             const Sphere<Dim>& s = from.spheres[i];
@@ -233,7 +231,7 @@ void CellLevels<Dim>::pairsAcross(const Level& coarse, const Level& fine, const 
             });
         }
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.spheres.size(), 16), spheres);
+    parallelFor(IndexRange(0, from.spheres.size(), 16), spheres);
 }
 
 template <int Dim>

@@ -91,8 +91,9 @@ struct PeriodicCell {
 /// Spheres of a cell, and the images of those that are near its faces.
 template <int Dim>
 struct SpheresWithImages {
-    std::vector<Sphere<Dim>> spheres;   ///< first those of the cell, wrapped into it, then images
-    std::size_t own = 0;                ///< of the cell
+    std::vector<Sphere<Dim>>
+        spheres;          ///< first the spheres of the cell, wrapped into it, then images
+    std::size_t own = 0;  ///< of the cell
     std::vector<std::uint32_t> source;  ///< of each sphere: itself, or that of which it is an image
 };
 

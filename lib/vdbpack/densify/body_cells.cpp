@@ -5,9 +5,6 @@
 #include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <atomic>
 #include <limits>
@@ -57,16 +54,15 @@ bool BodyCells::lay(const std::vector<Home>& homes, const Body* bodies, float le
             k + 1 == classes
                 ? largest
                 : static_cast<float>(static_cast<double>(least) * std::pow(factor, k + 1));
-    tbb::enumerable_thread_specific<std::vector<Extent>> parts(classes);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, homes.size()),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          auto& mine = parts.local();
-                          for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                              Extent& e = mine[levelOf(bodies[i].radius)];
-                              ++e.count;
-                              e.add(homes[i], homes[i]);
-                          }
-                      });
+    PerThread<std::vector<Extent>> parts([&] { return std::vector<Extent>(classes); });
+    parallelFor(IndexRange(0, homes.size()), [&](const IndexRange& part) {
+        auto& mine = parts.local();
+        for (std::size_t i = part.begin(); i < part.end(); ++i) {
+            Extent& e = mine[levelOf(bodies[i].radius)];
+            ++e.count;
+            e.add(homes[i], homes[i]);
+        }
+    });
     std::vector<Extent> own(classes);
     for (const auto& part : parts)
         for (std::size_t k = 0; k < classes; ++k) own[k].add(part[k]);

@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/ball_share.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/further_spheres.h"
 #include "vdbpack/densify/group_boundary.h"
@@ -14,9 +15,6 @@
 #include "vdbpack/domain/inset_domain.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -255,19 +253,17 @@ private:
     /// Moves circles at random within the domain: a front leaves equal ones in rows along the wall.
     /// @param labels  over ranks: of the spheres.
     void stir(std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& labels) const {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(options_.fixed, spheres.size(), 1024),
-                          [&](const tbb::blocked_range<std::size_t>& part) {
-                              const auto sampler = domain_->sampler();
-                              for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                                  RandomStream random(options_.seed ^ kStirring,
-                                                      ranks_ ? labels[i] : i);
-                                  Sphere<Dim>& s = spheres[i];
-                                  Vec<Dim> to = s.center;
-                                  for (int d = 0; d < Dim; ++d)
-                                      to[d] += kStir * s.radius * (2 * random.uniform() - 1);
-                                  if (sampler->signedDistance(to) < -0.5 * s.radius) s.center = to;
-                              }
-                          });
+        parallelFor(IndexRange(options_.fixed, spheres.size(), 1024), [&](const IndexRange& part) {
+            const auto sampler = domain_->sampler();
+            for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                RandomStream random(options_.seed ^ kStirring, ranks_ ? labels[i] : i);
+                Sphere<Dim>& s = spheres[i];
+                Vec<Dim> to = s.center;
+                for (int d = 0; d < Dim; ++d)
+                    to[d] += kStir * s.radius * (2 * random.uniform() - 1);
+                if (sampler->signedDistance(to) < -0.5 * s.radius) s.center = to;
+            }
+        });
     }
 
     bool attemptGain(double fraction) {
@@ -422,7 +418,7 @@ private:
     /// Adds spheres up to `fraction`, each of the size that is requested at its center.
     void insertLocally(double fraction, std::uint64_t salt, LocalPack& pack) const {
         using Further = LocalFurther<Dim>;
-        tbb::enumerable_thread_specific<LocalSizeSampler<Dim>> samplers(
+        PerThread<LocalSizeSampler<Dim>> samplers(
             [&] { return LocalSizeSampler<Dim>(outer_, *options_.local); });
         const auto belongs = [&](const Vec<Dim>& x, std::int32_t number) {
             return areNear(samplers.local().at(x), Further::sizeOf(number));

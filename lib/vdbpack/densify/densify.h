@@ -26,15 +26,15 @@ struct DensifyOptions {
     std::size_t fixed = 0;   ///< the first spheres, which stay where they are
     /// Regions of the spheres; empty: all are in one. Spheres exchange positions within their
     /// region only. Every region receives its share (by volume) of the added spheres, near its own
-    /// spheres; without `sizes` their radii are those of the region.
+    /// spheres; without `sizes` they have radii of that region.
     std::vector<std::int32_t> regions;
 
     /// What differs by place in `sizes`, which are given; null: nothing. Spheres exchange positions
-    /// with those of nearly the same request; `regions` are not used then.
+    /// with spheres of nearly the same request; `regions` are not used then.
     const LocalSizes* local = nullptr;
 
     /// Whether the spheres of a region first exchange their radii at random in a periodic cell: for
-    /// those of a front, which leaves large ones where it begins and small ones where it ends, at
+    /// spheres of a front, which leaves large ones where it begins and small ones where it ends, at
     /// the faces of the cell. Not where `local` is given.
     bool mixSizes = false;
 
@@ -46,8 +46,8 @@ struct DensifyOptions {
     /// given. In a periodic cell, and with `local`, the first rank densifies all of them.
     Ranks* ranks = nullptr;
     std::vector<std::uint32_t>
-        labels;  ///< of the spheres: their numbers among those of all, rising
-    /// From one of these numbers to the next, all spheres are those of one rank; the last is the
+        labels;  ///< of the spheres: their numbers among the spheres of all ranks, rising
+    /// From one of these numbers to the next, all spheres belong to one rank; the last is the
     /// number of all.
     std::vector<std::int64_t> pieces;
 };

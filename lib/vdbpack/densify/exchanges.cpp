@@ -1,8 +1,7 @@
 // Spheres of nearly the same size exchange positions where that relieves an overlap.
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/relaxation.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +79,7 @@ template <int Dim>
 void Relaxation<Dim>::loosen(float worst) {
     const float least = std::max(0.5f * worst, delta_);
     std::vector<std::vector<std::uint32_t>> stuck(runs_.size());  // ranks in each run
-    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         const Run& run = runs_[k];
         if (!(run.worst > least)) return;
         for (std::uint32_t rank = 0; rank < run.ranks.size(); ++rank)

@@ -1,11 +1,10 @@
 // Private to densify: the inner face of a shell, which spheres with radii of their own keep to.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/domain.h"
 #include "vdbpack/domain/shell_test.h"
 #include "vdbpack/domain/shell_thickness.h"
-
-#include <tbb/enumerable_thread_specific.h>
 
 #include <cmath>
 #include <memory>
@@ -65,8 +64,8 @@ private:
 
     const ShellThickness& shell_;
     double error_;
-    tbb::enumerable_thread_specific<std::unique_ptr<DomainSampler<Dim>>> samplers_;
-    tbb::enumerable_thread_specific<ShellTest<Dim>> tests_;
+    PerThread<std::unique_ptr<DomainSampler<Dim>>> samplers_;
+    PerThread<ShellTest<Dim>> tests_;
 };
 
 }  // namespace vdbpack

@@ -3,8 +3,6 @@
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/relaxation.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -86,7 +84,7 @@ bool Relaxation<Dim>::listsExpired(const Extremes& all) {
     if (spent_ + all.grown <= most) return false;
     // No sphere has moved by more than the sum of the largest steps; most have moved by less.
     std::vector<float> moved(runs_.size());
-    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         float way = 0;
         for (std::uint32_t i = runs_[k].first; i < runs_[k].last; ++i) {
             const Home& home = now_.homes[i];
@@ -129,7 +127,7 @@ void Relaxation<Dim>::listNeighbors() {
             runs_[k].last = std::min(n, runs_[k].first + kRun);
         }
     }
-    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         Run& run = runs_[k];
         listRun(run);
         listPlanes(run);

@@ -4,7 +4,6 @@
 #include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -206,7 +205,7 @@ std::vector<std::uint32_t> Relaxation<Dim>::places() const {
 
 template <int Dim>
 float Relaxation<Dim>::stepAll(const Step& step, float& fastest) {
-    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         if (step.exchanges)
             stepRun<true, false>(runs_[k], step);
         else if (step.range > 1)
@@ -277,8 +276,7 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::run(
         if (outcome.steps == steps || (goOn && !goOn(outcome.steps, outcome.worst))) return outcome;
         advance(fastest);
         if (step.exchanges) {
-            tbb::parallel_for(std::size_t(0), runs_.size(),
-                              [&](std::size_t k) { swapRun(runs_[k]); });
+            parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) { swapRun(runs_[k]); });
             refreshNear();
             if (stuck.isStuck(worst)) {
                 loosen(worst);

@@ -51,7 +51,7 @@ public:
                std::size_t fixed, const std::vector<std::int32_t>& regions, std::uint64_t seed,
                bool graded = false);
     /// Over ranks: spheres of this one, of which all move, in one region.
-    /// @param labels  of the spheres: their numbers among those of all ranks, rising.
+    /// @param labels  of the spheres: their numbers among the spheres of all ranks, rising.
     /// @param further  radius of the spheres for which vacancies are sought, mm; 0: none are.
     Relaxation(const Domain<Dim>& domain, const std::vector<Sphere<Dim>>& spheres, Ranks& ranks,
                const std::vector<std::uint32_t>& labels, double further, std::uint64_t seed);
@@ -103,8 +103,9 @@ public:
 
     /// Over ranks: what is left of a sphere of any of them.
     struct Settled {
-        std::uint32_t label, place;  ///< its number, and that of the sphere that was there at first
-        Vec<Dim> center;             ///< mm
+        std::uint32_t label,
+            place;        ///< its number, and the number of the sphere that was there at first
+        Vec<Dim> center;  ///< mm
     };
     std::vector<Settled> settled() const;
 
@@ -148,7 +149,7 @@ private:
     /// A run of slots with their neighbors.
     struct Run {
         std::uint32_t first = 0, last = 0;
-        std::uint32_t number = 0;         ///< of the first slot among those of all ranks
+        std::uint32_t number = 0;         ///< of the first slot among the slots of all ranks
         std::vector<std::uint32_t> ids;   ///< neighbors, filled up to eights with the slot itself
         std::vector<std::uint32_t> ends;  ///< of each slot's in `ids`
         std::vector<WallPlane> planes;    ///< walls that are near
@@ -216,7 +217,7 @@ private:
     struct Layers;
     struct Traveler;
     Layers layersOverRanks() const;
-    /// Moves slots to other ranks, and those of others here, behind the own ones.
+    /// Moves slots to other ranks, and slots of others here, behind the own slots.
     /// @param to  rank of each slot.
     void send(const std::vector<int>& to);
     void sortLocally(std::vector<std::pair<std::uint64_t, std::uint64_t>>& keys);
@@ -314,10 +315,10 @@ private:
     std::vector<Run> runs_;
     // Over ranks: slots of others that are near own ones stand among them, in the order of all.
     Ranks* ranks_ = nullptr;
-    float further_ = 0;                              ///< quanta
-    std::vector<std::uint32_t> slots_;               ///< number of each among those of all ranks
-    std::vector<std::uint8_t> isNearSlot_;           ///< 1 for those of others
-    std::vector<std::vector<std::uint32_t>> tell_;   ///< own slots that are near each rank's
+    float further_ = 0;                             ///< quanta
+    std::vector<std::uint32_t> slots_;              ///< number of each among the slots of all ranks
+    std::vector<std::uint8_t> isNearSlot_;          ///< 1 for those of others
+    std::vector<std::vector<std::uint32_t>> tell_;  ///< own slots that are near each rank's
     std::vector<std::vector<std::uint32_t>> heard_;  ///< slots here that each rank tells of
 
     bool wraps_ = false;  ///< whether far spheres may have near low bits

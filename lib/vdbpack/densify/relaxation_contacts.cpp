@@ -13,7 +13,7 @@ namespace {
 /// number of quanta: rounding must not matter.
 constexpr double kRest = 9e-5, kLeastDelta = 1e-5, kLeastQuanta = 10;
 /// Overlaps below this share of delta are none of the true radii, with a margin for rounding.
-constexpr float kApart = 0.9f;
+constexpr float kContactApart = 0.9f;
 /// Spheres are drawn together whose gap is below this share of the sum of their radii. With 0.02,
 /// a sphere of a box at 0.645 touches 0.1 fewer: more pulls compete.
 constexpr float kRange = 0.012f;
@@ -27,7 +27,7 @@ constexpr int kPulls = 85, kMostSteps = 600;
 /// Before these steps, the exact wall is queried: the spheres are close to where they will be.
 constexpr int kFirstWall = 60, kSecondWall = kPulls;
 /// A sphere gains this share of overlaps and gaps as velocity.
-constexpr float kPush = 0.6f;
+constexpr float kContactPush = 0.6f;
 
 /// The share of its velocity that a sphere keeps in a step: rising without a pull, as in Nesterov's
 /// method (1983), since what is left takes ever softer modes.
@@ -56,7 +56,7 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
     skin_ = kSkin * least_;
     Step step;
     step.cap = kCap * least_;
-    step.push = kPush;
+    step.push = kContactPush;
     step.pull = kFirst;
     step.range = 1 + kRange;
     rebuild(false);
@@ -75,7 +75,7 @@ typename Relaxation<Dim>::Outcome Relaxation<Dim>::drawTogether(
         float fastest = 0;
         const float worst = stepAll(step, fastest);
         outcome.worst = std::max(0.0, static_cast<double>(worst - delta_));
-        if (outcome.steps >= kPulls && worst < kApart * delta_ && keepsWall()) {
+        if (outcome.steps >= kPulls && worst < kContactApart * delta_ && keepsWall()) {
             outcome.apart = true;
             return outcome;
         }

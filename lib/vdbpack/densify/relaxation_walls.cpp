@@ -1,8 +1,6 @@
 // The wall in the relaxation: queries for the spheres near it, and the exact test at the end.
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/relaxation.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -13,11 +11,10 @@ namespace vdbpack {
 
 template <int Dim>
 void Relaxation<Dim>::askWalls() {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, now_.labels.size(), 256),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          for (std::size_t i = part.begin(); i < part.end(); ++i)
-                              if (now_.vicinities[i].roam < 0) askWall(i);
-                      });
+    parallelFor(IndexRange(0, now_.labels.size(), 256), [&](const IndexRange& part) {
+        for (std::size_t i = part.begin(); i < part.end(); ++i)
+            if (now_.vicinities[i].roam < 0) askWall(i);
+    });
 }
 
 template <int Dim>
@@ -94,7 +91,7 @@ template <int Dim>
 bool Relaxation<Dim>::keepsWall() {
     std::atomic<bool> keeps{true};
     const double grow = 1 + 0.03 * static_cast<double>(delta_);
-    tbb::parallel_for(std::size_t(0), runs_.size(), [&](std::size_t k) {
+    parallelFor(std::size_t(0), runs_.size(), [&](std::size_t k) {
         Run& run = runs_[k];
         bool asked = false;
         for (std::uint32_t i = run.first; i < run.last; ++i) {

@@ -1,9 +1,7 @@
 // Vacancies: points with much room for further spheres.
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
 #include "vdbpack/densify/relaxation.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -54,25 +52,23 @@ std::vector<Sphere<Dim>> Relaxation<Dim>::vacancies(const std::vector<double>& r
             all[many ? regions_[now_.labels[slot]] : 0].slots.push_back(slot);
     std::vector<std::size_t> numbers(radii.size());  // of each further sphere within its region
     for (std::size_t k = 0; k < radii.size(); ++k) numbers[k] = all[many ? regions[k] : 0].added++;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, radii.size(), 64),
-        [&](const tbb::blocked_range<std::size_t>& part) {
-            std::vector<Body> around;
-            for (std::size_t k = part.begin(); k < part.end(); ++k) {
-                RandomStream random(seed_ ^ mix64(salt), k);
-                // Anchors at equal distances in the order of the cells: evenly
-                // spread over the spheres.
-                const Region& region = all.at(many ? regions[k] : 0);
-                const auto anchor = static_cast<std::size_t>(
-                    (static_cast<double>(numbers[k]) + random.uniform()) /
-                    static_cast<double>(region.added) * static_cast<double>(region.slots.size()));
-                std::function<bool(const Vec<Dim>&)> here;
-                if (belongs) here = [&, k](const Vec<Dim>& x) { return belongs(x, regions[k]); };
-                placed[k] = {
-                    vacancyNear(region.slots[anchor], radii[k] / quantum_, random, around, here),
-                    radii[k]};
-            }
-        });
+    parallelFor(IndexRange(0, radii.size(), 64), [&](const IndexRange& part) {
+        std::vector<Body> around;
+        for (std::size_t k = part.begin(); k < part.end(); ++k) {
+            RandomStream random(seed_ ^ mix64(salt), k);
+            // Anchors at equal distances in the order of the cells: evenly
+            // spread over the spheres.
+            const Region& region = all.at(many ? regions[k] : 0);
+            const auto anchor = static_cast<std::size_t>(
+                (static_cast<double>(numbers[k]) + random.uniform()) /
+                static_cast<double>(region.added) * static_cast<double>(region.slots.size()));
+            std::function<bool(const Vec<Dim>&)> here;
+            if (belongs) here = [&, k](const Vec<Dim>& x) { return belongs(x, regions[k]); };
+            placed[k] = {
+                vacancyNear(region.slots[anchor], radii[k] / quantum_, random, around, here),
+                radii[k]};
+        }
+    });
     return placed;
 }
 

@@ -1,11 +1,11 @@
 // Private to densify: the wall near each sphere, approximated by planes.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/densify/body.h"
 #include "vdbpack/domain/domain.h"
 
 #include <tbb/concurrent_vector.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <array>
@@ -95,7 +95,7 @@ private:
     double fieldError_, fieldDepth_;
     float slide_ = 0.3f;
     tbb::concurrent_vector<Wall> walls_;
-    tbb::enumerable_thread_specific<Asker> askers_;
+    PerThread<Asker> askers_;
 };
 
 }  // namespace vdbpack

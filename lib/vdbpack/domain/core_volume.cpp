@@ -1,10 +1,8 @@
 #include "vdbpack/domain/core_volume.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/inset_domain.h"
 #include "vdbpack/domain/intersection_domain.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -63,8 +61,7 @@ private:
 /// @param cells   along the longest side, at the most. @param least  side of a cell at least, mm.
 /// @param parts   one a thread.
 template <int Dim, class Part>
-double summedOver(const Box<Dim>& box, double cells, double least,
-                  tbb::enumerable_thread_specific<Part>& parts) {
+double summedOver(const Box<Dim>& box, double cells, double least, PerThread<Part>& parts) {
     const Vec<Dim> half = box.size() * (0.5 / kBlocks);
     double cell = 0;
     for (int d = 0; d < Dim; ++d) cell = std::max(cell, 2 * half[d]);
@@ -73,7 +70,7 @@ double summedOver(const Box<Dim>& box, double cells, double least,
     for (; cell > finest; cell *= 0.5) ++levels;
     constexpr std::size_t kAll = Dim == 3 ? kBlocks * kBlocks * kBlocks : kBlocks * kBlocks;
     std::vector<double> sums(kAll);
-    tbb::parallel_for(std::size_t{0}, kAll, [&](std::size_t n) {
+    parallelFor(std::size_t{0}, kAll, [&](std::size_t n) {
         Vec<Dim> center = box.lo;
         std::size_t rest = n;
         for (int d = 0; d < Dim; ++d, rest /= kBlocks)
@@ -85,8 +82,7 @@ double summedOver(const Box<Dim>& box, double cells, double least,
 
 template <int Dim>
 double cavityInShell(const Domain<Dim>& domain, double shell) {
-    tbb::enumerable_thread_specific<CavityInShell<Dim>> cavities(
-        [&] { return CavityInShell<Dim>(domain, shell); });
+    PerThread<CavityInShell<Dim>> cavities([&] { return CavityInShell<Dim>(domain, shell); });
     return summedOver(domain.envelope().bounds(), kMostCells, 0.5 * domain.facts().voxelSize,
                       cavities);
 }
@@ -134,8 +130,7 @@ private:
 
 template <int Dim>
 double localCoreVolume(const Domain<Dim>& domain, const ShellThickness& shell) {
-    tbb::enumerable_thread_specific<LocalCore<Dim>> cores(
-        [&] { return LocalCore<Dim>(domain, shell); });
+    PerThread<LocalCore<Dim>> cores([&] { return LocalCore<Dim>(domain, shell); });
     return summedOver(domain.bounds(), Dim == 3 ? kLocalCells : kMostCells, 0.0, cores);
 }
 

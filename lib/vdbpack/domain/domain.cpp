@@ -1,19 +1,17 @@
 #include "vdbpack/domain/domain.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 namespace vdbpack {
 
 template <int Dim>
 std::vector<double> Domain<Dim>::signedDistances(const std::vector<Vec<Dim>>& points) const {
     std::vector<double> distances(points.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 1024),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          const auto asker = sampler();
-                          for (std::size_t i = range.begin(); i != range.end(); ++i)
-                              distances[i] = asker->signedDistance(points[i]);
-                      });
+    parallelFor(IndexRange(0, points.size(), 1024), [&](const IndexRange& range) {
+        const auto asker = sampler();
+        for (std::size_t i = range.begin(); i != range.end(); ++i)
+            distances[i] = asker->signedDistance(points[i]);
+    });
     return distances;
 }
 

@@ -66,6 +66,25 @@ std::shared_ptr<const Domain<Dim>> boxWith(const Box<Dim>& box, const std::array
     return cell.any() ? periodicDomain<Dim>(cell) : boxDomain<Dim>(box);
 }
 
+NamedShape periodicShape(const std::string& what, const std::string& lengths) {
+    const char* form =
+        "periodic:LX,LY,LZ or periodic:LX,LY (for other corners box:x0,y0,z0,x1,y1,z1 and "
+        "`periodic` xyz)";
+    const auto v = numbersIn(what, lengths, form);
+    NamedShape shape;
+    shape.wraps = {true, true, v.size() == 3};
+    if (v.size() == 3) {
+        shape.box = boxFrom<3>(what, v, form);
+        shape.space = boxWith<3>(shape.box, shape.wraps);
+    } else {
+        if (v.size() != 2) malformed(what, form);
+        shape.kind = NamedShape::Kind::rect;
+        shape.rect = boxFrom<2>(what, v, form);
+        shape.plane = boxWith<2>(shape.rect, shape.wraps);
+    }
+    return shape;
+}
+
 }  // namespace
 
 const char* const kShapeForms =
@@ -120,23 +139,8 @@ std::optional<NamedShape> parseShape(const std::string& text, const std::string&
         throw ParameterError(fmt::format(
             "`periodic` {}: {} is {}; it is for box: and rect:", periodic, what,
             kind == "periodic" ? "periodic along all axes already" : "no box and no rectangle"));
-    if (kind == "periodic") {
-        const char* form = "periodic:LX,LY,LZ or periodic:LX,LY";
-        const auto v = numbersIn(what, rest, form);
-        shape.wraps = {true, true, v.size() == 3};
-        if (v.size() == 3) {
-            shape.box = boxFrom<3>(what, v, form);
-            shape.space = boxWith<3>(shape.box, shape.wraps);
-        } else if (v.size() == 2) {
-            shape.kind = NamedShape::Kind::rect;
-            shape.rect = boxFrom<2>(what, v, form);
-            shape.plane = boxWith<2>(shape.rect, shape.wraps);
-        } else {
-            malformed(what,
-                      "periodic:LX,LY,LZ or periodic:LX,LY (for other corners "
-                      "box:x0,y0,z0,x1,y1,z1 and `periodic` xyz)");
-        }
-    } else if (kind == "box") {
+    if (kind == "periodic") return periodicShape(what, rest);
+    if (kind == "box") {
         const char* form = "box:LX,LY,LZ or box:x0,y0,z0,x1,y1,z1";
         shape.kind = NamedShape::Kind::box;
         shape.box = boxFrom<3>(what, numbersIn(what, rest, form), form);

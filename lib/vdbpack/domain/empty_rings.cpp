@@ -2,9 +2,6 @@
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_cells.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 namespace vdbpack {
 
 namespace {
@@ -12,11 +9,9 @@ namespace {
 /// Calls `work(row)` for all rows in parallel.
 template <class Work>
 void forRows(std::size_t rows, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows, 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t row = range.begin(); row != range.end(); ++row)
-                              work(row);
-                      });
+    parallelFor(IndexRange(0, rows, 256), [&](const IndexRange& range) {
+        for (std::size_t row = range.begin(); row != range.end(); ++row) work(row);
+    });
 }
 
 /// Marks (1) of cells, spread to neighboring cells one axis after the other.

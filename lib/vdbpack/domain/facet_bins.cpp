@@ -2,9 +2,6 @@
 
 #include "vdbpack/core/parallel.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -85,21 +82,19 @@ bool listAll(const FacetCells<Dim>& cells, const std::vector<Facet<Dim>>& facets
              std::vector<Chunk>& chunks) {
     chunks.resize((facets.size() + kFacetsPerChunk - 1) / kFacetsPerChunk);
     std::atomic<std::size_t> total{0};
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, chunks.size(), 1),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            for (std::size_t k = range.begin(); k != range.end(); ++k) {
-                auto& entries = chunks[k].entries;
-                const std::size_t begin = k * kFacetsPerChunk;
-                const std::size_t end = std::min(facets.size(), begin + kFacetsPerChunk);
-                std::size_t counted = 0;
-                for (std::size_t i = begin; i < end && total <= most; ++i) {
-                    listCells(cells, facets[i], static_cast<std::uint32_t>(i), most, entries);
-                    total += entries.size() - counted;
-                    counted = entries.size();
-                }
+    parallelFor(IndexRange(0, chunks.size(), 1), [&](const IndexRange& range) {
+        for (std::size_t k = range.begin(); k != range.end(); ++k) {
+            auto& entries = chunks[k].entries;
+            const std::size_t begin = k * kFacetsPerChunk;
+            const std::size_t end = std::min(facets.size(), begin + kFacetsPerChunk);
+            std::size_t counted = 0;
+            for (std::size_t i = begin; i < end && total <= most; ++i) {
+                listCells(cells, facets[i], static_cast<std::uint32_t>(i), most, entries);
+                total += entries.size() - counted;
+                counted = entries.size();
             }
-        });
+        }
+    });
     return total <= most;
 }
 
@@ -147,8 +142,8 @@ bool FacetBins<Dim>::fill(std::size_t mostItems) {
     // A counting sort, slab by slab: facets stay in their order within each cell, for any number of
     // threads.
     const std::size_t cells = cells_.size(), perSlab = cells / kSlabs + 1;
-    tbb::parallel_for(std::size_t{0}, chunks.size(),
-                      [&](std::size_t k) { chunks[k].sortBySlab(kSlabs, perSlab); });
+    parallelFor(std::size_t{0}, chunks.size(),
+                [&](std::size_t k) { chunks[k].sortBySlab(kSlabs, perSlab); });
     std::array<std::size_t, kSlabs + 1> slabStart{};
     for (const auto& chunk : chunks)
         for (std::size_t s = 0; s < kSlabs; ++s)
@@ -157,7 +152,7 @@ bool FacetBins<Dim>::fill(std::size_t mostItems) {
     const std::vector<Item> ballOf = balls();
     items_.resize(slabStart[kSlabs]);
     start_.assign(cells + 1, static_cast<std::uint32_t>(slabStart[kSlabs]));
-    tbb::parallel_for(std::size_t{0}, kSlabs, [&](std::size_t s) {
+    parallelFor(std::size_t{0}, kSlabs, [&](std::size_t s) {
         const std::size_t begin = std::min(s * perSlab, cells),
                           end = std::min(begin + perSlab, cells);
         std::fill(start_.data() + begin, start_.data() + end, 0);

@@ -7,10 +7,10 @@
 
 namespace vdbpack {
 
-/// The points inside both domains. Distances to the wall inside are exact where those of both are:
-/// whatever leaves the intersection leaves one of the two.
+/// The points inside both domains. Distances to the wall inside are exact where the distances of
+/// both are: whatever leaves the intersection leaves one of the two.
 ///
-/// Volumes, areas and facts are those of `inner`, which must lie within `outer` but for the error
+/// Volumes, areas and facts are taken from `inner`, which must lie within `outer` but for the error
 /// of its contour.
 template <int Dim>
 std::shared_ptr<const Domain<Dim>> intersectionDomain(std::shared_ptr<const Domain<Dim>> inner,
@@ -21,7 +21,7 @@ std::shared_ptr<const Domain<3>> partDomain(std::shared_ptr<const Domain<3>> inn
                                             std::shared_ptr<const Domain<3>> outer);
 
 /// What `outside` leaves of `base`: the points inside both, neither of which lies within the other.
-/// Volumes are sums over samples (`volumeBySamples`); facts are those of `base`.
+/// Volumes are sums over samples (`volumeBySamples`); facts are taken from `base`.
 /// @param fromBase  whether its envelope is that of `base`.
 std::shared_ptr<const Domain<3>> cutDomain(std::shared_ptr<const Domain<3>> base,
                                            std::shared_ptr<const Domain<3>> outside, bool fromBase);

@@ -1,7 +1,6 @@
 #include "vdbpack/domain/label_voxels.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 
@@ -14,7 +13,7 @@ void labelVoxels(VoxelImage& image, const Domain<3>& domain, const ShellThicknes
     const double deepest = 3 * image.voxelSize;
     const auto rows = static_cast<std::size_t>(image.size[1] * image.size[2]);
     const auto row = static_cast<std::size_t>(image.size[0]);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, rows), [&](const auto& block) {
+    parallelFor(IndexRange(0, rows), [&](const auto& block) {
         const auto sampler = domain.sampler();
         const auto envelope =
             shell.any() && &domain.envelope() != &domain ? domain.envelope().sampler() : nullptr;

@@ -70,9 +70,9 @@ public:
 
 /// The inside of a closed mesh. Nested shells bound cavities, for any orientation.
 ///
-/// The volume of the field must agree with that of the mesh within 1 %; where it does not, voxels
-/// of half the size are tried before the mesh is refused. A mesh with flaws that leave the volumes
-/// alike, such as holes smaller than the voxels, is used with a warning that names them.
+/// The volume of the field must agree with the volume of the mesh within 1 %; where it does not,
+/// voxels of half the size are tried before the mesh is refused. A mesh with flaws that leave the
+/// volumes alike, such as holes smaller than the voxels, is used with a warning that names them.
 ///
 /// @throws InputError for a mesh that is empty or far thinner than the voxels, or where the volumes
 /// differ (with both figures).

@@ -1,11 +1,10 @@
 #include "vdbpack/domain/mesh_slice.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/facet_bins.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -130,14 +129,13 @@ private:
     std::vector<std::uint8_t> insideByField(const MeshDomain& domain, double height) const {
         const auto across = static_cast<std::size_t>(nodes_[0]);
         std::vector<std::uint8_t> inside(across * static_cast<std::size_t>(nodes_[1]));
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, inside.size(), 4096),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              const auto field = domain.sampler();
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  const Vec<2> x = node(i % across, i / across);
-                                  inside[i] = field->signedDistance({{x[0], x[1], height}}) < 0;
-                              }
-                          });
+        parallelFor(IndexRange(0, inside.size(), 4096), [&](const IndexRange& range) {
+            const auto field = domain.sampler();
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const Vec<2> x = node(i % across, i / across);
+                inside[i] = field->signedDistance({{x[0], x[1], height}}) < 0;
+            }
+        });
         return inside;
     }
 
@@ -184,18 +182,15 @@ private:
     void fillRaster(const std::vector<std::uint8_t>& inside) {
         const auto across = static_cast<std::size_t>(nodes_[0]);
         raster_.resize(inside.size());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, inside.size(), 1024),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  const double most = inside[i] ? depth_ : outside_;
-                                  WallPoint<2> wall;
-                                  const double distance =
-                                      bins_.nearest(node(i % across, i / across), most, wall)
-                                          ? wall.distance
-                                          : most;
-                                  raster_[i] = static_cast<float>(inside[i] ? -distance : distance);
-                              }
-                          });
+        parallelFor(IndexRange(0, inside.size(), 1024), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const double most = inside[i] ? depth_ : outside_;
+                WallPoint<2> wall;
+                const double distance =
+                    bins_.nearest(node(i % across, i / across), most, wall) ? wall.distance : most;
+                raster_[i] = static_cast<float>(inside[i] ? -distance : distance);
+            }
+        });
     }
 
     /// Sum over the cells around the nodes of the share that lies deeper.

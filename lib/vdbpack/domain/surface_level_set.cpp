@@ -1,13 +1,12 @@
 #include "vdbpack/domain/surface_level_set.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/domain/mesh_domain.h"
 #include "vdbpack/field/level_set_builder.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -140,10 +139,9 @@ std::shared_ptr<const VdbGrid> sampled(const Domain<3>& domain, double voxelSize
     const Vec<3> origin = fieldOrigin(domain.bounds(), voxelSize);
     const double band = kBandVoxels * voxelSize;
     std::vector<Block> blocks = coveringBlocks(domain.bounds(), origin, voxelSize);
-    tbb::enumerable_thread_specific<LatticeSampler> samplers(
-        [&] { return LatticeSampler(domain, origin, voxelSize); });
-    tbb::parallel_for(std::size_t{0}, blocks.size(),
-                      [&](std::size_t n) { sampleBlock(samplers.local(), band, blocks[n]); });
+    PerThread<LatticeSampler> samplers([&] { return LatticeSampler(domain, origin, voxelSize); });
+    parallelFor(std::size_t{0}, blocks.size(),
+                [&](std::size_t n) { sampleBlock(samplers.local(), band, blocks[n]); });
     const auto width = static_cast<float>(band);
     LevelSetBuilder builder(width, width);
     for (Block& block : blocks) {

@@ -1,6 +1,6 @@
 #include "vdbpack/field/interior_components.h"
 
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 
@@ -30,8 +30,8 @@ InteriorComponents::InteriorComponents(Tree& tree, const openvdb::CoordBBox& cel
                                        const std::array<bool, 3>& wraps)
     : tree_(tree), leafs_(tree) {
     parts_.resize(leafs_.leafCount());
-    tbb::parallel_for(std::size_t{0}, parts_.size(),
-                      [&](std::size_t n) { search(leafs_.leaf(n), parts_[n]); });
+    parallelFor(std::size_t{0}, parts_.size(),
+                [&](std::size_t n) { search(leafs_.leaf(n), parts_[n]); });
     const std::uint32_t labels = label();
     sets_ = DisjointSets(labels);
     joinLeafs();

@@ -9,8 +9,6 @@
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -43,20 +41,18 @@ public:
     FloatGrid::Ptr build() {
         const std::size_t leafCount = lists_.leaves.size();
         std::vector<std::unique_ptr<Leaf>> leaves(leafCount);
-        tbb::enumerable_thread_specific<LeafDistances> distances(
-            [&] { return LeafDistances(mesh_); });
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, leafCount, 16),
-                          [&](const tbb::blocked_range<std::size_t>& part) {
-                              request_.stop();
-                              LeafDistances& d = distances.local();
-                              for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                                  leaves[i] = leafOf(lists_.leaves[i], d);
-                                  lists_.leaves[i].squares = nullptr;
-                              }
-                          });
+        PerThread<LeafDistances> distances([&] { return LeafDistances(mesh_); });
+        parallelFor(IndexRange(0, leafCount, 16), [&](const IndexRange& part) {
+            request_.stop();
+            LeafDistances& d = distances.local();
+            for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                leaves[i] = leafOf(lists_.leaves[i], d);
+                lists_.leaves[i].squares = nullptr;
+            }
+        });
         const std::size_t nodeCount = lists_.nodeStart.size() - 1;
         std::vector<std::unique_ptr<Node>> nodes(nodeCount);
-        tbb::parallel_for(std::size_t{0}, nodeCount, [&](std::size_t n) {
+        parallelFor(std::size_t{0}, nodeCount, [&](std::size_t n) {
             const std::uint32_t first = lists_.nodeStart[n], last = lists_.nodeStart[n + 1];
             if (std::any_of(leaves.begin() + first, leaves.begin() + last,
                             [](const auto& leaf) { return leaf != nullptr; }))

@@ -1,10 +1,10 @@
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/voxel_image.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -34,10 +34,6 @@ CoordBBox insideBounds(const FloatGrid& grid) {
     return box;
 }
 
-Vec<3> toVec(const openvdb::Vec3d& v) {
-    return {{v[0], v[1], v[2]}};
-}
-
 /// Reads the values of one image row by row.
 void fill(const FloatGrid& grid, bool ownVoxels, VoxelImage& image) {
     const auto& transform = grid.transform();
@@ -50,7 +46,7 @@ void fill(const FloatGrid& grid, bool ownVoxels, VoxelImage& image) {
         axis[i] = transform.worldToIndex(next) - start;
     }
     const auto nx = static_cast<std::size_t>(image.size[0]);
-    tbb::parallel_for(std::int64_t{0}, image.size[2], [&](std::int64_t z) {
+    parallelFor(std::int64_t{0}, image.size[2], [&](std::int64_t z) {
         auto accessor = grid.getConstAccessor();
         for (std::int64_t y = 0; y < image.size[1]; ++y) {
             const openvdb::Vec3d row =
@@ -111,7 +107,8 @@ VoxelImage sampleLevelSet(const VdbGrid& vdbGrid, const std::optional<Box<3>>& b
             openvdb::Vec3d at;
             for (int j = 0; j < 3; ++j)
                 at[j] = (corner >> j & 1) != 0 ? inside.max()[j] + 0.5 : inside.min()[j] - 0.5;
-            box.add(toVec(transform.indexToWorld(at)));
+            const openvdb::Vec3d world = transform.indexToWorld(at);
+            box.add({{world[0], world[1], world[2]}});
         }
     }
 

@@ -1,5 +1,3 @@
-// The only source that instantiates `meshToVolume`, which takes most of a minute: OpenVDB's library
-// has it for points in float alone.
 #include "vdbpack/field/sealed_band.h"
 
 #include <openvdb/tools/MeshToVolume.h>
@@ -8,46 +6,37 @@ namespace vdbpack {
 
 namespace {
 
-/// What `meshToVolume` asks of a mesh.
-class Adapter {
-public:
-    Adapter(const LatticeMesh& mesh, const std::vector<std::uint32_t>& chosen)
-        : lattice_(mesh), chosen_(chosen), inverse_(1 / mesh.voxelSize) {}
-
-    std::size_t polygonCount() const {
-        return chosen_.empty() ? lattice_.mesh.triangles.size() : chosen_.size();
-    }
-    std::size_t pointCount() const { return lattice_.mesh.vertices.size(); }
-    std::size_t vertexCount(std::size_t) const { return 3; }
-    void getIndexSpacePoint(std::size_t polygon, std::size_t corner, openvdb::Vec3d& p) const {
-        const TriangleMesh& mesh = lattice_.mesh;
-        const std::size_t triangle = chosen_.empty() ? polygon : chosen_[polygon];
-        const Vec<3> x = mesh.vertices[mesh.triangles[triangle][corner]] - lattice_.origin;
-        p = openvdb::Vec3d(x[0] * inverse_, x[1] * inverse_, x[2] * inverse_);
-    }
-
-private:
-    const LatticeMesh& lattice_;
-    const std::vector<std::uint32_t>& chosen_;
-    double inverse_;
-};
-
 /// What OpenVDB asks, from any thread, whether to go on.
-struct Interrupter {
+struct Interrupter : openvdb::util::NullInterrupter {
     explicit Interrupter(const Callbacks& callbacks) : request(callbacks.cancelled) {}
-    void start(const char* = nullptr) {}
-    void end() {}
-    bool wasInterrupted(int = -1) { return request.made(); }
+    bool wasInterrupted(int) override { return request.made(); }
 
     StopRequest request;
 };
 
-openvdb::FloatGrid::Ptr band(const LatticeMesh& mesh, const std::vector<std::uint32_t>& chosen,
+/// With the types for which OpenVDB's library has `meshToVolume`: others compile for most of a
+/// minute.
+openvdb::FloatGrid::Ptr band(const LatticeMesh& lattice, const std::vector<std::uint32_t>& chosen,
                              float inside, float outside, int flags, const Callbacks& callbacks) {
+    const TriangleMesh& mesh = lattice.mesh;
+    std::vector<openvdb::Vec3s> points;
+    points.reserve(mesh.vertices.size());
+    for (const Vec<3>& v : mesh.vertices) {
+        const Vec<3> x = (v - lattice.origin) * (1 / lattice.voxelSize);
+        points.emplace_back(openvdb::Vec3d(x[0], x[1], x[2]));
+    }
+    const std::size_t n = chosen.empty() ? mesh.triangles.size() : chosen.size();
+    std::vector<openvdb::Vec3I> triangles;
+    triangles.reserve(n);
+    for (std::size_t i = 0; i < n; ++i)
+        triangles.emplace_back(mesh.triangles[chosen.empty() ? i : chosen[i]].data());
     Interrupter interrupter(callbacks);
-    const auto transform = openvdb::math::Transform::createLinearTransform(mesh.voxelSize);
+    const auto transform = openvdb::math::Transform::createLinearTransform(lattice.voxelSize);
     auto grid = openvdb::tools::meshToVolume<openvdb::FloatGrid>(
-        interrupter, Adapter(mesh, chosen), *transform, outside, inside, flags);
+        interrupter.interrupter(),
+        openvdb::tools::QuadAndTriangleDataAdapter<openvdb::Vec3s, openvdb::Vec3I>(points,
+                                                                                   triangles),
+        *transform, outside, inside, flags);
     interrupter.request.stop();  // an unfinished grid is no field
     return grid;
 }

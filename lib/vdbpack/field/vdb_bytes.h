@@ -1,4 +1,4 @@
-// Private to field: the bytes of a .vdb file, and the pages in which attributes of points lie.
+// Private to field: the bytes of a .vdb file, and checks of its parts (vdb_check.h).
 #pragma once
 
 #include "vdbpack/core/error.h"
@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cstddef>
 #include <cstdint>
@@ -15,6 +16,8 @@
 #include <vector>
 
 namespace vdbpack {
+
+using LeafMask = std::bitset<512>;
 
 /// The bytes of a file in order, none behind its end.
 class VdbBytes {
@@ -49,6 +52,18 @@ public:
         std::memcpy(&value, take(sizeof value, what), sizeof value);
         return value;
     }
+    template <std::size_t Bits>
+    std::bitset<Bits> mask() {
+        const char* const from = take(Bits / 8, "a mask of a node");
+        std::bitset<Bits> mask;
+        static_assert(sizeof mask == Bits / 8 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+        std::memcpy(static_cast<void*>(&mask), from, Bits / 8);
+        return mask;
+    }
+    /// The mask of a leaf a second time.
+    void skipLeafMask(const LeafMask& before) {
+        if (mask<512>() != before) fail("two masks of a leaf that differ");
+    }
     /// A text behind its length; what is shown of names is short.
     std::string text(const char* what) {
         const auto length = get<std::uint32_t>(what);
@@ -60,65 +75,37 @@ public:
         return value;
     }
 
+    /// Skips a block of Blosc in `stored` bytes; its header must agree, as it is what Blosc goes
+    /// by.
+    /// @param padded  whether short blocks may be filled up to 128 bytes.
+    void skipBlosc(std::uint64_t stored, std::uint64_t expected, bool padded) {
+        if (stored < kBloscHeader || stored > left())
+            fail(fmt::format("{} bytes packed by Blosc", stored));
+        std::array<std::uint32_t, 4> header{};
+        std::memcpy(header.data(), take(kBloscHeader, "packed values"), kBloscHeader);
+        const std::uint64_t unpackedBytes = header[1], packedBytes = header[3];
+        const bool fits = unpackedBytes == expected ||
+                          (padded && unpackedBytes == kBloscPadding && expected <= kBloscPadding);
+        if (packedBytes != stored || !fits || unpackedBytes > kMostPerByte * stored)
+            fail(fmt::format("{} of {} bytes packed by Blosc into {} of {}", unpackedBytes,
+                             expected, packedBytes, stored));
+        skip(stored - kBloscHeader, "packed values");
+    }
+
 private:
+    static constexpr std::size_t kBloscHeader = 16;
+    static constexpr std::uint64_t kBloscPadding = 128;  ///< shorter arrays are filled up to this
+    static constexpr std::uint64_t kMostPerByte = 1032;  ///< bytes that a packed byte stands for
     static constexpr std::uint32_t kLongestName = 1 << 12;
 
     InputFile file_;
 };
 
-template <std::size_t Bits>
-std::bitset<Bits> takeMask(VdbBytes& bytes) {
-    const char* const from = bytes.take(Bits / 8, "a mask of a node");
-    std::bitset<Bits> mask;
-    static_assert(sizeof mask == Bits / 8 && __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    std::memcpy(static_cast<void*>(&mask), from, Bits / 8);
-    return mask;
-}
-using LeafMask = std::bitset<512>;
+/// Checks metadata of a file or of a grid. @param savedAsHalf  set if they say whether floats are
+/// saved as 16 bits; null: not of interest.
+void checkMetadata(VdbBytes& bytes, bool* savedAsHalf = nullptr);
 
-/// Attribute arrays that follow each other in pages.
-class Pages {
-public:
-    /// An array of `count` bytes is announced: in the page before, or in one whose sizes stand
-    /// here.
-    void announce(VdbBytes& bytes, std::uint64_t count) {
-        if (index_ == held_) {
-            Page page;
-            page.stored = bytes.get<std::int32_t>("the size of a page");
-            page.held = page.stored > 0 ? bytes.get<std::int32_t>("the size of a page")
-                                        : -static_cast<std::int64_t>(page.stored);
-            if (page.held <= 0) bytes.fail(fmt::format("a page of {} bytes", page.held));
-            pages_.push_back(page);
-            held_ = static_cast<std::uint64_t>(page.held);
-            index_ = 0;
-        }
-        if (count > held_ - index_)
-            bytes.fail(fmt::format("an array of {} bytes in a page that has {} left", count,
-                                   held_ - index_));
-        index_ += count;
-        arrays_.push_back({pages_.size() - 1, index_ == count});
-    }
-    /// All arrays are announced.
-    void close(const VdbBytes& bytes) const {
-        if (index_ != held_) bytes.fail("a page is larger than its arrays");
-    }
-    struct Page {
-        std::int64_t stored = 0;  ///< bytes in the file, negative if they are plain
-        std::int64_t held = 0;    ///< bytes once unpacked
-    };
-    /// The page that begins with the array announced as number `array`, or none.
-    const Page* pageAt(std::size_t array) const {
-        return arrays_[array].begins ? &pages_[arrays_[array].page] : nullptr;
-    }
-
-private:
-    struct Announced {
-        std::size_t page;
-        bool begins;
-    };
-    std::vector<Page> pages_;
-    std::vector<Announced> arrays_;
-    std::uint64_t held_ = 0, index_ = 0;
-};
+/// Checks the points of a tree and their attributes. @param leaves  of the tree, in its order
+void checkPoints(VdbBytes& bytes, std::uint32_t version, const std::vector<LeafMask>& leaves);
 
 }  // namespace vdbpack

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <openvdb/Metadata.h>
 #include <openvdb/io/Compression.h>
-#include <openvdb/points/AttributeArray.h>
 
 #include <algorithm>
 #include <array>
@@ -34,13 +33,8 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint32_t kOldest = 222, kNewest = 224;
-constexpr std::uint32_t kMultiPass = 224;  ///< point grids are read pass by pass from here on
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  ///< flags of compression
-constexpr std::size_t kBloscHeader = 16;
-constexpr std::uint64_t kBloscPadding = 128;  ///< shorter arrays of points are filled up to this
-constexpr std::int32_t kFarthest = 1 << 30;   ///< voxel; indices stay inside 32 bits
-constexpr std::uint64_t kMostPerByte = 1032;  ///< bytes that one packed byte stands for
-constexpr std::uint64_t kMostPointsPerByte = 16;
+constexpr std::int32_t kFarthestVoxel = 1 << 30;  ///< voxel; indices stay inside 32 bits
 
 /// What a tree keeps in each voxel.
 struct ValueType {
@@ -54,14 +48,6 @@ constexpr ValueType kValueTypes[] = {
     {"Tree_vec3s_5_4_3", 12, 6}, {"Tree_vec3d_5_4_3", 24, 6},
     {"Tree_int32_5_4_3", 4, 0},  {"Tree_int64_5_4_3", 8, 0},
     {"Tree_vec3i_5_4_3", 12, 0}, {"Tree_ptdataidx32_5_4_3", 4, 0, true}};
-
-/// An array of one leaf, as its metadata describes it.
-struct AttributeArray {
-    std::uint64_t bytes = 0;
-    bool uniform = false;
-    bool paged = false;
-    std::size_t announced = 0;  ///< place among those of its attribute
-};
 
 class Walk {
 public:
@@ -83,7 +69,7 @@ public:
         bytes_.skip(8, "the version");
         const bool hasOffsets = bytes_.get<std::uint8_t>("the header") != 0;
         bytes_.skip(36, "the identifier");
-        checkMetadata();
+        checkMetadata(bytes_);
         const auto count = bytes_.get<std::int32_t>("the number of grids");
         // Three names and three offsets for each.
         if (count < 0 || static_cast<std::uint64_t>(count) > bytes_.left() / 36)
@@ -111,7 +97,7 @@ private:
         compression_ = bytes_.get<std::uint32_t>("the compression of a grid");
         // OpenVDB goes by the metadata, and where they do not say it, values are not.
         bool savedAsHalf = false;
-        checkMetadata(&savedAsHalf);
+        checkMetadata(bytes_, &savedAsHalf);
         if (savedAsHalf != half)
             bytes_.fail(
                 "a grid whose type and metadata disagree on whether its values are half floats");
@@ -132,56 +118,6 @@ private:
         if (bytes_.at() > static_cast<std::uint64_t>(end))
             bytes_.fail(fmt::format("a grid should end at byte {} but continues", end));
         bytes_.seek(static_cast<std::uint64_t>(end));
-    }
-
-    // ---- metadata ------------------------------------------------------------------------------
-
-    void checkMetadata(bool* savedAsHalf = nullptr) {
-        const auto count = bytes_.get<std::uint32_t>("metadata");
-        if (count > bytes_.left() / 12) bytes_.fail(fmt::format("{} metadata", count));
-        for (std::uint32_t i = 0; i < count; ++i) {
-            const std::string name = bytes_.text("the name of metadata");
-            const std::string type = bytes_.text("the type of metadata");
-            const auto size = bytes_.get<std::uint32_t>("the size of metadata");
-            if (size > bytes_.left())
-                bytes_.fail(
-                    fmt::format("metadata of type {} and {} bytes", type.substr(0, 40), size));
-            if (type == "__delayedload") {
-                checkDelayedLoad(size);
-                continue;
-            }
-            // Values of a fixed size are read as such, whatever size is announced.
-            if (type != "string" && openvdb::Metadata::isRegisteredType(type) &&
-                openvdb::Metadata::createMetadata(type)->size() != size)
-                bytes_.fail(
-                    fmt::format("metadata of type {} in {} bytes", type.substr(0, 40), size));
-            if (savedAsHalf && name == "is_saved_as_half_float") {
-                if (type != "bool") bytes_.fail("metadata of half floats that is not a bool");
-                *savedAsHalf = bytes_.get<std::uint8_t>("metadata") != 0;
-                continue;
-            }
-            bytes_.skip(size, "metadata");
-        }
-    }
-
-    /// Sizes for reading parts of a tree later, which nobody here wants but OpenVDB unpacks.
-    void checkDelayedLoad(std::uint32_t size) {
-        if (size == 0) return;
-        const std::uint64_t begin = bytes_.at();
-        const auto count = bytes_.get<std::uint32_t>("the number of leaves");
-        constexpr std::size_t kMaskBytes = 1, kSizeBytes = 8;
-        checkDelayedBlock(count, kMaskBytes, bytes_.get<std::uint32_t>("a size"));
-        const auto second = bytes_.get<std::uint32_t>("a size");
-        if (second != std::numeric_limits<std::uint32_t>::max())
-            checkDelayedBlock(count, kSizeBytes, second);
-        const std::uint64_t taken = bytes_.at() - begin;
-        if (taken < size) bytes_.skip(size - taken, "metadata");
-    }
-    void checkDelayedBlock(std::uint64_t count, std::size_t each, std::uint32_t stored) {
-        if (stored == 0)
-            bytes_.skip(count * each, "metadata");
-        else
-            checkBlosc(stored, count * each, /*padded=*/true);
     }
 
     // ---- transforms ----------------------------------------------------------------------------
@@ -231,9 +167,12 @@ private:
             checkInternal<5>();
         }
         if (value_.points)
-            checkPoints();
+            checkPoints(bytes_, version_, leaves_);
         else
-            for (const LeafMask& mask : leaves_) checkLeafValues(mask);
+            for (const LeafMask& mask : leaves_) {
+                bytes_.skipLeafMask(mask);
+                checkValues(512, mask, /*unpack=*/false);
+            }
     }
 
     std::array<std::int32_t, 3> checkOrigin(std::set<std::array<std::int32_t, 3>>& origins) {
@@ -241,7 +180,7 @@ private:
         std::array<std::int32_t, 3> origin{};
         for (auto& x : origin) {
             x = bytes_.get<std::int32_t>("the origin of a node");
-            if (x % kSide != 0 || x > kFarthest || x < -kFarthest)
+            if (x % kSide != 0 || x > kFarthestVoxel || x < -kFarthestVoxel)
                 bytes_.fail(fmt::format("a node at voxel {}", x));
         }
         if (!origins.insert(origin).second)
@@ -253,8 +192,8 @@ private:
     template <int Log2>
     void checkInternal() {
         constexpr std::size_t kValues = std::size_t{1} << (3 * Log2);
-        const auto children = takeMask<kValues>(bytes_);
-        const auto active = takeMask<kValues>(bytes_);
+        const auto children = bytes_.mask<kValues>();
+        const auto active = bytes_.mask<kValues>();
         if ((children & active).any()) bytes_.fail("a node and a value in one position");
         checkValues(kValues, active, /*unpack=*/true);
         for (std::size_t i = 0; i < kValues; ++i) {
@@ -262,16 +201,8 @@ private:
             if constexpr (Log2 == 5)
                 checkInternal<4>();
             else
-                leaves_.push_back(takeMask<512>(bytes_));
+                leaves_.push_back(bytes_.mask<512>());
         }
-    }
-
-    void checkLeafMask(const LeafMask& mask) {
-        if (takeMask<512>(bytes_) != mask) bytes_.fail("two masks of a leaf that differ");
-    }
-    void checkLeafValues(const LeafMask& mask) {
-        checkLeafMask(mask);
-        checkValues(512, mask, /*unpack=*/false);
     }
 
     /// Values of a node: inactive ones are left out where two stand for all of them.
@@ -311,7 +242,7 @@ private:
         if (static_cast<std::uint64_t>(stored) > bytes_.left())
             bytes_.fail(fmt::format("{} bytes of packed values", stored));
         if ((compression_ & kBlosc) != 0)
-            checkBlosc(static_cast<std::uint64_t>(stored), expected, /*padded=*/false);
+            bytes_.skipBlosc(static_cast<std::uint64_t>(stored), expected, /*padded=*/false);
         else if (static_cast<std::uint64_t>(stored) > 2 * expected + 64)
             bytes_.fail(fmt::format("{} bytes packed into {}", expected, stored));
         else
@@ -335,169 +266,6 @@ private:
         }
     }
 
-    /// A block of Blosc in `stored` bytes; its header must agree, as it is what Blosc goes by.
-    /// @param padded  whether short blocks may be filled up to 128 bytes.
-    void checkBlosc(std::uint64_t stored, std::uint64_t expected, bool padded) {
-        if (stored < kBloscHeader || stored > bytes_.left())
-            bytes_.fail(fmt::format("{} bytes packed by Blosc", stored));
-        std::array<std::uint32_t, 4> header{};
-        std::memcpy(header.data(), bytes_.take(kBloscHeader, "packed values"), kBloscHeader);
-        const std::uint64_t unpackedBytes = header[1], packedBytes = header[3];
-        const bool fits = unpackedBytes == expected ||
-                          (padded && unpackedBytes == kBloscPadding && expected <= kBloscPadding);
-        if (packedBytes != stored || !fits || unpackedBytes > kMostPerByte * stored)
-            bytes_.fail(fmt::format("{} of {} bytes packed by Blosc into {} of {}", unpackedBytes,
-                                    expected, packedBytes, stored));
-        bytes_.skip(stored - kBloscHeader, "packed values");
-    }
-
-    // ---- points --------------------------------------------------------------------------------
-
-    void checkPoints() {
-        if (version_ < kMultiPass)
-            throw InputError(
-                fmt::format("{}: holds points in format version {}; save it by a program with "
-                            "OpenVDB 5 or later",
-                            bytes_.path(), version_));
-        const auto passes = bytes_.get<std::uint16_t>("the points");
-        if (leaves_.empty()) return;  // and passes may be none
-        if (passes < 4 || passes % 2 != 0) bytes_.fail(fmt::format("points in {} passes", passes));
-        const std::size_t attributes = (passes - 4u) / 2;
-
-        bytes_.skip(2 * leaves_.size(), "the sizes of voxels");
-        std::vector<std::size_t> elementBytes;
-        std::vector<std::vector<AttributeArray>> arrays;  // by leaf
-        bool shared = false;                              // all leaves have the same attributes
-        for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
-            if (!shared) shared = checkDescriptor(attributes, elementBytes);
-            arrays.emplace_back();
-            std::uint64_t points = 0;
-            for (std::size_t a = 0; a < attributes; ++a)
-                arrays.back().push_back(checkArray(elementBytes[a], points));
-        }
-        if (points_ > kMostPointsPerByte * bytes_.size())
-            bytes_.fail(fmt::format("{} points in a file of {} bytes", points_, bytes_.size()));
-
-        std::vector<Pages> pages(attributes);
-        for (std::size_t a = 0; a < attributes; ++a) {
-            std::size_t announced = 0;
-            for (auto& leaf : arrays) {
-                if (!leaf[a].paged) continue;
-                leaf[a].announced = announced++;
-                pages[a].announce(bytes_, leaf[a].bytes);
-            }
-            pages[a].close(bytes_);
-        }
-        for (const LeafMask& mask : leaves_) {
-            checkLeafMask(mask);
-            constexpr std::uint64_t kVoxels = 512 * 4;
-            const auto stored = bytes_.get<std::uint16_t>("the voxels of a leaf");
-            if (stored == std::numeric_limits<std::uint16_t>::max())
-                bytes_.skip(kVoxels, "the voxels of a leaf");
-            else
-                checkBlosc(stored, kVoxels, /*padded=*/false);
-        }
-        for (std::size_t a = 0; a < attributes; ++a)
-            for (const auto& leaf : arrays) checkArrayValues(leaf[a], pages[a]);
-    }
-
-    /// The names and types of the attributes. @return whether they hold for all further leaves
-    bool checkDescriptor(std::size_t attributes, std::vector<std::size_t>& elementBytes) {
-        const auto flags = bytes_.get<std::uint8_t>("the attributes of points");
-        if (flags > 3) bytes_.fail(fmt::format("attributes with flags {}", flags));
-        const auto count = bytes_.get<std::uint64_t>("the attributes of points");
-        if (count != attributes)
-            bytes_.fail(
-                fmt::format("{} attributes of points where {} are announced", count, attributes));
-        elementBytes.clear();
-        for (std::size_t a = 0; a < attributes; ++a) {
-            const std::string value = bytes_.text("the type of an attribute");
-            const std::string codec = bytes_.text("the type of an attribute");
-            elementBytes.push_back(elementBytesOf({value, codec}));
-        }
-        std::set<std::string> names;
-        std::set<std::uint64_t> places;
-        for (std::size_t a = 0; a < attributes; ++a) {
-            const bool isNew = names.insert(bytes_.text("the name of an attribute")).second;
-            const auto place = bytes_.get<std::uint64_t>("the position of an attribute");
-            if (!isNew || place >= attributes || !places.insert(place).second)
-                bytes_.fail(
-                    fmt::format("an attribute twice, or at position {} of {}", place, attributes));
-        }
-        const auto groups = bytes_.get<std::uint64_t>("the groups of points");
-        if (groups > bytes_.left() / 12) bytes_.fail(fmt::format("{} groups of points", groups));
-        for (std::uint64_t g = 0; g < groups; ++g) {
-            bytes_.text("the name of a group");
-            bytes_.skip(8, "the offset of a group");
-        }
-        checkMetadata();
-        if ((flags & 2) != 0) {
-            const auto more = bytes_.get<std::uint64_t>("the attributes of points");
-            bytes_.skip(more, "the attributes of points");
-        }
-        return (flags & 1) != 0;
-    }
-
-    std::size_t elementBytesOf(const openvdb::NamePair& type) {
-        const auto known = elementBytesOfType_.find(type);
-        if (known != elementBytesOfType_.end()) return known->second;
-        using openvdb::points::AttributeArray;
-        if (!AttributeArray::isRegistered(type))
-            bytes_.fail(fmt::format("an attribute of type '{}' as '{}'", type.first.substr(0, 40),
-                                    type.second.substr(0, 40)));
-        const std::size_t size = AttributeArray::create(type, 1, 1)->storageTypeSize();
-        return elementBytesOfType_[type] = size;
-    }
-
-    /// @param points  of the leaf: set by its first array, and the same for the others.
-    AttributeArray checkArray(std::size_t elementBytes, std::uint64_t& points) {
-        constexpr std::uint64_t kPrefix = 6;
-        constexpr unsigned kConstantStride = 8, kUnknown = 0x20;
-        constexpr unsigned kStrided = 1, kUniform = 2, kPaged = 8, kUnknownLayout = 0x10;
-        AttributeArray array;
-        const auto announced = bytes_.get<std::uint64_t>("an array");
-        const unsigned flags = bytes_.get<std::uint8_t>("an array");
-        const unsigned layout = bytes_.get<std::uint8_t>("an array");
-        const std::uint64_t size = bytes_.get<std::uint32_t>("an array");
-        const std::uint64_t stride =
-            (layout & kStrided) != 0 ? bytes_.get<std::uint32_t>("an array") : 1;
-        if (announced < kPrefix || flags >= kUnknown || (flags & kConstantStride) == 0 ||
-            layout >= kUnknownLayout || size == 0 || stride == 0)
-            bytes_.fail(fmt::format("an array of {} points, {} values each, flags {:#x} and {:#x}",
-                                    size, stride, flags, layout));
-        if (points == 0) points_ += size;
-        if (points != 0 && points != size)
-            bytes_.fail(fmt::format("arrays of {} and {} points in one leaf", points, size));
-        points = size;
-        array.bytes = announced - kPrefix;
-        array.uniform = (layout & kUniform) != 0;
-        array.paged = (layout & kPaged) != 0;
-        const std::uint64_t plain = array.uniform ? elementBytes : elementBytes * size * stride;
-        // No product overflows: size has 32 bits, and no element more than 128 bytes.
-        if (stride > (std::uint64_t{1} << 16) || array.bytes != plain ||
-            array.bytes > std::numeric_limits<std::int32_t>::max())
-            bytes_.fail(fmt::format("an array of {} bytes where {} points need {}", array.bytes,
-                                    size, plain));
-        return array;
-    }
-
-    void checkArrayValues(const AttributeArray& array, const Pages& pages) {
-        if (!array.paged) {
-            // Arrays in leaves are packed by the page, or not at all.
-            if (!array.uniform && bytes_.get<std::uint8_t>("an array") == 1)
-                bytes_.fail("an array packed on its own");
-            bytes_.skip(array.bytes, "an array");
-            return;
-        }
-        const auto* page = pages.pageAt(array.announced);
-        if (page == nullptr) return;
-        if (page->stored < 0)
-            bytes_.skip(static_cast<std::uint64_t>(page->held), "a page of points");
-        else
-            checkBlosc(static_cast<std::uint64_t>(page->stored),
-                       static_cast<std::uint64_t>(page->held), /*padded=*/true);
-    }
-
     VdbBytes bytes_;
     std::uint32_t version_ = 0;
     std::uint32_t compression_ = 0;
@@ -505,11 +273,57 @@ private:
     bool half_ = false;
     std::vector<LeafMask> leaves_;  ///< of the tree, in its order
     std::vector<char> unpacked_;
-    std::uint64_t points_ = 0;
-    std::map<openvdb::NamePair, std::size_t> elementBytesOfType_;
 };
 
+void checkDelayedBlock(VdbBytes& bytes, std::uint64_t count, std::size_t each,
+                       std::uint32_t stored) {
+    if (stored == 0)
+        bytes.skip(count * each, "metadata");
+    else
+        bytes.skipBlosc(stored, count * each, /*padded=*/true);
+}
+
+/// Sizes for reading parts of a tree later, which nobody here wants but OpenVDB unpacks.
+void checkDelayedLoad(VdbBytes& bytes, std::uint32_t size) {
+    if (size == 0) return;
+    const std::uint64_t begin = bytes.at();
+    const auto count = bytes.get<std::uint32_t>("the number of leaves");
+    constexpr std::size_t kMaskBytes = 1, kSizeBytes = 8;
+    checkDelayedBlock(bytes, count, kMaskBytes, bytes.get<std::uint32_t>("a size"));
+    const auto second = bytes.get<std::uint32_t>("a size");
+    if (second != std::numeric_limits<std::uint32_t>::max())
+        checkDelayedBlock(bytes, count, kSizeBytes, second);
+    const std::uint64_t taken = bytes.at() - begin;
+    if (taken < size) bytes.skip(size - taken, "metadata");
+}
+
 }  // namespace
+
+void checkMetadata(VdbBytes& bytes, bool* savedAsHalf) {
+    const auto count = bytes.get<std::uint32_t>("metadata");
+    if (count > bytes.left() / 12) bytes.fail(fmt::format("{} metadata", count));
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const std::string name = bytes.text("the name of metadata");
+        const std::string type = bytes.text("the type of metadata");
+        const auto size = bytes.get<std::uint32_t>("the size of metadata");
+        if (size > bytes.left())
+            bytes.fail(fmt::format("metadata of type {} and {} bytes", type.substr(0, 40), size));
+        if (type == "__delayedload") {
+            checkDelayedLoad(bytes, size);
+            continue;
+        }
+        // Values of a fixed size are read as such, whatever size is announced.
+        if (type != "string" && openvdb::Metadata::isRegisteredType(type) &&
+            openvdb::Metadata::createMetadata(type)->size() != size)
+            bytes.fail(fmt::format("metadata of type {} in {} bytes", type.substr(0, 40), size));
+        if (savedAsHalf && name == "is_saved_as_half_float") {
+            if (type != "bool") bytes.fail("metadata of half floats that is not a bool");
+            *savedAsHalf = bytes.get<std::uint8_t>("metadata") != 0;
+            continue;
+        }
+        bytes.skip(size, "metadata");
+    }
+}
 
 void checkVdbFile(const std::string& path) {
     initializeOpenVdb();

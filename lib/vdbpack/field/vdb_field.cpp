@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/lanes.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/band_width.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/narrow_band.h"
@@ -11,7 +12,6 @@
 
 #include <fmt/format.h>
 #include <openvdb/tools/Composite.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -30,7 +30,7 @@ using Leaf = FloatGrid::TreeType::LeafNodeType;
 
 constexpr float kOutsideVoxels = 3;
 /// Error of distances of an exact band, voxels.
-constexpr double kRounding = 1e-5;
+constexpr double kDepthRounding = 1e-5;
 
 /// The band of a mesh that is not watertight: each level of shells takes off what the next one
 /// encloses, from the inside out.
@@ -84,17 +84,15 @@ struct VdbField::Impl {
     double sumOverVoxels(const Share& share) const {
         const openvdb::tree::LeafManager<const FloatGrid::TreeType> leafs(grid->tree());
         std::vector<double> sums(leafs.leafCount());
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, sums.size(), 64),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i != range.end(); ++i) {
-                                  const float* const values = leafs.leaf(i).buffer().data();
-                                  std::array<double, kLanes> lanes{};
-                                  for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
-                                      for (std::size_t l = 0; l < kLanes; ++l)
-                                          lanes[l] += share(values[k + l]);
-                                  sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
-                              }
-                          });
+        parallelFor(IndexRange(0, sums.size(), 64), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i != range.end(); ++i) {
+                const float* const values = leafs.leaf(i).buffer().data();
+                std::array<double, kLanes> lanes{};
+                for (std::size_t k = 0; k < Leaf::SIZE; k += kLanes)
+                    for (std::size_t l = 0; l < kLanes; ++l) lanes[l] += share(values[k + l]);
+                sums[i] = std::accumulate(lanes.begin(), lanes.end(), 0.0);
+            }
+        });
         double total = 0;
         for (const double sum : sums) total += sum;
         forEachTile(grid->tree().root(), [&](float value, double voxels) {
@@ -120,7 +118,7 @@ VdbField::VdbField(const TriangleMesh& mesh, const MeshNesting& nesting, double 
             options.origin = impl_->origin;
             options.facing = nesting.facing.empty() ? nullptr : &nesting.facing;
             impl_->grid = narrowBand(mesh, voxelSize, inside, kOutsideVoxels, options, callbacks);
-            impl_->deepest = (insideVoxels - kRounding) * voxelSize;
+            impl_->deepest = (insideVoxels - kDepthRounding) * voxelSize;
         } else {
             impl_->grid = sealedBands({mesh, impl_->origin, voxelSize}, nesting.depthOfTriangle,
                                       inside, callbacks);
@@ -294,7 +292,7 @@ DepthRange VdbField::Sampler::depthRange(const Vec<3>& x) {
         return range;
     }
     // The distance changes by no more than the way.
-    const double slack = kRounding * h;
+    const double slack = kDepthRounding * h;
     for (int i = 0; i < 8; ++i) {
         double square = 0;
         for (int d = 0; d < 3; ++d) {

@@ -1,10 +1,10 @@
 #include "vdbpack/field/winding_lattice.h"
 
 #include "vdbpack/core/box.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/sealed_band.h"
 #include "vdbpack/mesh/edge_table.h"
 
-#include <tbb/enumerable_thread_specific.h>
 #include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
@@ -221,11 +221,9 @@ void WindingLattice::Impl::add(std::vector<Coord> points) {
                                 [&](const Coord& p) { return accessor.isValueOn(p); }),
                  points.end());
     std::vector<float> values(points.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, points.size(), 256),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i)
-                              values[i] = windingAt(points[i]);
-                      });
+    parallelFor(IndexRange(0, points.size(), 256), [&](const IndexRange& range) {
+        for (std::size_t i = range.begin(); i != range.end(); ++i) values[i] = windingAt(points[i]);
+    });
     auto writer = grid->getAccessor();
     for (std::size_t i = 0; i < points.size(); ++i) writer.setValueOn(points[i], values[i]);
     fresh = std::move(points);
@@ -251,7 +249,7 @@ void WindingLattice::Impl::probeElsewhere() {
                static_cast<std::size_t>(i);
     };
     std::vector<char> inside(n0 * n1 * static_cast<std::size_t>(count[2]));
-    tbb::parallel_for(0, count[2], [&](int k) {
+    parallelFor(0, count[2], [&](int k) {
         for (int j = 0; j < count[1]; ++j)
             for (int i = 0; i < count[0]; ++i)
                 inside[index(i, j, k)] = isInside(windingAt(place(i, j, k)));
@@ -288,7 +286,7 @@ void WindingLattice::Impl::probeElsewhere() {
 /// lattice with two known ends on different sides. @return the lists of all threads
 template <class T, class Visit>
 std::vector<T> WindingLattice::Impl::collectChanges(const Visit& visit) const {
-    tbb::enumerable_thread_specific<std::vector<T>> lists;
+    PerThread<std::vector<T>> lists;
     const openvdb::tree::LeafManager<const Tree> leafs(grid->constTree());
     tbb::parallel_for(leafs.leafRange(), [&](const auto& range) {
         const Accessor accessor(grid->constTree());

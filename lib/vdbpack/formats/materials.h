@@ -23,8 +23,8 @@ inline constexpr const char* kModulusColumn = "modulus_MPa";
 const Column* columnOfNumbers(const PackAttributes& pack, const char* name);
 
 /// Materials of a pack, counted from 0: its regions, or its parts; where parts have several
-/// regions, those of each part one after another (part 1, region 0 of two: 2). Where spheres have
-/// classes of density, the combinations of part, region and class that occur, in that order.
+/// regions, the regions of each part one after another (part 1, region 0 of two: 2). Where spheres
+/// have classes of density, the combinations of part, region and class that occur, in that order.
 ///
 /// Parts and classes are the columns of these names, if they have whole numbers from 0 and the pack
 /// has no column `type`, which says more.
@@ -74,7 +74,7 @@ private:
     std::vector<std::int32_t> rank_;  // by key, where there are classes
 };
 
-/// Densities of the spheres of a pack, kg/m³: those of their materials, else of all, else of the
+/// Densities of the spheres of a pack, kg/m³: by material, else one for all, else of the
 /// column `kDensityColumn`, else `kDefaultDensity`.
 class SphereDensities {
 public:

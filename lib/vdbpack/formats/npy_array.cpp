@@ -17,49 +17,22 @@ namespace {
 constexpr std::int64_t kWidestText = 1 << 20;  ///< characters of an element
 
 std::optional<NumberType> numberType(char kind, std::size_t bytes) {
-    switch (kind) {
-        case 'f':
-            if (bytes == 4) return NumberType::f32;
-            if (bytes == 8) return NumberType::f64;
-            break;
-        case 'b':
-            if (bytes == 1) return NumberType::u8;
-            break;
-        case 'i':
-            if (bytes == 1) return NumberType::i8;
-            if (bytes == 2) return NumberType::i16;
-            if (bytes == 4) return NumberType::i32;
-            if (bytes == 8) return NumberType::i64;
-            break;
-        case 'u':
-            if (bytes == 1) return NumberType::u8;
-            if (bytes == 2) return NumberType::u16;
-            if (bytes == 4) return NumberType::u32;
-            if (bytes == 8) return NumberType::u64;
-            break;
-        default:
-            break;
-    }
-    return std::nullopt;
+    if (kind == 'b' && bytes == 1) return NumberType::u8;
+    const char* const word = kind == 'f'   ? "float"
+                             : kind == 'i' ? "int"
+                             : kind == 'u' ? "uint"
+                                           : "";
+    return numberTypeNamed(fmt::format("{}{}", word, 8 * bytes));
 }
 
-/// The header of an array: a dictionary as Python prints it.
-class Header {
-public:
-    explicit Header(std::string_view text) : text_(text) {}
-
-    /// What follows "'key':"; nothing if there is no such key.
-    std::optional<std::string_view> value(std::string_view key) const {
-        const auto at = text_.find(key);
-        if (at == std::string_view::npos) return std::nullopt;
-        const auto colon = std::min(text_.find(':', at), text_.size() - 1);
-        const auto begin = std::min(text_.find_first_not_of(' ', colon + 1), text_.size());
-        return text_.substr(begin);
-    }
-
-private:
-    std::string_view text_;
-};
+/// What follows "'key':" in the header of an array, a dictionary as Python prints it; nothing if
+/// there is no such key.
+std::optional<std::string_view> valueOf(std::string_view header, std::string_view key) {
+    const auto at = header.find(key);
+    if (at == std::string_view::npos) return std::nullopt;
+    const auto colon = std::min(header.find(':', at), header.size() - 1);
+    return header.substr(std::min(header.find_first_not_of(' ', colon + 1), header.size()));
+}
 
 /// The numbers of a tuple such as "(3, 2)"; nothing if it is none of counts.
 std::optional<std::vector<std::uint64_t>> countsOf(std::string_view tuple) {
@@ -128,10 +101,10 @@ std::optional<NpyArray> NpyArray::describe(const std::string& text, std::uint64_
                                            const std::string& name, const std::string& where) {
     require(text.size() <= bytes, where, " (its header)");
     const std::size_t before = text.size() > 6 && text[6] >= 2 ? 12 : 10;
-    const Header header(std::string_view(text).substr(std::min(before, text.size())));
-    const auto type = header.value("'descr'");
-    const auto fortran = header.value("'fortran_order'");
-    const auto shape = header.value("'shape'");
+    const auto header = std::string_view(text).substr(std::min(before, text.size()));
+    const auto type = valueOf(header, "'descr'");
+    const auto fortran = valueOf(header, "'fortran_order'");
+    const auto shape = valueOf(header, "'shape'");
     require(type && fortran && shape, where, " (its header)");
 
     NpyArray a;

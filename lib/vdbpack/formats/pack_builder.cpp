@@ -16,29 +16,10 @@
 
 namespace vdbpack {
 
-namespace {
-
-/// Puts a value into a cell. @return false if the cell cannot hold it.
-bool put(double& cell, double value) {
-    cell = value;
-    return true;
+void addNames(std::vector<std::string>& names, const std::string& name, std::uint64_t components) {
+    for (std::uint64_t c = 0; c < components; ++c)
+        names.push_back(components == 1 ? name : fmt::format("{}_{}", name, c));
 }
-bool put(float& cell, double value) {
-    // Beyond float's range the conversion is undefined.
-    if (std::abs(value) > static_cast<double>(std::numeric_limits<float>::max())) return false;
-    cell = static_cast<float>(value);
-    return true;
-}
-bool put(std::int64_t& cell, std::int64_t value) {
-    cell = value;
-    return true;
-}
-bool put(std::int32_t& cell, std::int64_t value) {
-    cell = static_cast<std::int32_t>(value);
-    return cell == value;
-}
-
-}  // namespace
 
 void dropDefaultIds(Pack<3>& pack) {
     for (std::size_t i = 0; i < pack.id.size(); ++i)
@@ -109,35 +90,30 @@ void PackBuilder::makeText(std::size_t column) {
     columns_[column] = &further->texts;
 }
 
-double PackBuilder::bytesOf(std::uint64_t rows) const {
-    std::size_t row = sizeof(Sphere<3>);
+template <class Use>
+void PackBuilder::forEachColumn(const Use& use) const {
     for (const Target& target : columns_)
         std::visit(
-            [&row](auto values) {
-                if constexpr (std::is_pointer_v<decltype(values)>) row += sizeof((*values)[0]);
+            [&use](auto values) {
+                if constexpr (std::is_pointer_v<decltype(values)>) use(*values);
             },
             target);
+}
+
+double PackBuilder::bytesOf(std::uint64_t rows) const {
+    std::size_t row = sizeof(Sphere<3>);
+    forEachColumn([&row](auto& values) { row += sizeof(values[0]); });
     return static_cast<double>(row) * static_cast<double>(rows);
 }
 
 void PackBuilder::reserve(std::size_t rows) {
     pack_.spheres.reserve(rows);
-    for (const Target& target : columns_)
-        std::visit(
-            [rows](auto values) {
-                if constexpr (std::is_pointer_v<decltype(values)>) values->reserve(rows);
-            },
-            target);
+    forEachColumn([rows](auto& values) { values.reserve(rows); });
 }
 
 void PackBuilder::addRow() {
     pack_.spheres.emplace_back();
-    for (const Target& target : columns_)
-        std::visit(
-            [](auto values) {
-                if constexpr (std::is_pointer_v<decltype(values)>) values->emplace_back();
-            },
-            target);
+    forEachColumn([](auto& values) { values.emplace_back(); });
 }
 
 void PackBuilder::setSphere(SphereNumber which, double value) {
@@ -166,16 +142,27 @@ bool PackBuilder::set(std::size_t column, double value) {
         setSphere(*number, value);
         return true;
     }
-    if (const auto* lengths = std::get_if<std::vector<float>*>(&columns_[column]))
-        return put((*lengths)->back(), toMillimeters(value, unit_));
-    return put(std::get<Numbers>(columns_[column])->back(), value);
+    if (const auto* lengths = std::get_if<std::vector<float>*>(&columns_[column])) {
+        const double length = toMillimeters(value, unit_);
+        // Beyond float's range the conversion is undefined.
+        if (std::abs(length) > static_cast<double>(std::numeric_limits<float>::max())) return false;
+        (*lengths)->back() = static_cast<float>(length);
+        return true;
+    }
+    std::get<Numbers>(columns_[column])->back() = value;
+    return true;
 }
 
 bool PackBuilder::set(std::size_t column, std::int64_t value) {
-    if (const auto* wide = std::get_if<std::vector<std::int64_t>*>(&columns_[column]))
-        return put((*wide)->back(), value);
-    if (const auto* narrow = std::get_if<std::vector<std::int32_t>*>(&columns_[column]))
-        return put((*narrow)->back(), value);
+    if (const auto* wide = std::get_if<std::vector<std::int64_t>*>(&columns_[column])) {
+        (*wide)->back() = value;
+        return true;
+    }
+    if (const auto* narrow = std::get_if<std::vector<std::int32_t>*>(&columns_[column])) {
+        std::int32_t& cell = (*narrow)->back();
+        cell = static_cast<std::int32_t>(value);
+        return cell == value;
+    }
     return set(column, static_cast<double>(value));
 }
 
@@ -213,8 +200,34 @@ void PackBuilder::failCell(const std::string& where, std::size_t column,
                                  isWhole(column) ? "whole number" : "number"));
 }
 
-void PackBuilder::failRow(const std::string& where) const {
-    throw InputError(file_ + ": " + where + ": " + problem());
+void PackBuilder::failRow(const std::string& what) const {
+    throw InputError(file_ + ": " + what);
+}
+
+PackBuilder::Put PackBuilder::numbersFrom(const char* first, std::size_t stride, NumberType type,
+                                          bool swap) {
+    return [=](std::size_t column, std::uint64_t row) {
+        return loadNumber(type, first + row * stride, swap,
+                          [&](auto value) { return set(column, value); });
+    };
+}
+
+PackBuilder::Put PackBuilder::textsFrom(const std::vector<std::string>& texts) {
+    return [this, &texts](std::size_t column, std::uint64_t row) {
+        setText(column, texts[row]);
+        return true;
+    };
+}
+
+void PackBuilder::addRows(std::uint64_t count, const std::vector<Put>& puts, const char* what,
+                          std::uint64_t first) {
+    for (std::uint64_t row = 0; row < count; ++row) {
+        const auto where = [&] { return fmt::format("{} {}", what, first + row); };
+        addRow();
+        for (std::size_t c = 0; c < puts.size(); ++c)
+            if (!puts[c](c, row)) failCell(where(), c, "out of range");
+        checkRow(where);
+    }
 }
 
 Pack<3> PackBuilder::finish() {

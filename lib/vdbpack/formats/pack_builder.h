@@ -3,15 +3,20 @@
 
 #include "vdbpack/core/pack.h"
 #include "vdbpack/core/units.h"
+#include "vdbpack/io/byte_order.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <variant>
 #include <vector>
 
 namespace vdbpack {
+
+/// Adds the columns of an array with so many numbers a row: `name`, or `name`_0, `name`_1, ...
+void addNames(std::vector<std::string>& names, const std::string& name, std::uint64_t components);
 
 /// Removes ids that count 0, 1, 2, ...: an empty `id` means the same.
 void dropDefaultIds(Pack<3>& pack);
@@ -27,13 +32,10 @@ public:
     PackBuilder(const PackBuilder&) = delete;
     PackBuilder& operator=(const PackBuilder&) = delete;
 
-    std::size_t columns() const { return columns_.size(); }
     const std::vector<std::string>& names() const { return names_; }
     Unit unit() const { return unit_; }
     std::size_t rows() const { return pack_.spheres.size(); }
-    /// Whether the column holds whole numbers: set those with the integer form of `set`.
-    bool isWhole(std::size_t column) const;
-    /// Whether the column is none of those that the pack knows by name.
+    /// Whether the column is a further one: a pack does not know it by name.
     bool isFurther(std::size_t column) const {
         return std::holds_alternative<Numbers>(columns_[column]) || isText(column);
     }
@@ -56,14 +58,27 @@ public:
     /// The cell of the last row from text. @return false if the column cannot hold it.
     bool parse(std::size_t column, std::string_view text);
 
-    /// The error in the last row ("radius is -1; ..."), or an empty text.
-    std::string problem() const;
-
     /// @throws InputError "file: where: column 'name' is 'value'; ..."
     [[noreturn]] void failCell(const std::string& where, std::size_t column,
                                std::string_view value) const;
-    /// @throws InputError "file: where: problem"
-    [[noreturn]] void failRow(const std::string& where) const;
+    /// Checks the last row. @param where  makes its place in the file, for messages.
+    /// @throws InputError "file: where: radius is -1; ..."
+    template <class Where>
+    void checkRow(const Where& where) const {
+        if (const std::string wrong = problem(); !wrong.empty()) failRow(where() + ": " + wrong);
+    }
+
+    /// Sets the cell of the last row in a column from row `row` of a file. @return false if the
+    /// column cannot hold the value.
+    using Put = std::function<bool(std::size_t column, std::uint64_t row)>;
+    /// Takes numbers in memory, one every `stride` bytes from `first` on.
+    Put numbersFrom(const char* first, std::size_t stride, NumberType type, bool swap);
+    Put textsFrom(const std::vector<std::string>& texts);
+    /// Adds `count` rows from the same rows of a file. @param puts  one a column.
+    /// @param what  the file calls a row, and `first` the number of row 0, for messages.
+    /// @throws InputError naming row and column.
+    void addRows(std::uint64_t count, const std::vector<Put>& puts, const char* what,
+                 std::uint64_t first = 0);
 
     /// The pack in mm, without ids 0, 1, 2, ...
     Pack<3> finish();
@@ -76,7 +91,14 @@ private:
     using Target = std::variant<Numbers, Texts, SphereNumber, std::vector<std::int32_t>*,
                                 std::vector<std::int64_t>*, std::vector<float>*>;
 
+    bool isWhole(std::size_t column) const;
+    /// Calls `use` with the vector of each column that has one.
+    template <class Use>
+    void forEachColumn(const Use& use) const;
     void setSphere(SphereNumber which, double value);
+    /// The error in the last row ("radius is -1; ..."), or an empty text.
+    std::string problem() const;
+    [[noreturn]] void failRow(const std::string& what) const;
 
     std::string file_;
     Unit unit_;

@@ -89,66 +89,10 @@ void writePack(const Pack<Dim>& pack, const std::string& file, const PackWriteOp
         return;
     }
     const PackView view(pack, options.unit);
-    if (t.format == PackFormat::pvtp) {
-        writePvtp(nullptr, view, options, t.path);
-        return;
-    }
-    if (t.format == PackFormat::vtkhdf) {
-        writeVtkHdf(nullptr, view, options, t.path);
-        return;
-    }
+    if (t.format == PackFormat::pvtp) return writePvtp(nullptr, view, options, t.path);
+    if (t.format == PackFormat::vtkhdf) return writeVtkHdf(nullptr, view, options, t.path);
     OutputFile out(t.path);
-    switch (t.format) {
-        case PackFormat::vdb:
-            writeVdb(view, options, out);
-            break;
-        case PackFormat::vtp:
-            writeVtp(view, options, out);
-            break;
-        case PackFormat::ply:
-            writePly(view, options, out);
-            break;
-        case PackFormat::csv:
-            writeCsv(view, out);
-            break;
-        case PackFormat::points: {
-            PackWriteOptions alone = options;
-            alone.levelSets.clear();
-            writeVdb(view, alone, out);
-            break;
-        }
-        case PackFormat::npz:
-            writeNpz(view, options, out);
-            break;
-        case PackFormat::xyz:
-            writeXyz(view, options, out);
-            break;
-        case PackFormat::usd:
-            writeUsd(view, options, out);
-            break;
-        case PackFormat::usdz:
-            writeUsdz(view, options, out);
-            break;
-        case PackFormat::svg:
-            writeSvg(view, options, out);
-            break;
-        case PackFormat::yade:
-            writeYade(view, options, out);
-            break;
-        case PackFormat::lammpsData:
-            writeLammps(view, options, nullptr, out);
-            break;
-        case PackFormat::lammpsBonds: {
-            const auto bonds = listContacts(pack.spheres, options.contactTolerance, pack.cell);
-            writeLammps(view, options, &bonds, out);
-            break;
-        }
-        case PackFormat::pvtp:
-        case PackFormat::vtkhdf:
-            break;  // written above
-        case PackFormat::lammpsDump:
-            break;  // refused above
-    }
+    t.write(view, options, out);
     out.commit();
 }
 
@@ -158,43 +102,11 @@ template void writePack<3>(const Pack<3>&, const std::string&, const PackWriteOp
 Pack<3> readPack(const std::string& file, const PackReadOptions& options) {
     const PackTarget t = targetToRead(file);
     try {
-        switch (t.format) {
-            case PackFormat::vdb:
-            case PackFormat::points:
-                return readVdb(t.path, options);
-            case PackFormat::vtp:
-                return readVtp(t.path, options);
-            case PackFormat::ply:
-                return readPly(t.path, options);
-            case PackFormat::csv:
-                return readCsv(t.path, options);
-            case PackFormat::npz:
-                return readNpz(t.path, options);
-            case PackFormat::xyz:
-                return readXyz(t.path, options);
-            case PackFormat::lammpsData:
-            case PackFormat::lammpsBonds:
-                return readLammpsData(t.path, options);
-            case PackFormat::lammpsDump:
-                return readLammpsDump(t.path, options);
-            case PackFormat::yade:
-                return readYade(t.path, options);
-            case PackFormat::pvtp:
-                return readPvtp(t.path, options);
-            case PackFormat::vtkhdf:
-                return readVtkHdf(t.path, options);
-            case PackFormat::usd:
-                return readUsd(t.path, options);
-            case PackFormat::usdz:
-                return readUsdz(t.path, options);
-            case PackFormat::svg:
-                break;  // refused above
-        }
+        return t.read(t.path, options);
     } catch (const std::bad_alloc&) {
         throw ResourceError(t.path +
                             ": does not fit into memory; read it on a machine that has more");
     }
-    return {};
 }
 
 Pack<2> asCircles(const Pack<3>& pack) {

@@ -24,7 +24,7 @@ struct TriangleMesh;
 /// @param measure  volume (2D: area) that they fill, length^Dim.
 double pointVoxelSize(double count, double measure, int dim);
 
-/// Density of the spheres where none is given, kg/m³: that of water.
+/// Density of the spheres where none is given, kg/m³: the density of water.
 inline constexpr double kDefaultDensity = 1000;
 
 struct PackWriteOptions {
@@ -41,7 +41,7 @@ struct PackWriteOptions {
     /// Density of the spheres for DEM programs, kg/m³; 0: the numbers of the pack's column
     /// `density_kg_m3`, or of `density`, unconverted, or else `kDefaultDensity`.
     double particleDensity = 0;
-    /// The same by material (`Materials::withoutClass`); for those that are not in it the above.
+    /// The same by material (`Materials::withoutClass`); other materials have `particleDensity`.
     std::map<std::int32_t, double> materialDensity;
     /// Bonds are written up to this gap, in radii of the smaller sphere.
     double contactTolerance = 1e-3;
@@ -60,13 +60,13 @@ struct PackWriteOptions {
 /// .csv, .vtp, .npz and .xyz keep every double and every column (texts in .xyz as one word each).
 /// .pvtp names its one piece, NAME_0000.vtp. .vtkhdf, an unstructured grid of vertices, keeps every
 /// double and every column of numbers; columns of texts are left out.
-/// .usda and .usdz, which holds one, keep every double and every column, too, under names with
-/// letters, digits and '_' (what they were is recorded); programs other than this one round
-/// positions and diameters to floats, about an origin near the spheres.
-/// .vdb keeps positions to 2^-26 of a voxel (in mm those of a packer exactly) and radii as float;
-/// points are stored by position, and `readPack` returns them sorted by id. .ply (double positions,
-/// radius, id) and YADE (positions, radius, material) hold no further attributes. .svg is a
-/// picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
+/// .usda and .usdz, which holds one, have every column, under names with letters, digits and '_'
+/// (the original names are recorded); programs round their positions and diameters to floats,
+/// about an origin near the spheres. They are not read back.
+/// .vdb keeps positions to 2^-26 of a voxel (in mm the positions of a packer exactly) and radii as
+/// float; points are stored by position, and `readPack` returns them sorted by id. .ply (double
+/// positions, radius, id) and YADE (positions, radius, material) hold no further attributes. .svg
+/// is a picture: y up, so cy = -y, numbers to six digits of its extent, colors by region. Empty
 /// attributes are left out. The unit is recorded in every format but .csv, which has no metadata.
 /// 2D: z = `sliceHeight`.
 ///
@@ -108,9 +108,9 @@ std::string packPath(const std::string& file);
 
 struct PackReadOptions {
     Unit unit = Unit::millimeter;  ///< of the file, unless the file records its own
-    /// .vdb: the point grid; .usda: the Points prim, by name or path; empty: the first one.
+    /// .vdb: the point grid; empty: the first one.
     std::string gridName;
-    /// Bytes that the process may hold while it reads; 0: those it holds and those that are free.
+    /// Bytes that the process may hold while it reads; 0: what it holds and what is free.
     double memoryLimit = 0;
 };
 
@@ -124,9 +124,6 @@ struct PackReadOptions {
 /// - .csv: cells separated by commas, semicolons, tabs or blanks, the columns named by the first
 ///   line or by a comment (#) above it.
 /// - yade: x_y_z_r, with id, matId (as region), clumpId or attrs if the #format line says so.
-/// - .usda (or .usd, .usdz with text inside): the points of one Points prim, with ids, widths, and
-///   what has one value a point. Of values by time the last ones; transformations that leave
-///   spheres spheres are applied. References and variants are not followed.
 /// - .xyz: extended XYZ with a column radius; of several frames the last one.
 /// - .npz: numpy's savez or savez_compressed: arrays positions (N, 3) or x, y, z (N), and radii,
 ///   radius or diameters (N); others of N numbers or texts as the columns of their names.

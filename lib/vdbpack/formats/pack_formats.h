@@ -4,13 +4,8 @@
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/pack_view.h"
 #include "vdbpack/io/output_file.h"
-#include "vdbpack/measure/contacts.h"
 
-#include <cstddef>
-#include <functional>
 #include <string>
-#include <string_view>
-#include <vector>
 
 namespace vdbpack {
 
@@ -20,7 +15,7 @@ template <int Dim>
 void checkPack(const Pack<Dim>& pack);
 
 /// Each writes into `out`, which the caller commits. @throws IoError
-void writeCsv(const PackView& pack, OutputFile& out);
+void writeCsv(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeYade(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writePly(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
@@ -28,11 +23,12 @@ void writeVtp(const PackView& pack, const PackWriteOptions& options, OutputFile&
 void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+/// The points of a .vdb, without level sets.
+void writePoints(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeUsd(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 void writeUsdz(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
-/// @param bonds  null: atoms alone.
-void writeLammps(const PackView& pack, const PackWriteOptions& options,
-                 const std::vector<Contact>* bonds, OutputFile& out);
+void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
+void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, OutputFile& out);
 
 /// Each reads the file at `path`. @throws IoError, InputError
 Pack<3> readCsv(const std::string& path, const PackReadOptions& options);
@@ -44,8 +40,6 @@ Pack<3> readVtkHdf(const std::string& path, const PackReadOptions& options);
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options);
 Pack<3> readNpz(const std::string& path, const PackReadOptions& options);
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options);
-Pack<3> readUsd(const std::string& path, const PackReadOptions& options);
-Pack<3> readUsdz(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsData(const std::string& path, const PackReadOptions& options);
 Pack<3> readLammpsDump(const std::string& path, const PackReadOptions& options);
 

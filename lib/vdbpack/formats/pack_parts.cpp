@@ -1,6 +1,7 @@
 #include "vdbpack/formats/pack_parts.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_target.h"
 #include "vdbpack/formats/pack_text.h"
@@ -11,7 +12,6 @@
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -82,12 +82,12 @@ void writeTextRows(const PackShare<Dim>& share, const Shares& shares, const Pack
         }
     };
     std::vector<std::uint64_t> sizes(share.spans.size());
-    tbb::parallel_for(std::size_t{0}, sizes.size(), [&](std::size_t s) {
+    parallelFor(std::size_t{0}, sizes.size(), [&](std::size_t s) {
         forChunks(share.spans[s], [&](const std::string& text) { sizes[s] += text.size(); });
     });
     const auto starts = startsOfPieces(*share.ranks, share.spans, sizes, share.pieces);
     if (share.ranks->isFirst()) file.writeAt(0, header.data(), header.size());
-    tbb::parallel_for(std::size_t{0}, sizes.size(), [&](std::size_t s) {
+    parallelFor(std::size_t{0}, sizes.size(), [&](std::size_t s) {
         std::uint64_t at = header.size() + starts[s];
         forChunks(share.spans[s], [&](const std::string& text) {
             file.writeAt(at, text.data(), text.size());

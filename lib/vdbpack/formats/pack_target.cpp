@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_file.h"
+#include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/io/text.h"
 
 #include <optional>
@@ -16,41 +17,43 @@ constexpr const char* kWritten =
     "fog:FILE.vdb for surfaces, "
     "blender:FILE.py, contacts:, materials: or list:FILE.csv, labels:FILE.nii.gz";
 constexpr const char* kRead =
-    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .usda, .usdz, .data or "
-    "lammps:FILE, .dump, "
+    "use .vdb, .vtp, .pvtp, .vtkhdf, .ply, .csv, .xyz, .npz, .data or lammps:FILE, .dump, "
     ".lammpstrj or dump:FILE, yade:FILE";
 
-/// A prefix ("yade:f.txt") or an extension, and the format that it names.
+/// A prefix ("yade:f.txt") or an extension, the format that it names, and what handles the format.
 struct FormatName {
     const char* name;
     PackFormat format;
+    PackTarget::Write write;
+    PackTarget::Read read;
     bool extension = true;  ///< not only a prefix
 };
 constexpr FormatName kFormatNames[] = {
-    {"vdb", PackFormat::vdb},
-    {"vtp", PackFormat::vtp},
-    {"pvtp", PackFormat::pvtp},
-    {"vtkhdf", PackFormat::vtkhdf},
-    {"hdf", PackFormat::vtkhdf},
-    {"ply", PackFormat::ply},
-    {"csv", PackFormat::csv},
-    {"points", PackFormat::points, false},
-    {"npz", PackFormat::npz},
-    {"xyz", PackFormat::xyz},
-    {"extxyz", PackFormat::xyz},
-    {"usda", PackFormat::usd},
-    {"usd", PackFormat::usd},
-    {"usdz", PackFormat::usdz},
-    {"svg", PackFormat::svg},
-    {"yade", PackFormat::yade, false},
-    {"data", PackFormat::lammpsData},
-    {"lammps", PackFormat::lammpsData, false},
-    {"liggghts", PackFormat::lammpsData, false},
-    {"lammps-bonds", PackFormat::lammpsBonds, false},
-    {"dump", PackFormat::lammpsDump},
-    {"lammpstrj", PackFormat::lammpsDump},
+    {"vdb", PackFormat::vdb, writeVdb, readVdb},
+    {"vtp", PackFormat::vtp, writeVtp, readVtp},
+    {"pvtp", PackFormat::pvtp, nullptr, readPvtp},
+    {"vtkhdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
+    {"hdf", PackFormat::vtkhdf, nullptr, readVtkHdf},
+    {"ply", PackFormat::ply, writePly, readPly},
+    {"csv", PackFormat::csv, writeCsv, readCsv},
+    {"points", PackFormat::points, writePoints, readVdb, false},
+    {"npz", PackFormat::npz, writeNpz, readNpz},
+    {"xyz", PackFormat::xyz, writeXyz, readXyz},
+    {"extxyz", PackFormat::xyz, writeXyz, readXyz},
+    {"usda", PackFormat::usd, writeUsd, nullptr},
+    {"usd", PackFormat::usd, writeUsd, nullptr},
+    {"usdz", PackFormat::usdz, writeUsdz, nullptr},
+    {"svg", PackFormat::svg, writeSvg, nullptr},
+    {"yade", PackFormat::yade, writeYade, readYade, false},
+    {"data", PackFormat::lammpsData, writeLammps, readLammpsData},
+    {"lammps", PackFormat::lammpsData, writeLammps, readLammpsData, false},
+    {"liggghts", PackFormat::lammpsData, writeLammps, readLammpsData, false},
+    {"lammps-bonds", PackFormat::lammpsBonds, writeLammpsBonds, readLammpsData, false},
+    {"dump", PackFormat::lammpsDump, nullptr, readLammpsDump},
+    {"lammpstrj", PackFormat::lammpsDump, nullptr, readLammpsDump},
 };
 
+/// @param name  without the dot of an extension.
 const FormatName* formatNamed(const std::string& name) {
     for (const auto& known : kFormatNames)
         if (lowered(name) == known.name) return &known;
@@ -65,32 +68,21 @@ std::optional<PackTarget> prefixed(const std::string& file) {
     if (known == nullptr) return std::nullopt;
     if (colon + 1 == file.size())
         throw ParameterError(file + ": names a format but no file; write " + file + "FILE");
-    return PackTarget{known->format, file.substr(colon + 1)};
-}
-
-/// The extension of a file without its dot; empty if there is none.
-std::string extensionIn(const std::string& file) {
-    const auto dot = file.rfind('.');
-    const auto slash = file.rfind('/');
-    const bool extended =
-        dot != std::string::npos && (slash == std::string::npos || dot > slash + 1);
-    return extended ? file.substr(dot + 1) : "";
+    return PackTarget{known->format, file.substr(colon + 1), known->write, known->read};
 }
 
 /// By prefix, else by extension.
 std::optional<PackTarget> knownTarget(const std::string& file) {
     if (auto known = prefixed(file)) return known;
-    const auto* known = formatNamed(extensionIn(file));
+    const auto* known = formatNamed(extensionOf(file).erase(0, 1));
     if (known == nullptr || !known->extension) return std::nullopt;
-    return PackTarget{known->format, file};
+    return PackTarget{known->format, file, known->write, known->read};
 }
 
 /// The same; `formats` lists the known ones, for messages.
 PackTarget target(const std::string& file, const char* formats) {
     if (auto known = knownTarget(file)) return *std::move(known);
-    const std::string extension = extensionIn(file);
-    throw ParameterError(file + ": '" + (extension.empty() ? "" : "." + extension) +
-                         "' is not a pack format; " + formats);
+    throw ParameterError(file + ": '" + extensionOf(file) + "' is not a pack format; " + formats);
 }
 
 }  // namespace
@@ -107,8 +99,13 @@ PackTarget targetToWrite(const std::string& file, int dim) {
 
 PackTarget targetToRead(const std::string& file) {
     PackTarget t = target(file, kRead);
-    if (t.format == PackFormat::svg)
-        throw ParameterError(file + ": pictures are written but not read; " + kRead);
+    if (t.read == nullptr)
+        throw ParameterError(
+            file +
+            ": this format is written but not read; write the pack as .vtp or .csv beside it, or "
+            "export the spheres as one of these from the program that made the file. To read a "
+            "pack, " +
+            kRead);
     return t;
 }
 

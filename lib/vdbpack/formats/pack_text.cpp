@@ -5,34 +5,19 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <string>
-#include <string_view>
 
 namespace vdbpack {
 
-namespace {
-
-/// Replaces bytes that are not UTF-8 (names of Latin-1 files) by U+FFFD: parsers of XML refuse
-/// them.
-std::string asUtf8(const std::string& text) {
-    const bool ascii = std::all_of(text.begin(), text.end(),
-                                   [](char c) { return static_cast<unsigned char>(c) < 0x80; });
-    if (ascii) return text;
-    using nlohmann::json;
-    return json::parse(json(text).dump(-1, ' ', false, json::error_handler_t::replace))
-        .get<std::string>();
-}
-
-}  // namespace
-
-std::string escapedXml(std::string_view text) {
+std::string escapedXml(std::string_view given) {
+    const std::string line = oneLine(std::string(given));
     std::string out;
-    for (const char c : asUtf8(oneLine(std::string(text)))) {
-        switch (c) {
+    for (std::string_view text = line; !text.empty();) {
+        const std::size_t bytes = utf8Bytes(text);
+        switch (text.front()) {
             case '&':
                 out += "&amp;";
                 break;
@@ -46,38 +31,29 @@ std::string escapedXml(std::string_view text) {
                 out += "&quot;";
                 break;
             default:
-                out += c;
+                // Parsers of XML refuse bytes that are not UTF-8 (names of Latin-1 files).
+                out += bytes > 0 ? text.substr(0, bytes) : std::string_view("\xef\xbf\xbd");
         }
+        text.remove_prefix(std::max<std::size_t>(bytes, 1));
     }
     return out;
 }
 
-bool parseUnitComment(std::string_view comment, Unit& unit) {
-    const std::string_view key = kUnitComment;
-    const auto at = comment.find(key);
-    if (at == std::string_view::npos) return true;
-    auto name = comment.substr(at + key.size());
-    while (!name.empty() && (name.back() == ' ' || name.back() == '\r')) name.remove_suffix(1);
+Unit unitNamed(std::string_view name, const std::string& where) {
     try {
-        unit = parseUnit(std::string(name));
+        return parseUnit(std::string(trimmed(name)));
     } catch (const ParameterError&) {
-        return false;
+        throw InputError(
+            fmt::format("{}: unknown unit {}; use m, cm, mm or um", where, quotedExcerpt(name)));
     }
-    return true;
 }
 
-double metersPer(Unit unit) {
-    switch (unit) {
-        case Unit::meter:
-            return 1;
-        case Unit::centimeter:
-            return 0.01;
-        case Unit::millimeter:
-            return 0.001;
-        case Unit::micrometer:
-            return 1e-6;
-    }
-    return 1;
+Unit unitIn(std::string_view comment, Unit unit, const InputFile& file) {
+    const std::string_view key = kUnitComment;
+    const auto at = comment.find(key);
+    if (at == std::string_view::npos) return unit;
+    return unitNamed(comment.substr(at + key.size()),
+                     fmt::format("{}: line {}", file.path(), file.lineNumber()));
 }
 
 std::string cellText(const PeriodicCell<3>& cell) {
@@ -90,26 +66,45 @@ std::string cellText(const PeriodicCell<3>& cell) {
     return text;
 }
 
-std::optional<PeriodicCell<3>> parseCellText(std::string_view text, Unit unit) {
+PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& where) {
     Cells words;
     splitAtBlanks(text, words);
-    if (words.size() != 7) return std::nullopt;
     PeriodicCell<3> cell;
-    for (const char c : words[0]) {
-        const auto axis = std::string_view("xyz").find(c);
-        if (axis == std::string_view::npos) return std::nullopt;
-        cell.wraps[axis] = true;
+    bool sound = words.size() == 7;
+    for (std::size_t k = 0; sound && k < words[0].size(); ++k) {
+        const auto axis = std::string_view("xyz").find(words[0][k]);
+        sound = axis != std::string_view::npos;
+        if (sound) cell.wraps[axis] = true;
     }
-    for (int d = 0; d < 3; ++d) {
+    for (int d = 0; sound && d < 3; ++d) {
         const auto at = static_cast<std::size_t>(d);
         double lo = 0, hi = 0;
-        if (!parseNumber(words[1 + at], lo) || !parseNumber(words[4 + at], hi)) return std::nullopt;
+        sound = parseNumber(words[1 + at], lo) && parseNumber(words[4 + at], hi);
         cell.box.lo[d] = toMillimeters(lo, unit);
         cell.box.hi[d] = toMillimeters(hi, unit);
-        if (cell.isAlong(d) && !(cell.length(d) > 0 && std::isfinite(cell.length(d))))
-            return std::nullopt;
+        if (cell.isAlong(d)) sound = sound && cell.length(d) > 0 && std::isfinite(cell.length(d));
     }
+    if (!sound)
+        throw InputError(fmt::format("{}: {} {} is no periodic cell; remove or correct it", where,
+                                     kCellKey, quotedExcerpt(text)));
     return cell;
+}
+
+std::string UniqueNames::operator()(const std::string& name) {
+    std::string candidate = name;
+    for (int n = 2; !taken_.insert(lowered(candidate)).second; ++n)
+        candidate = fmt::format("{}_{}", name, n);
+    return candidate;
+}
+
+std::string identifierOf(std::string_view name) {
+    std::string identifier(name);
+    for (char& c : identifier) {
+        const bool fits =
+            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
+        if (!fits) c = '_';
+    }
+    return identifier;
 }
 
 void takeLammpsUnits(std::string_view style, Unit& unit) {

@@ -4,8 +4,10 @@
 #include "vdbpack/core/periodic_cell.h"
 #include "vdbpack/core/units.h"
 #include "vdbpack/formats/format_words.h"
+#include "vdbpack/io/input_file.h"
 
-#include <optional>
+#include <initializer_list>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -14,17 +16,31 @@ namespace vdbpack {
 /// `text` as one line of text or attribute of an XML file.
 std::string escapedXml(std::string_view text);
 
-/// The unit in a comment such as "unit of length: mm"; `unit` is untouched in any other comment.
-/// @return false if it names a unit that is not known.
-bool parseUnitComment(std::string_view comment, Unit& unit);
+/// The unit that a file calls `name`.
+/// @param where  the file, and the line where it has lines. @throws InputError for another name.
+Unit unitNamed(std::string_view name, const std::string& where);
 
-/// Meters in one `unit`, as USD names units.
-double metersPer(Unit unit);
+/// The unit in a comment such as "unit of length: mm"; `unit` for any other comment.
+/// @throws InputError as `unitNamed`.
+Unit unitIn(std::string_view comment, Unit unit, const InputFile& file);
 
 /// A periodic cell as files note it under `kCellKey`; empty where no axis wraps.
 std::string cellText(const PeriodicCell<3>& cell);
-/// The cell in such a text. @param unit  of the text. @return nothing if it holds none.
-std::optional<PeriodicCell<3>> parseCellText(std::string_view text, Unit unit);
+/// The cell in such a text. @param unit  of the text. @throws InputError if it holds none.
+PeriodicCell<3> cellIn(std::string_view text, Unit unit, const std::string& where);
+
+/// Makes names different from each other and from names that are taken, by a number at the end.
+class UniqueNames {
+public:
+    explicit UniqueNames(std::initializer_list<std::string> taken = {}) : taken_(taken) {}
+    std::string operator()(const std::string& name);
+
+private:
+    std::set<std::string> taken_;  ///< in small letters
+};
+
+/// `name` with '_' for all but letters of ASCII, digits and '_'.
+std::string identifierOf(std::string_view name);
 
 /// The unit of length of LAMMPS's `units` si, cgs or micro; `unit` is untouched for the others,
 /// whose lengths (angstrom, reduced) are none of ours.

@@ -21,7 +21,7 @@ struct PackTextRows {
 PackTextRows csvRows(const PackView& pack);
 PackTextRows yadeRows(const PackView& pack, const PackWriteOptions& options);
 
-/// What the head of a LAMMPS file tells of all atoms.
+/// What the head of a LAMMPS file states about all atoms.
 struct AllAtoms {
     std::uint64_t count = 0;
     std::int64_t types = 1;

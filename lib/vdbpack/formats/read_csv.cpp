@@ -16,7 +16,7 @@ Pack<3> readCsv(const std::string& path, const PackReadOptions& options) {
     table.names = text.names();
     table.unit = options.unit;
     if (PackBuilder(path, table.names, options.unit).isFurther(0)) text.refuseAmbiguousComments();
-    table.nextRow = [&text](std::uint64_t, Cells& cells) { return text.nextRow(cells); };
+    table.nextRow = [&text](Cells& cells) { return text.nextRow(cells); };
     return readTable(text.file(), table);
 }
 

@@ -1,6 +1,5 @@
 // Data files of LAMMPS (read_data, write_data) and LIGGGHTS, atom styles sphere, granular and
 // bpm/sphere. Source: LAMMPS manual, read_data.
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
@@ -13,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -23,60 +21,13 @@ namespace vdbpack {
 
 namespace {
 
-/// Sections with one line per item, and the name under which the header counts the items. All
-/// other sections (Bodies, PairIJ Coeffs, those of fixes) end at a line that begins with a word.
-struct CountedSection {
-    const char* name;
-    const char* counted;
-};
-constexpr CountedSection kCountedSections[] = {
-    {"Atoms", "atoms"},
-    {"Velocities", "atoms"},
-    {"Masses", "atom types"},
-    {"Atom Type Labels", "atom types"},
-    {"Pair Coeffs", "atom types"},
-    {"Ellipsoids", "ellipsoids"},
-    {"Lines", "lines"},
-    {"Triangles", "triangles"},
-    {"Bodies", "bodies"},
-    {"Bonds", "bonds"},
-    {"Bond Type Labels", "bond types"},
-    {"Bond Coeffs", "bond types"},
-    {"Angles", "angles"},
-    {"Angle Type Labels", "angle types"},
-    {"Angle Coeffs", "angle types"},
-    {"BondBond Coeffs", "angle types"},
-    {"BondAngle Coeffs", "angle types"},
-    {"Dihedrals", "dihedrals"},
-    {"Dihedral Type Labels", "dihedral types"},
-    {"Dihedral Coeffs", "dihedral types"},
-    {"MiddleBondTorsion Coeffs", "dihedral types"},
-    {"EndBondTorsion Coeffs", "dihedral types"},
-    {"AngleTorsion Coeffs", "dihedral types"},
-    {"AngleAngleTorsion Coeffs", "dihedral types"},
-    {"BondBond13 Coeffs", "dihedral types"},
-    {"Impropers", "impropers"},
-    {"Improper Type Labels", "improper types"},
-    {"Improper Coeffs", "improper types"},
-    {"AngleAngle Coeffs", "improper types"},
-};
-
-std::string_view withoutComment(std::string_view line) {
-    return trimmed(line.substr(0, line.find('#')));
-}
+/// What the header counts, as far as it matters here.
+constexpr const char* kCounted[] = {"atoms", "atom types", "ellipsoids",
+                                    "lines", "triangles",  "bodies"};
 
 bool isNumber(std::string_view word) {
     double ignored = 0;
     return parseNumber(word, ignored);
-}
-
-std::string joined(Cells::const_iterator begin, Cells::const_iterator end) {
-    std::string text;
-    for (auto word = begin; word != end; ++word) {
-        if (!text.empty()) text += ' ';
-        text += *word;
-    }
-    return text;
 }
 
 class DataFile {
@@ -87,65 +38,37 @@ public:
     Pack<3> read() {
         readTitle();
         std::string_view line;
-        std::string section;     // empty: still in the header
-        std::uint64_t left = 0;  // lines of a counted section
-        bool counted = false;    // whether `section` is one
+        bool inHeader = true;  // until a line begins with a word: other sections are passed over
         while (nextContent(line)) {
             const bool number = isNumber(words_.front());
-            const std::string name = number ? "" : joined(words_.begin(), words_.end());
-            if (left > 0) {
-                if (!number && isSection(name))
-                    fail(
-                        fmt::format("section {} begins where {} more lines of {} are expected; "
-                                    "correct the counts in the header",
-                                    name, left, section));
-                --left;
-                continue;
-            }
-            if (number && section.empty()) {
-                takeHeaderLine();
-                continue;
-            }
-            if (number && counted)
-                fail(
-                    fmt::format("section {} has more lines than the header announces; correct "
-                                "the counts in the header",
-                                section));
-            if (number) continue;
+            if (number && inHeader) takeHeaderLine();
+            inHeader = inHeader && number;
+            if (words_.size() != 1 || words_.front() != "Atoms") continue;
             if (counts_.count("atoms") == 0) failHeader();
-            section = name;
-            if (name == "Atoms") {
-                Pack<3> pack = readAtoms(line);
-                pack.cell = cell_;
-                return pack;
-            }
-            const auto count = counts_.find(countOf(name));
-            counted = name != "Bodies" && count != counts_.end();
-            left = counted ? count->second : 0;
+            Pack<3> pack = readAtoms(line);
+            pack.cell = cell_;
+            return pack;
         }
         const auto atoms = counts_.find("atoms");
         if (atoms == counts_.end()) failHeader();
         if (atoms->second == 0) return {};
-        throw InputError(
-            fmt::format("{}: ends without a section Atoms for the {} atoms of its header; the file "
-                        "is cut short",
-                        file_.path(), atoms->second));
+        file_.fail(
+            fmt::format("ends without a section Atoms for the {} atoms of its header; the file is "
+                        "cut short",
+                        atoms->second));
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}: line {}: {}", file_.path(), file_.lineNumber(), what));
-    }
     [[noreturn]] void failHeader() const {
-        throw InputError(file_.path() +
-                         ": is not a LAMMPS data file: no line 'N atoms' in its header; name the "
-                         "format before the file if it is another (csv:FILE)");
+        file_.fail(
+            "is not a LAMMPS data file: no line 'N atoms' in its header; name the format before "
+            "the file if it is another (csv:FILE)");
     }
 
     /// Moves to the next line that holds more than a comment; its words are in `words_`.
     bool nextContent(std::string_view& line) {
         while (file_.nextLine(line)) {
-            splitAtBlanks(withoutComment(line), words_);
+            splitAtBlanks(line.substr(0, line.find('#')), words_);
             if (!words_.empty()) return true;
         }
         return false;
@@ -154,15 +77,12 @@ private:
     /// The first line is a comment, in which write_data records its units.
     void readTitle() {
         std::string_view line;
-        if (!file_.nextLine(line))
-            throw InputError(file_.path() + ": is empty; a LAMMPS data file is needed");
+        if (!file_.nextLine(line)) file_.fail("is empty; a LAMMPS data file is needed");
         constexpr std::string_view kUnits = "units = ";
         const auto at = line.find(kUnits);
         if (at != std::string_view::npos)
             takeLammpsUnits(trimmed(line.substr(at + kUnits.size())), unit_);
-        if (!parseUnitComment(line, unit_))
-            fail(fmt::format("unknown unit in '{}'; use m, cm, mm or um",
-                             trimmed(line).substr(0, 80)));
+        unit_ = unitIn(line, unit_, file_);
         const auto says = [&](const char* words) {
             return line.find(words) != std::string_view::npos;
         };
@@ -173,13 +93,6 @@ private:
             if (says((kLammpsTypeIs + std::string(one) + " + 1").c_str())) material_ = one;
         bonded_ = says(kLammpsBonded);
     }
-
-    static const char* countOf(std::string_view section) {
-        for (const auto& s : kCountedSections)
-            if (section == s.name) return s.counted;
-        return "";
-    }
-    static bool isSection(std::string_view name) { return *countOf(name) != '\0'; }
 
     void takeHeaderLine() {
         for (std::size_t d = 0; words_.size() == 4 && boundary_.size() == 5 && d < 3; ++d) {
@@ -192,15 +105,15 @@ private:
             cell_.box.hi[axis] = toMillimeters(hi, unit_);
             cell_.wraps[d] = boundary_[2 * d] == 'p' && cell_.length(axis) > 0;
         }
-        const std::string what = joined(words_.begin() + 1, words_.end());
-        for (const auto& s : kCountedSections) {
-            if (what != s.counted) continue;
+        const std::string what =
+            fmt::format("{}", fmt::join(words_.begin() + 1, words_.end(), " "));
+        for (const char* counted : kCounted) {
+            if (what != counted) continue;
             std::int64_t count = 0;
             if (!parseNumber(words_.front(), count) || count < 0)
-                fail(fmt::format("'{}' is not a number of {}; correct it",
-                                 words_.front().substr(0, 40), what));
+                file_.failAtLine(fmt::format("{} is not a number of {}; correct it",
+                                             quotedExcerpt(words_.front()), what));
             counts_[what] = static_cast<std::uint64_t>(count);
-            return;
         }
     }
 
@@ -212,7 +125,7 @@ private:
         if (style == "bpm/sphere")
             return {"id", "molecule", "type", "diameter", "density", "x", "y", "z"};
         if (!style.empty() && style != "sphere" && style != "granular")
-            fail(
+            file_.failAtLine(
                 fmt::format("atom style '{}' is not read, only those that are spheres: write the "
                             "file with atom_style sphere (LIGGGHTS: granular) or bpm/sphere",
                             style.substr(0, 40)));
@@ -221,12 +134,27 @@ private:
             for (const char* other : {"ellipsoids", "lines", "triangles", "bodies"}) {
                 const auto count = counts_.find(other);
                 if (count != counts_.end() && count->second > 0)
-                    fail(
+                    file_.failAtLine(
                         fmt::format("the header announces {} {}, but only spheres are read; write "
                                     "the file with atom_style sphere",
                                     count->second, other));
             }
         return {"id", "type", "diameter", "density", "x", "y", "z"};
+    }
+
+    /// Finds charges or molecules, which other styles have in these columns.
+    void requireSphere(std::string_view type, std::string_view density) const {
+        const auto types = counts_.find("atom types");
+        const bool counted = types != counts_.end() && types->second > 0;
+        std::int64_t number = 0;
+        if (parseNumber(type, number) &&
+            (number < 1 || (counted && static_cast<std::uint64_t>(number) > types->second)))
+            file_.failAtLine(fmt::format(
+                "type {} is not one of the file's atom types; check the atom style", number));
+        double rho = 0;
+        if (!parseNumber(density, rho) || !(rho > 0) || !std::isfinite(rho))
+            file_.failAtLine(fmt::format("density is {}, it must be positive; check the atom style",
+                                         quotedExcerpt(density)));
     }
 
     Pack<3> readAtoms(std::string_view heading) {
@@ -236,18 +164,15 @@ private:
         TextTable table;
         table.names = columnsOf(hint);
         table.unit = unit_;
-        const std::uint64_t count = counts_["atoms"];
-        table.expectedRows = count;
-
+        table.rows = counts_["atoms"];
         const std::uint64_t begin = file_.offset();
         const std::uint64_t lineBefore = file_.lineNumber();
         std::string_view line;
-        if (count > 0 && nextContent(line)) {
+        if (table.rows > 0u && nextContent(line)) {
             if (words_.size() == table.names.size() + 3)
                 table.names.insert(table.names.end(), {"ix", "iy", "iz"});
             file_.seek(begin, lineBefore);
         }
-        const std::string columns = fmt::format("{}", fmt::join(table.names, " "));
         const auto columnOf = [&](const char* name) {
             return static_cast<std::size_t>(
                 std::find(table.names.begin(), table.names.end(), name) - table.names.begin());
@@ -255,41 +180,12 @@ private:
         const std::size_t type = columnOf("type");
         const std::size_t density = columnOf("density");
         if (!material_.empty()) table.names[type] = material_;
-        const auto types = counts_.find("atom types");
-        const auto largestType = types != counts_.end() && types->second > 0
-                                     ? types->second
-                                     : std::numeric_limits<std::uint64_t>::max();
-
-        table.nextRow = [&](std::uint64_t row, Cells& cells) {
-            if (row == count) return false;
-            do {
-                if (!file_.nextLine(line))
-                    throw InputError(
-                        fmt::format("{}: ends after {} of {} atoms; the file is cut "
-                                    "short, or its header is wrong",
-                                    file_.path(), row, count));
-                splitAtBlanks(withoutComment(line), cells);
-            } while (cells.empty());
-            if (cells.size() != table.names.size())
-                fail(
-                    fmt::format("has {} words where the {} numbers of atom {} of {} are expected "
-                                "({}); use atom_style sphere (LIGGGHTS: granular), or complete "
-                                "the file",
-                                cells.size(), table.names.size(), row + 1, count, columns));
-            // Charges or molecules, which other styles have in these columns, are found here.
-            std::int64_t number = 0;
-            if (parseNumber(cells[type], number) &&
-                (number < 1 || static_cast<std::uint64_t>(number) > largestType))
-                fail(
-                    fmt::format("type {} is not one of the file's atom types; check that the "
-                                "columns are {}",
-                                number, columns));
-            double rho = 0;
-            if (!parseNumber(cells[density], rho) || !(rho > 0) || !std::isfinite(rho))
-                fail(
-                    fmt::format("density is '{}', it must be positive; check that the columns "
-                                "are {}",
-                                cells[density].substr(0, 40), columns));
+        table.nextRow = [&](Cells& cells) {
+            if (!nextContent(line)) return false;
+            cells = words_;
+            requireWords(file_, table.names, cells,
+                         "use atom_style sphere (LIGGGHTS: granular), or complete the file");
+            requireSphere(cells[type], cells[density]);
             return true;
         };
         if (shifted_ || !material_.empty())
@@ -303,7 +199,8 @@ private:
         if (table.names.back() == "molecule")
             pack.columns.pop_back();  // our writer puts all atoms into no molecule
         if (nextContent(line) && isNumber(words_.front()))
-            fail(fmt::format("more atoms follow than the {} of the header; correct it", count));
+            file_.failAtLine(fmt::format("more atoms follow than the {} of the header; correct it",
+                                         *table.rows));
         return pack;
     }
 

@@ -1,6 +1,5 @@
 // Text dumps of LAMMPS and LIGGGHTS (dump custom). Source: LAMMPS manual, dump and
 // Howto_triclinic.
-#include "vdbpack/core/error.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -61,8 +60,7 @@ public:
         TextTable table;
         table.names = frame.names;
         table.unit = unit_;
-        table.expectedRows = frame.atoms;
-
+        table.rows = frame.atoms;
         const PositionColumns& position = positionOf(frame);
         std::array<std::size_t, 3> column{};
         for (std::size_t i = 0; i < 3; ++i) {
@@ -83,30 +81,17 @@ public:
                 for (std::size_t i = 0; i < 3; ++i) builder.set(column[i], p.c[i]);
             };
         }
-        table.nextRow = [&](std::uint64_t row, Cells& cells) {
-            std::string_view line;
-            if (row == frame.atoms || !file_.nextLine(line)) return false;
-            splitAtBlanks(line, cells);
-            if (cells.size() != table.names.size())
-                fail(
-                    fmt::format("has {} words where ITEM: ATOMS names {} columns; complete the "
-                                "line",
-                                cells.size(), table.names.size()));
-            return true;
-        };
+        table.nextRow = [&](Cells& cells) { return nextWords(file_, table.names, cells); };
         file_.seek(frame.offset, frame.line);
         return readTable(file_, table);
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}: line {}: {}", file_.path(), file_.lineNumber(), what));
-    }
     [[noreturn]] void failBegun(const std::string& what) const {
-        throw InputError(fmt::format(
-            "{}: ends within the frame that begins in line {}: {}; remove that frame to take the "
-            "one before",
-            file_.path(), frameLine_, what));
+        file_.fail(
+            fmt::format("ends within the frame that begins in line {}: {}; remove that frame to "
+                        "take the one before",
+                        frameLine_, what));
     }
 
     /// Walks over all frames. @return the last one.
@@ -115,22 +100,22 @@ private:
         bool any = false;
         std::string_view item;
         while (nextItem(any, item)) {
-            if (!begun_ || begins(item, "TIMESTEP")) {
+            if (!begun_ || startsWith(item, "TIMESTEP")) {
                 frame_ = {};
                 counted_ = false;
                 // Units and time may come before the time step.
                 if (!begun_) frameLine_ = file_.lineNumber();
                 begun_ = true;
             }
-            if (begins(item, "NUMBER OF ATOMS")) {
+            if (startsWith(item, "NUMBER OF ATOMS")) {
                 readCount();
-            } else if (begins(item, "BOX BOUNDS")) {
+            } else if (startsWith(item, "BOX BOUNDS")) {
                 readBounds();
-            } else if (begins(item, "UNITS")) {
+            } else if (startsWith(item, "UNITS")) {
                 std::string_view line;
                 if (!file_.nextLine(line)) failBegun("the units are missing");
                 takeLammpsUnits(trimmed(line), unit_);
-            } else if (begins(item, "ATOMS")) {
+            } else if (startsWith(item, "ATOMS")) {
                 passAtoms(item.substr(std::string_view("ATOMS").size()));
                 last = frame_;
                 any = true;
@@ -140,15 +125,11 @@ private:
             }
         }
         if (!any)
-            throw InputError(file_.path() +
-                             ": holds no whole frame of atoms (ITEM: ATOMS); check that it is a "
-                             "complete text dump of atoms");
+            file_.fail(
+                "holds no whole frame of atoms (ITEM: ATOMS); check that it is a complete text "
+                "dump of atoms");
         if (begun_) failBegun("it has no atoms");
         return last;
-    }
-
-    static bool begins(std::string_view item, std::string_view name) {
-        return item.substr(0, name.size()) == name;
     }
 
     /// Moves on to the next item, past the lines of one that does not matter.
@@ -157,17 +138,17 @@ private:
         std::string_view line;
         while (file_.nextLine(line)) {
             line = trimmed(line);
-            if (line.substr(0, kItem.size()) == kItem) {
+            if (startsWith(line, kItem)) {
                 item = trimmed(line.substr(kItem.size()));
                 skips_ = false;
                 return true;
             }
             if (line.empty() || skips_) continue;
             if (!any && !begun_)
-                throw InputError(file_.path() +
-                                 ": is not a LAMMPS text dump: it does not begin with ITEM:; "
-                                 "name the format before the file if it is another (csv:FILE)");
-            fail("more lines follow than the item announces; correct NUMBER OF ATOMS");
+                file_.fail(
+                    "is not a LAMMPS text dump: it does not begin with ITEM:; name the format "
+                    "before the file if it is another (csv:FILE)");
+            file_.failAtLine("more lines follow than the item announces; correct NUMBER OF ATOMS");
         }
         return false;
     }
@@ -177,8 +158,8 @@ private:
         std::int64_t atoms = 0;
         if (!file_.nextLine(line)) failBegun("the number of atoms is missing");
         if (!parseNumber(line, atoms) || atoms < 0)
-            fail(fmt::format("'{}' is not a number of atoms; correct it",
-                             trimmed(line).substr(0, 40)));
+            file_.failAtLine(fmt::format("'{}' is not a number of atoms; correct it",
+                                         trimmed(line).substr(0, 40)));
         frame_.atoms = static_cast<std::uint64_t>(atoms);
         counted_ = true;
     }
@@ -192,14 +173,15 @@ private:
             bounds.assign(std::min<std::size_t>(words.size(), 5), 0);
             for (std::size_t i = 0; i < bounds.size(); ++i)
                 if (!parseNumber(words[i], bounds[i]))
-                    fail(fmt::format("'{}' is not a bound of the box; correct it",
-                                     words[i].substr(0, 40)));
+                    file_.failAtLine(fmt::format("'{}' is not a bound of the box; correct it",
+                                                 words[i].substr(0, 40)));
         }
     }
 
     /// Notes where the atoms begin, and passes over their lines.
     void passAtoms(std::string_view names) {
-        if (!counted_) fail("ITEM: NUMBER OF ATOMS is missing before ITEM: ATOMS; add it");
+        if (!counted_)
+            file_.failAtLine("ITEM: NUMBER OF ATOMS is missing before ITEM: ATOMS; add it");
         Cells words;
         splitAtBlanks(names, words);
         frame_.names.assign(words.begin(), words.end());
@@ -209,9 +191,10 @@ private:
         for (std::uint64_t i = 0; i < frame_.atoms; ++i) {
             if (!file_.nextLine(line))
                 failBegun(fmt::format("{} of its {} atoms are there", i, frame_.atoms));
-            if (begins(line, kItem))
-                fail(fmt::format("an item begins after {} of {} atoms; correct NUMBER OF ATOMS", i,
-                                 frame_.atoms));
+            if (startsWith(line, kItem))
+                file_.failAtLine(
+                    fmt::format("an item begins after {} of {} atoms; correct NUMBER OF ATOMS", i,
+                                frame_.atoms));
         }
     }
 
@@ -219,31 +202,30 @@ private:
         const auto has = [&frame](const char* name) {
             return std::find(frame.names.begin(), frame.names.end(), name) != frame.names.end();
         };
-        for (const auto& position : kPositions) {
-            if (std::all_of(position.names.begin(), position.names.end(), has)) {
-                if (has("radius") || has("diameter") || has("r") || has("pscale")) return position;
-                throw InputError(
-                    fmt::format("{}: line {}: no column radius or diameter among '{}'; {}",
-                                file_.path(), frame.line, namesOf(frame), kRemedy));
-            }
-        }
-        throw InputError(fmt::format(
-            "{}: line {}: no columns x y z (or xs ys zs, xu yu zu, xsu ysu zsu) among '{}'; {}",
-            file_.path(), frame.line, namesOf(frame), kRemedy));
+        const auto found =
+            std::find_if(std::begin(kPositions), std::end(kPositions), [&](const auto& position) {
+                return std::all_of(position.names.begin(), position.names.end(), has);
+            });
+        if (found == std::end(kPositions))
+            failColumns(frame, "columns x y z (or xs ys zs, xu yu zu, xsu ysu zsu)");
+        if (!(has("radius") || has("diameter") || has("r") || has("pscale")))
+            failColumns(frame, "column radius or diameter");
+        return *found;
     }
 
-    static std::string namesOf(const Frame& frame) {
-        return fmt::format("{}", fmt::join(frame.names, " ")).substr(0, 200);
+    [[noreturn]] void failColumns(const Frame& frame, const char* missing) const {
+        file_.fail(fmt::format("line {}: no {} among '{:.200}'; {}", frame.line, missing,
+                               fmt::format("{}", fmt::join(frame.names, " ")), kRemedy));
     }
 
     SimulationBox boxOf(const Frame& frame) const {
         const auto& b = frame.bounds;
         const std::size_t numbers = b[0].size();
         if (numbers < 2 || numbers > 4 || b[1].size() != numbers || b[2].size() != numbers)
-            throw InputError(fmt::format(
-                "{}: line {}: scaled positions (xs ys zs) need the three lines of ITEM: BOX "
-                "BOUNDS, each of 2, 3 or 4 numbers; complete it, or {}",
-                file_.path(), frame.line, kRemedy));
+            file_.fail(
+                fmt::format("line {}: scaled positions (xs ys zs) need the three lines of ITEM: "
+                            "BOX BOUNDS, each of 2, 3 or 4 numbers; complete it, or {}",
+                            frame.line, kRemedy));
         SimulationBox box;
         if (numbers == 4) {  // abc origin: the edges themselves
             for (int i = 0; i < 3; ++i) {

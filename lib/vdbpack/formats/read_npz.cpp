@@ -87,8 +87,7 @@ private:
             if (a.name() != kUnitKey || !a.isText() || !a.shape().empty()) continue;
             if (a.member.size > kLongestHeader) fail("its unit is no word; use m, cm, mm or um");
             load(a);
-            if (!parseUnitComment(kUnitComment + a.text(0), unit_))
-                fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(a.text(0))));
+            unit_ = unitNamed(a.text(0), path_);
         }
     }
 
@@ -126,11 +125,10 @@ private:
             if (&a == positions || &a == sizes || a.name() == kUnitKey ||
                 a.name() == kGeneratorKey || a.shape().empty() || a.rows() != rows_)
                 continue;
-            if (a.columns() == 1)
-                columns_.push_back({a.name(), &a, 0});
-            else if (a.columns() <= kMostComponents && !a.isText())
-                for (std::uint64_t c = 0; c < a.columns(); ++c)
-                    columns_.push_back({fmt::format("{}_{}", a.name(), c), &a, c});
+            if (a.columns() > kMostComponents || (a.isText() && a.columns() > 1)) continue;
+            std::vector<std::string> names;
+            addNames(names, a.name(), a.columns());
+            for (std::uint64_t c = 0; c < a.columns(); ++c) columns_.push_back({names[c], &a, c});
         }
     }
 
@@ -165,19 +163,16 @@ private:
             if (columns_[c].array->isText()) builder.makeText(c);
         loadColumns(builder.bytesOf(rows_));
         builder.reserve(static_cast<std::size_t>(rows_));
-        for (std::uint64_t i = 0; i < rows_; ++i) {
-            const auto where = [i] { return fmt::format("row {}", i); };
-            builder.addRow();
-            for (std::size_t c = 0; c < columns_.size(); ++c) {
-                const Source& from = columns_[c];
-                if (builder.isText(c))
-                    builder.setText(c, from.array->text(i));
-                else if (!from.array->number(i, from.column,
-                                             [&](auto value) { return builder.set(c, value); }))
-                    builder.failCell(where(), c, "out of range");
-            }
-            if (!builder.problem().empty()) builder.failRow(where());
-        }
+        std::vector<PackBuilder::Put> puts;
+        for (const Source& from : columns_)
+            puts.push_back([&](std::size_t column, std::uint64_t row) {
+                if (!from.array->isText())
+                    return from.array->number(
+                        row, from.column, [&](auto value) { return builder.set(column, value); });
+                builder.setText(column, from.array->text(row));
+                return true;
+            });
+        builder.addRows(rows_, puts, "row");
         return builder.finish();
     }
 

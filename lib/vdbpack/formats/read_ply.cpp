@@ -20,126 +20,107 @@ namespace vdbpack {
 
 namespace {
 
-/// The unit that a comment of the header names, or else `unit`.
-Unit unitOf(const InputFile& file, const PlyHeader& header, Unit unit) {
-    for (const auto& comment : header.comments)
-        if (!parseUnitComment(comment, unit))
-            file.fail("unknown unit in '" + comment.substr(0, 80) + "'; correct the header");
-    return unit;
-}
+/// The body of a file, entry by entry and property by property.
+class Body {
+public:
+    Body(InputFile& file, PlyFormat format)
+        : file_(file),
+          isText_(format == PlyFormat::ascii),
+          swap_((format == PlyFormat::bigEndian) != hostIsBigEndian()) {}
 
-/// The next bytes of a binary body. @throws InputError at the end of the file
-const char* take(InputFile& file, std::size_t bytes) {
-    const std::uint64_t at = file.offset();
-    const char* const data = file.take(bytes);
-    if (data == nullptr)
-        file.failAtByte(at, fmt::format("{} bytes were expected, but the file ends at byte {}; it "
-                                        "is cut short or damaged",
-                                        bytes, file.size()));
-    return data;
-}
+    bool isText() const { return isText_; }
 
-void skip(InputFile& file, std::uint64_t bytes) {
-    file.seek(file.offset() + std::min(bytes, file.remaining()), file.lineNumber());
-}
-
-/// Length of the list that begins here. @throws InputError if it passes the end of the file
-std::uint64_t takeListLength(InputFile& file, const PlyProperty& p, bool swap) {
-    const std::uint64_t at = file.offset();
-    std::uint64_t length = 0;
-    const bool sound =
-        loadNumber(p.countType, take(file, bytesOf(p.countType)), swap, [&](auto value) {
-            length = static_cast<std::uint64_t>(value);
-            return value >= 0;
-        });
-    if (!sound || length > file.remaining() / bytesOf(p.type))
-        file.failAtByte(at, fmt::format("list '{}' is longer than the file; the file is damaged",
-                                        p.name.substr(0, 40)));
-    return length;
-}
-
-void skipBinary(InputFile& file, const PlyElement& element, bool swap) {
-    if (!element.hasLists()) {
-        const std::size_t stride = element.bytes();
-        if (stride > 0 && element.count > file.remaining() / stride)
-            file.failAtByte(
-                file.offset(),
-                fmt::format("{} entries of element '{}' pass the end of the file; it is cut short",
-                            element.count, element.name.substr(0, 40)));
-        skip(file, element.count * stride);
-        return;
-    }
-    for (std::uint64_t i = 0; i < element.count; ++i) {
-        for (const auto& p : element.properties) {
-            if (p.isList)
-                skip(file, takeListLength(file, p, swap) * bytesOf(p.type));
-            else
-                take(file, bytesOf(p.type));
+    /// Begins an entry: in text, a line.
+    void begin(const PlyElement& element, std::uint64_t entry) {
+        start_ = file_.offset();
+        word_ = 0;
+        std::string_view line;
+        words_.clear();
+        while (isText_ && words_.empty()) {
+            if (!file_.nextLine(line))
+                file_.fail(
+                    fmt::format("ends after {} of {} entries of element {}; the file is cut "
+                                "short",
+                                entry, element.count, quotedExcerpt(element.name)));
+            splitAtBlanks(line, words_);
         }
     }
-}
+    std::string where() const {
+        return isText_ ? fmt::format("line {}", file_.lineNumber())
+                       : fmt::format("byte {}", start_);
+    }
 
-/// Fills the vertices of a text body, whose first lines belong to the elements before them.
-void readAsciiVertices(InputFile& file, const PlyHeader& header, const PlyElement& vertex,
-                       PackBuilder& builder) {
-    std::string_view line;
-    for (const auto& element : header.elements) {
-        if (element.name == vertex.name) break;
-        for (std::uint64_t i = 0; i < element.count; ++i)
-            if (!file.nextLine(line)) break;
+    /// Hands the next number to `use`, as int64 or double.
+    /// @return what `use` returns; false for a text that is no number.
+    template <class Use>
+    bool number(NumberType type, const Use& use) {
+        if (!isText_) return loadNumber(type, take(bytesOf(type)), swap_, use);
+        if (word_ == words_.size())
+            file_.failAtLine(fmt::format("has {} numbers, too few for an entry", word_));
+        const std::string_view word = words_[word_++];
+        std::int64_t whole = 0;
+        double real = 0;
+        return parseInteger(word, whole) ? use(whole) : parseNumber(word, real) && use(real);
     }
-    std::vector<std::string_view> words;
-    for (std::uint64_t i = 0; i < vertex.count; ++i) {
-        do {
-            if (!file.nextLine(line))
-                file.fail(fmt::format("ends after {} of {} vertices; the file is cut short", i,
-                                      vertex.count));
-            splitAtBlanks(line, words);
-        } while (words.empty());
-        const auto where = [&] { return fmt::format("line {}", file.lineNumber()); };
-        builder.addRow();
-        std::size_t word = 0;
-        std::size_t column = 0;
-        for (const auto& p : vertex.properties) {
-            if (word >= words.size())
-                file.failAtLine(fmt::format("has {} numbers, too few for a vertex", words.size()));
-            if (p.isList) {
-                std::int64_t length = 0;
-                if (!parseNumber(words[word], length) || length < 0 ||
-                    static_cast<std::uint64_t>(length) >= words.size() - word)
-                    file.failAtLine(fmt::format("malformed list '{}'", p.name.substr(0, 40)));
-                word += static_cast<std::size_t>(length) + 1;
-                continue;
-            }
-            if (!builder.parse(column, words[word])) builder.failCell(where(), column, words[word]);
-            ++column;
-            ++word;
-        }
-        if (!builder.problem().empty()) builder.failRow(where());
-    }
-}
+    /// The last number, for messages.
+    std::string_view last() const { return isText_ ? words_[word_ - 1] : "out of range"; }
 
-/// The same for the rows of a binary body, at whose first vertex the file is.
-void readBinaryVertices(InputFile& file, const PlyElement& vertex, bool swap,
-                        PackBuilder& builder) {
-    for (std::uint64_t i = 0; i < vertex.count; ++i) {
-        const std::uint64_t start = file.offset();
-        const auto where = [&] { return fmt::format("vertex {} at byte {}", i, start); };
-        builder.addRow();
-        std::size_t column = 0;
-        for (const auto& p : vertex.properties) {
-            if (p.isList) {
-                skip(file, takeListLength(file, p, swap) * bytesOf(p.type));
-                continue;
-            }
-            const bool sound = loadNumber(p.type, take(file, bytesOf(p.type)), swap,
-                                          [&](auto value) { return builder.set(column, value); });
-            if (!sound) builder.failCell(where(), column, "out of range");
-            ++column;
-        }
-        if (!builder.problem().empty()) builder.failRow(where());
+    void skip(const PlyProperty& property) {
+        std::int64_t length = property.isList ? -1 : 1;
+        if (property.isList)
+            number(property.countType, [&length](auto value) {
+                length = static_cast<std::int64_t>(value);
+                return true;
+            });
+        const std::size_t bytes = bytesOf(property.type);
+        const std::uint64_t rest = isText_ ? words_.size() - word_ : file_.remaining() / bytes;
+        if (length < 0 || static_cast<std::uint64_t>(length) > rest)
+            file_.fail(
+                fmt::format("{}: property {} is longer than what follows; the file is "
+                            "damaged or cut short",
+                            where(), quotedExcerpt(property.name)));
+        if (isText_)
+            word_ += static_cast<std::size_t>(length);
+        else
+            skipBytes(static_cast<std::uint64_t>(length) * bytes);
     }
-}
+    void skip(const PlyElement& element) {
+        if (element.properties.empty()) return;
+        if (!isText_ && !element.hasLists()) {
+            const std::size_t stride = element.bytes();
+            if (element.count > file_.remaining() / stride)
+                file_.failAtByte(file_.offset(),
+                                 fmt::format("{} entries of element {} pass the end of the file; "
+                                             "it is cut short",
+                                             element.count, quotedExcerpt(element.name)));
+            skipBytes(element.count * stride);
+            return;
+        }
+        for (std::uint64_t i = 0; i < element.count; ++i) {
+            begin(element, i);
+            for (const PlyProperty& property : element.properties) skip(property);
+        }
+    }
+
+private:
+    const char* take(std::size_t bytes) {
+        const std::uint64_t at = file_.offset();
+        const char* const data = file_.take(bytes);
+        if (data == nullptr)
+            file_.failAtByte(at,
+                             fmt::format("{} bytes were expected, but the file ends at byte {}; it "
+                                         "is cut short or damaged",
+                                         bytes, file_.size()));
+        return data;
+    }
+    void skipBytes(std::uint64_t bytes) { file_.seek(file_.offset() + bytes, file_.lineNumber()); }
+
+    InputFile& file_;
+    bool isText_, swap_;
+    std::uint64_t start_ = 0;  ///< of the entry
+    std::vector<std::string_view> words_;
+    std::size_t word_ = 0;
+};
 
 }  // namespace
 
@@ -151,34 +132,40 @@ Pack<3> readPly(const std::string& path, const PackReadOptions& options) {
     if (vertex == header.elements.end())
         file.fail("has no element 'vertex'; spheres are expected there");
 
+    Body body(file, header.format);
     // Lists (none of ours) have no data of spheres and are skipped.
     std::vector<std::string> names;
-    for (const auto& p : vertex->properties)
+    std::size_t least = 0;  // bytes of a vertex
+    for (const auto& p : vertex->properties) {
         if (!p.isList) names.push_back(p.name);
-    PackBuilder builder(path, names, unitOf(file, header, options.unit));
-    const std::uint64_t count = vertex->count;
-
-    if (header.format == PlyFormat::ascii) {
-        // Every number takes two bytes at least.
-        if (count > (file.remaining() + 1) / (2 * names.size()))
-            file.fail(fmt::format(
-                "holds fewer than the {} vertices that its header announces; the file is cut short",
-                count));
-        builder.reserve(static_cast<std::size_t>(count));
-        readAsciiVertices(file, header, *vertex, builder);
-        return builder.finish();
+        least += body.isText() ? 2 : bytesOf(p.isList ? p.countType : p.type);
     }
-    const bool swap = (header.format == PlyFormat::bigEndian) != hostIsBigEndian();
-    for (auto e = header.elements.begin(); e != vertex; ++e) skipBinary(file, *e, swap);
-    if (!vertex->hasLists()) {
-        if (count > file.remaining() / vertex->bytes())
-            file.failAtByte(file.offset(),
-                            fmt::format("{} vertices of {} bytes pass the end of the file at byte "
-                                        "{}; it is cut short",
-                                        count, vertex->bytes(), file.size()));
-        builder.reserve(static_cast<std::size_t>(count));
+    Unit unit = options.unit;
+    for (const auto& comment : header.comments) unit = unitIn(comment, unit, file);
+    PackBuilder builder(path, names, unit);
+    for (auto element = header.elements.begin(); element != vertex; ++element) body.skip(*element);
+    // The last number of a text needs no end.
+    if (vertex->count > (file.remaining() + (body.isText() ? 1 : 0)) / least)
+        file.fail(fmt::format(
+            "holds fewer than the {} vertices that its header announces; the file is cut short",
+            vertex->count));
+    builder.reserve(static_cast<std::size_t>(vertex->count));
+    for (std::uint64_t i = 0; i < vertex->count; ++i) {
+        const auto where = [&] { return fmt::format("vertex {}, {}", i, body.where()); };
+        body.begin(*vertex, i);
+        builder.addRow();
+        std::size_t column = 0;
+        for (const auto& p : vertex->properties) {
+            if (p.isList) {
+                body.skip(p);
+                continue;
+            }
+            if (!body.number(p.type, [&](auto value) { return builder.set(column, value); }))
+                builder.failCell(where(), column, body.last());
+            ++column;
+        }
+        builder.checkRow(where);
     }
-    readBinaryVertices(file, *vertex, swap, builder);
     return builder.finish();
 }
 

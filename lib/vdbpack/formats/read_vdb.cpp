@@ -87,6 +87,15 @@ Put putNumber(const points::AttributeArray& array) {
     };
 }
 
+/// Of an array of one of some types; empty for one of another.
+template <typename... T>
+Put putAnyOf(const points::AttributeArray& array) {
+    const std::string type = array.valueType();
+    Put put;
+    ((type == openvdb::typeNameAsString<T>() && (put = putNumber<T>(array), true)) || ...);
+    return put;
+}
+
 template <typename V>
 Put putComponent(const points::AttributeArray& array, int component) {
     auto handle = std::make_shared<points::AttributeHandle<V>>(array);
@@ -115,13 +124,10 @@ Put putOf(const points::AttributeArray& array, const openvdb::MetaMap& meta, int
             return true;
         };
     }
-    if (type == openvdb::typeNameAsString<float>()) return putNumber<float>(array);
-    if (type == openvdb::typeNameAsString<double>()) return putNumber<double>(array);
-    if (type == openvdb::typeNameAsString<std::int8_t>()) return putNumber<std::int8_t>(array);
-    if (type == openvdb::typeNameAsString<std::int16_t>()) return putNumber<std::int16_t>(array);
-    if (type == openvdb::typeNameAsString<std::int32_t>()) return putNumber<std::int32_t>(array);
-    if (type == openvdb::typeNameAsString<std::int64_t>()) return putNumber<std::int64_t>(array);
-    if (type == openvdb::typeNameAsString<bool>()) return putNumber<bool>(array);
+    if (Put put =
+            putAnyOf<float, double, std::int8_t, std::int16_t, std::int32_t, std::int64_t, bool>(
+                array))
+        return put;
     if (type == openvdb::typeNameAsString<openvdb::Vec3f>())
         return putComponent<openvdb::Vec3f>(array, component);
     if (type == openvdb::typeNameAsString<openvdb::Vec3d>())
@@ -210,11 +216,9 @@ private:
             }
             // A pack has no columns for groups and for types that are not numbers.
             if (!putOf(array, descriptor.getMetadata(), 0)) continue;
-            for (int c = 0; c < componentsOf(type); ++c) {
-                if (isText(type, array.codecType())) textColumns_.push_back(names_.size());
-                names_.push_back(componentsOf(type) == 1 ? name : fmt::format("{}_{}", name, c));
-                sources_.push_back({at, c});
-            }
+            addNames(names_, name, static_cast<std::uint64_t>(componentsOf(type)));
+            for (int c = 0; c < componentsOf(type); ++c) sources_.push_back({at, c});
+            if (isText(type, array.codecType())) textColumns_.push_back(names_.size() - 1);
         }
         if (positions_ == points::AttributeSet::INVALID_POS)
             throw InputError(
@@ -271,7 +275,7 @@ private:
                 for (std::size_t s = 0; s < puts.size(); ++s)
                     if (!puts[s](builder, s + 3, k))
                         builder.failCell(where(), s + 3, "out of range");
-                if (!builder.problem().empty()) builder.failRow(where());
+                builder.checkRow(where);
             }
             begin = end;
         }
@@ -286,24 +290,10 @@ private:
     std::vector<std::size_t> textColumns_;
 };
 
-Unit unitOf(const openvdb::GridBase& grid, const std::string& path, Unit fallback) {
-    const auto meta = grid.getMetadata<openvdb::StringMetadata>(kUnitKey);
-    if (!meta) return fallback;
-    try {
-        return parseUnit(meta->value());
-    } catch (const ParameterError& e) {
-        throw InputError(path + ": " + kUnitKey + ": " + e.what());
-    }
-}
-
-PeriodicCell<3> cellOf(const openvdb::GridBase& grid, const std::string& path, Unit unit) {
-    const auto meta = grid.getMetadata<openvdb::StringMetadata>(kCellKey);
-    if (!meta) return {};
-    const auto cell = parseCellText(meta->value(), unit);
-    if (!cell)
-        throw InputError(fmt::format("{}: {} {} is no periodic cell; remove that metadata", path,
-                                     kCellKey, quotedExcerpt(meta->value())));
-    return *cell;
+/// A text in the metadata; empty if there is none.
+std::string noted(const openvdb::GridBase& grid, const char* key) {
+    const auto meta = grid.getMetadata<openvdb::StringMetadata>(key);
+    return meta ? meta->value() : std::string();
 }
 
 }  // namespace
@@ -317,9 +307,10 @@ Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
         stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
         const auto grid = Archive().readPoints(stream, options.gridName, found);
         if (grid) {
-            const Unit unit = unitOf(*grid, path, options.unit);
+            const std::string name = noted(*grid, kUnitKey), cell = noted(*grid, kCellKey);
+            const Unit unit = name.empty() ? options.unit : unitNamed(name, path);
             Pack<3> pack = PointReader(*grid, path, unit).read();
-            pack.cell = cellOf(*grid, path, unit);
+            if (!cell.empty()) pack.cell = cellIn(cell, unit, path);
             return pack;
         }
     } catch (const Error&) {

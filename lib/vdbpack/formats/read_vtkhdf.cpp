@@ -23,16 +23,15 @@ namespace vdbpack {
 namespace {
 
 constexpr std::uint64_t kRowsAtATime = 1 << 15;
-constexpr std::size_t kLongestText = 100;
+constexpr std::size_t kLongestAttribute = 100;
 
 /// An array with a row of numbers for each point.
 struct Array {
     std::string name;
     Hdf5 set;
-    bool whole = false;  ///< integers
+    NumberType type = NumberType::f64;  ///< as it is read: i64 or f64
     std::uint64_t rows = 0, components = 1;
-    std::vector<std::int64_t> integers;  // of the rows that are read
-    std::vector<double> reals;
+    std::vector<char> values{};  ///< of the rows that are read
 };
 
 class VtkHdfFile {
@@ -54,8 +53,7 @@ public:
     Pack<3> read() {
         Unit unit = options_.unit;
         const std::string named = textOf(kUnitKey);
-        if (!named.empty() && !parseUnitComment(kUnitComment + named, unit))
-            fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(named)));
+        if (!named.empty()) unit = unitNamed(named, path_);
         std::vector<Array> arrays;
         arrays.push_back(arrayOf(group_, "Points"));
         if (arrays.front().components != 3) fail("its points do not have three coordinates");
@@ -69,17 +67,20 @@ public:
         }
         std::vector<std::string> columns{"x", "y", "z"};
         for (std::size_t a = 1; a < arrays.size(); ++a)
-            for (std::uint64_t c = 0; c < arrays[a].components; ++c)
-                columns.push_back(arrays[a].components == 1
-                                      ? arrays[a].name
-                                      : fmt::format("{}_{}", arrays[a].name, c));
+            addNames(columns, arrays[a].name, arrays[a].components);
         PackBuilder builder(path_, columns, unit);
         requireMemoryToRead(path_, builder.bytesOf(points), options_.memoryLimit);
         builder.reserve(points);
         for (std::uint64_t first = 0; first < points; first += kRowsAtATime) {
             const std::uint64_t count = std::min(kRowsAtATime, points - first);
-            for (Array& array : arrays) load(array, first, count);
-            for (std::uint64_t i = 0; i < count; ++i) addRow(builder, arrays, first + i, i);
+            std::vector<PackBuilder::Put> puts;
+            for (Array& array : arrays) {
+                load(array, first, count);
+                for (std::uint64_t c = 0; c < array.components; ++c)
+                    puts.push_back(builder.numbersFrom(array.values.data() + 8 * c,
+                                                       8 * array.components, array.type, false));
+            }
+            builder.addRows(count, puts, "point", first);
         }
         return builder.finish();
     }
@@ -101,10 +102,10 @@ private:
             if (H5Aread(attribute, type, &text) < 0 || !text) return {};
             std::string copy(text);
             H5free_memory(text);
-            return copy.substr(0, kLongestText);
+            return copy.substr(0, kLongestAttribute);
         }
         const std::size_t size = H5Tget_size(type);
-        if (size > kLongestText) return {};
+        if (size > kLongestAttribute) return {};
         std::string text(size, '\0');
         if (H5Aread(attribute, type, text.data()) < 0) return {};
         return text.substr(0, text.find('\0'));
@@ -127,8 +128,7 @@ private:
     }
 
     Array arrayOf(hid_t group, const std::string& name) const {
-        Array array{
-            name, Hdf5(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose), false, 0, 1, {}, {}};
+        Array array{name, Hdf5(H5Dopen2(group, name.c_str(), H5P_DEFAULT), H5Dclose)};
         if (!array.set.isValid())
             fail(fmt::format("array {} cannot be read; the file is damaged", quotedExcerpt(name)));
         const Hdf5 type(H5Dget_type(array.set), H5Tclose);
@@ -137,7 +137,7 @@ private:
         if (kind != H5T_INTEGER && kind != H5T_FLOAT)
             fail(fmt::format("array {} holds no numbers; export it without that array",
                              quotedExcerpt(name)));
-        array.whole = kind == H5T_INTEGER;
+        array.type = kind == H5T_INTEGER ? NumberType::i64 : NumberType::f64;
         std::array<hsize_t, 2> size{0, 1};
         const int dimensions = H5Sget_simple_extent_ndims(space);
         if ((dimensions != 1 && dimensions != 2) ||
@@ -154,35 +154,12 @@ private:
         const Hdf5 here(H5Screate_simple(2, size.data(), nullptr), H5Sclose);
         const Hdf5 there(H5Dget_space(array.set), H5Sclose);
         H5Sselect_hyperslab(there, H5S_SELECT_SET, start.data(), nullptr, size.data(), nullptr);
-        const std::size_t values = count * array.components;
-        herr_t read = 0;
-        if (array.whole) {
-            array.integers.resize(values);
-            read = H5Dread(array.set, H5T_NATIVE_INT64, here, there, H5P_DEFAULT,
-                           array.integers.data());
-        } else {
-            array.reals.resize(values);
-            read =
-                H5Dread(array.set, H5T_NATIVE_DOUBLE, here, there, H5P_DEFAULT, array.reals.data());
-        }
+        array.values.resize(8 * count * array.components);
+        const hid_t type = array.type == NumberType::i64 ? H5T_NATIVE_INT64 : H5T_NATIVE_DOUBLE;
+        const herr_t read = H5Dread(array.set, type, here, there, H5P_DEFAULT, array.values.data());
         if (read < 0)
             fail(fmt::format("rows {} to {} of array {} cannot be read; the file is damaged", first,
                              first + count - 1, quotedExcerpt(array.name)));
-    }
-
-    static void addRow(PackBuilder& builder, const std::vector<Array>& arrays, std::uint64_t row,
-                       std::uint64_t i) {
-        const auto where = [row] { return fmt::format("point {}", row); };
-        builder.addRow();
-        std::size_t column = 0;
-        for (const Array& array : arrays)
-            for (std::uint64_t c = 0; c < array.components; ++c, ++column) {
-                const std::size_t at = i * array.components + c;
-                if (!(array.whole ? builder.set(column, array.integers[at])
-                                  : builder.set(column, array.reals[at])))
-                    builder.failCell(where(), column, "out of range");
-            }
-        if (!builder.problem().empty()) builder.failRow(where());
     }
 
     std::string path_;

@@ -40,11 +40,13 @@ public:
 
     /// Adds the points to those that `builder` has; makes it if it is null.
     void read(std::unique_ptr<PackBuilder>& builder) {
-        takeUnit();
-        takeCell();
+        if (const auto text = noted(kUnitKey, kLongestUnit)) unit_ = unitNamed(*text, xml_.path());
+        if (const auto text = noted(kCellKey, kLongestCell))
+            cell_ = cellIn(*text, unit_, xml_.path());
         const auto pieces = piecesOf();
         const Piece& first = pieces.front();
-        const auto columns = columnsOf(first);
+        std::vector<std::string> columns = {"x", "y", "z"};
+        for (const VtkArray& a : first.attributes) addNames(columns, a.name, a.components);
         if (!builder) {
             builder = std::make_unique<PackBuilder>(xml_.path(), columns, unit_);
             std::size_t column = 3;
@@ -76,24 +78,6 @@ private:
         return text;
     }
 
-    /// The periodic cell in the field data, where there is one.
-    void takeCell() {
-        const auto text = noted(kCellKey, kLongestCell);
-        if (!text) return;
-        const auto cell = parseCellText(*text, unit_);
-        if (!cell)
-            xml_.fail(
-                fmt::format("{} is no periodic cell; remove that array", quotedExcerpt(*text)));
-        cell_ = *cell;
-    }
-
-    /// The unit in the field data, where there is one.
-    void takeUnit() {
-        const auto text = noted(kUnitKey, kLongestUnit);
-        if (text && !parseUnitComment(kUnitComment + *text, unit_))
-            xml_.fail(fmt::format("unknown unit {}; use m, cm, mm or um", quotedExcerpt(*text)));
-    }
-
     std::vector<Piece> piecesOf() const {
         std::vector<Piece> pieces;
         for (const pugi::xml_node& node : xml_.data().children("Piece")) {
@@ -109,14 +93,6 @@ private:
         return pieces;
     }
 
-    static std::vector<std::string> columnsOf(const Piece& piece) {
-        std::vector<std::string> names = {"x", "y", "z"};
-        for (const VtkArray& a : piece.attributes)
-            for (std::uint64_t c = 0; c < a.components; ++c)
-                names.push_back(a.components == 1 ? a.name : fmt::format("{}_{}", a.name, c));
-        return names;
-    }
-
     void requireAlike(const Piece& first, const Piece& piece) const {
         if (piece.positions.components != 3 || piece.positions.string)
             xml_.fail("a piece has no points with three coordinates");
@@ -128,51 +104,32 @@ private:
         if (!alike) xml_.fail("its pieces have different arrays; save it as one piece");
     }
 
-    /// The values of an array in one piece.
-    struct Values {
-        const VtkArray* array;
-        std::vector<char> numbers;
-        std::vector<std::string> texts;
-    };
-
-    Values valuesOf(const VtkArray& array, const Piece& piece) {
-        Values values{&array, {}, {}};
-        if (!array.string) {
-            values.numbers = xml_.arrays().numbers(array, piece.points);
-            return values;
-        }
-        if (array.components != 1)
-            xml_.fail(fmt::format("array {} holds {} texts a point; one is needed",
-                                  quotedExcerpt(array.name), array.components));
-        values.texts = xml_.arrays().texts(array, piece.points, kLongestText);
-        return values;
-    }
-
     void append(const Piece& piece, PackBuilder& builder, bool only) {
-        std::vector<Values> all;
-        all.push_back(valuesOf(piece.positions, piece));
-        for (const VtkArray& a : piece.attributes) all.push_back(valuesOf(a, piece));
+        std::vector<VtkArray> arrays = {piece.positions};
+        arrays.insert(arrays.end(), piece.attributes.begin(), piece.attributes.end());
+        std::vector<VtkNumbers> numbers(arrays.size());
+        std::vector<std::vector<std::string>> texts(arrays.size());
+        std::vector<PackBuilder::Put> puts;
+        for (std::size_t k = 0; k < arrays.size(); ++k) {
+            const VtkArray& array = arrays[k];
+            if (array.string) {
+                if (array.components != 1)
+                    xml_.fail(fmt::format("array {} holds {} texts a point; one is needed",
+                                          quotedExcerpt(array.name), array.components));
+                texts[k] = xml_.arrays().texts(array, piece.points, kLongestText);
+                puts.push_back(builder.textsFrom(texts[k]));
+                continue;
+            }
+            numbers[k] = xml_.arrays().numbers(array, piece.points);
+            const std::size_t size = bytesOf(numbers[k].type);
+            for (std::size_t c = 0; c < array.components; ++c)
+                puts.push_back(builder.numbersFrom(numbers[k].bytes.data() + c * size,
+                                                   array.components * size, numbers[k].type,
+                                                   numbers[k].swap));
+        }
         requireMemoryToRead(xml_.path(), builder.bytesOf(piece.points), memoryLimit_);
         if (only) builder.reserve(static_cast<std::size_t>(piece.points));
-        for (std::size_t i = 0; i < piece.points; ++i) {
-            const auto where = [i] { return fmt::format("point {}", i); };
-            builder.addRow();
-            std::size_t column = 0;
-            for (const Values& values : all) {
-                if (values.array->string) {
-                    builder.setText(column++, values.texts[i]);
-                    continue;
-                }
-                const std::size_t size = bytesOf(values.array->type);
-                const std::size_t components = values.array->components;
-                const char* bytes = values.numbers.data() + i * components * size;
-                for (std::size_t c = 0; c < components; ++c, ++column, bytes += size)
-                    if (!loadNumber(values.array->type, bytes, xml_.arrays().swap(),
-                                    [&](auto value) { return builder.set(column, value); }))
-                        builder.failCell(where(), column, "out of range");
-            }
-            if (!builder.problem().empty()) builder.failRow(where());
-        }
+        builder.addRows(piece.points, puts, "point");
     }
 
     VtkXml xml_;

@@ -1,6 +1,5 @@
 // Extended XYZ, as ASE and OVITO write it: frames of a count, a line that names the columns and a
 // line per sphere.
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
@@ -13,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -22,8 +22,8 @@ namespace vdbpack {
 namespace {
 
 /// The value of a key in the second line: in quotes, braces or plain. Empty if there is none.
+/// @param key  in small letters.
 std::string_view valueOf(std::string_view line, std::string_view key) {
-    const auto lower = [](char c) { return static_cast<char>(std::tolower(c)); };
     for (std::size_t at = 0; at < line.size();) {
         while (at < line.size() && (line[at] == ' ' || line[at] == '\t')) ++at;
         const std::size_t begin = at;
@@ -42,161 +42,109 @@ std::string_view valueOf(std::string_view line, std::string_view key) {
             value = line.substr(at, end - at);
             at = end;
         }
-        if (std::equal(word.begin(), word.end(), key.begin(), key.end(),
-                       [&](char a, char b) { return lower(a) == lower(b); }))
-            return value;
+        if (equalsNoCase(word, key)) return value;
     }
     return {};
 }
 
-class XyzFile {
-public:
-    XyzFile(const std::string& path, const PackReadOptions& options)
-        : file_(path), options_(options) {}
-
-    Pack<3> read() {
-        std::string_view line;
-        Pack<3> pack;
-        bool any = false;
-        // Of several frames the last one.
-        while (nextNotEmpty(line)) {
-            std::int64_t count = 0;
-            if (!parseNumber(line, count) || count < 0)
-                fail(fmt::format("'{}' is not a number of particles; an .xyz file begins with one",
-                                 trimmed(line).substr(0, 40)));
-            pack = readFrame(static_cast<std::uint64_t>(count));
-            any = true;
-        }
-        if (!any) throw InputError(file_.path() + ": is empty; an .xyz file is needed");
-        return pack;
+/// Names of the columns by `species:S:1:pos:R:3:...`.
+std::vector<std::string> columnsOf(std::string_view properties, const InputFile& file) {
+    const std::vector<std::string> words = splitAt(properties, ':');
+    if (properties.empty() || words.size() % 3 != 0)
+        file.failAtLine(
+            "does not describe the columns; write it as extended XYZ, with "
+            "Properties=species:S:1:pos:R:3:radius:R:1");
+    std::vector<std::string> names;
+    // A row takes two bytes for each of its columns.
+    const std::uint64_t most = (file.size() - file.offset()) / 2 + 100;
+    for (std::size_t w = 0; w < words.size(); w += 3) {
+        const std::string& name = words[w];
+        std::int64_t count = 0;
+        if (name.empty() || words[w + 1].size() != 1 ||
+            std::string_view("SRIL").find(words[w + 1]) == std::string_view::npos ||
+            !parseNumber(words[w + 2], count) || count < 1 || count > 1000)
+            file.failAtLine(
+                fmt::format("'{:.40}:{:.40}:{:.40}' describes no column; write name:S, R, I or "
+                            "L:count",
+                            name, words[w + 1], words[w + 2]));
+        if (names.size() + static_cast<std::uint64_t>(count) > most)
+            file.failAtLine(fmt::format(
+                "announces more than {} columns, too many for what follows; correct it", most));
+        if (name == "pos" && count == 3)
+            names.insert(names.end(), {"x", "y", "z"});
+        else
+            addNames(names, name, static_cast<std::uint64_t>(count));
     }
+    return names;
+}
 
-private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw InputError(fmt::format("{}: line {}: {}", file_.path(), file_.lineNumber(), what));
+/// The cell by `pbc`, `Lattice` and `Origin`. A lattice that is no box has none of ours.
+PeriodicCell<3> cellOf(std::string_view description, Unit unit) {
+    Cells wraps, lattice, origin;
+    splitAtBlanks(valueOf(description, "pbc"), wraps);
+    splitAtBlanks(valueOf(description, "lattice"), lattice);
+    splitAtBlanks(valueOf(description, "origin"), origin);
+    PeriodicCell<3> cell;
+    if (wraps.size() != 3 || lattice.size() != 9) return cell;
+    for (std::size_t k = 0; k < 9; ++k) {
+        const std::size_t d = k / 4;
+        double v = 0, lo = 0;
+        if (!parseNumber(lattice[k], v) || !std::isfinite(v)) return {};
+        if (k % 4 != 0 && v != 0) return {};
+        if (k % 4 != 0) continue;
+        if (origin.size() == 3 && !parseNumber(origin[d], lo)) return {};
+        const auto axis = static_cast<int>(d);
+        cell.box.lo[axis] = toMillimeters(lo, unit);
+        cell.box.hi[axis] = toMillimeters(lo + v, unit);
+        cell.wraps[d] = v > 0 && (wraps[d] == "T" || wraps[d] == "True" || wraps[d] == "1");
     }
+    return cell;
+}
 
-    bool nextNotEmpty(std::string_view& line) {
-        while (file_.nextLine(line))
-            if (!trimmed(line).empty()) return true;
-        return false;
-    }
+/// Whether a column says of every sphere that it has no species.
+bool saysNothing(const Column& column) {
+    return column.name == kXyzSpecies && column.numbers.empty() &&
+           std::all_of(column.texts.begin(), column.texts.end(),
+                       [](const std::string& text) { return text == kXyzNoSpecies; });
+}
 
-    /// Names of the columns by `species:S:1:pos:R:3:...`.
-    std::vector<std::string> columnsOf(std::string_view properties) const {
-        std::vector<std::string_view> words;
-        for (std::size_t at = 0; at <= properties.size();) {
-            const auto end = std::min(properties.find(':', at), properties.size());
-            words.push_back(properties.substr(at, end - at));
-            at = end + 1;
-        }
-        if (properties.empty() || words.size() % 3 != 0)
-            fail(
-                "does not describe the columns; write it as extended XYZ, with "
-                "Properties=species:S:1:pos:R:3:radius:R:1");
-        std::vector<std::string> names;
-        // A row takes two bytes for each of its columns.
-        const std::uint64_t most = (file_.size() - file_.offset()) / 2 + 100;
-        for (std::size_t w = 0; w < words.size(); w += 3) {
-            const std::string name(words[w]);
-            std::int64_t count = 0;
-            if (name.empty() || words[w + 1].size() != 1 ||
-                std::string_view("SRIL").find(words[w + 1]) == std::string_view::npos ||
-                !parseNumber(words[w + 2], count) || count < 1 || count > 1000)
-                fail(fmt::format("'{}:{}:{}' describes no column; write name:S, R, I or L:count",
-                                 name.substr(0, 40), words[w + 1].substr(0, 40),
-                                 words[w + 2].substr(0, 40)));
-            if (names.size() + static_cast<std::uint64_t>(count) > most)
-                fail(
-                    fmt::format("announces more than {} columns, too many for what follows; "
-                                "correct it",
-                                most));
-            if (name == "pos" && count == 3)
-                names.insert(names.end(), {"x", "y", "z"});
-            else if (count == 1)
-                names.push_back(name);
-            else
-                for (std::int64_t c = 0; c < count; ++c)
-                    names.push_back(fmt::format("{}_{}", name, c));
-        }
-        return names;
-    }
-
-    /// The cell by `pbc`, `Lattice` and `Origin`. A lattice that is no box has none of ours.
-    PeriodicCell<3> cellOf(std::string_view description, Unit unit) const {
-        Cells wraps, lattice, origin;
-        splitAtBlanks(valueOf(description, "pbc"), wraps);
-        splitAtBlanks(valueOf(description, "Lattice"), lattice);
-        splitAtBlanks(valueOf(description, "Origin"), origin);
-        PeriodicCell<3> cell;
-        if (wraps.size() != 3 || lattice.size() != 9) return cell;
-        for (std::size_t k = 0; k < 9; ++k) {
-            const std::size_t d = k / 4;
-            double v = 0, lo = 0;
-            if (!parseNumber(lattice[k], v) || !std::isfinite(v)) return {};
-            if (k % 4 != 0 && v != 0) return {};
-            if (k % 4 != 0) continue;
-            if (origin.size() == 3 && !parseNumber(origin[d], lo)) return {};
-            const auto axis = static_cast<int>(d);
-            cell.box.lo[axis] = toMillimeters(lo, unit);
-            cell.box.hi[axis] = toMillimeters(lo + v, unit);
-            cell.wraps[d] = v > 0 && (wraps[d] == "T" || wraps[d] == "True" || wraps[d] == "1");
-        }
-        return cell;
-    }
-
-    Pack<3> readFrame(std::uint64_t count) {
-        std::string_view line;
-        if (!file_.nextLine(line))
-            throw InputError(file_.path() +
-                             ": ends before the line that describes the columns; "
-                             "the file is cut short");
-        TextTable table;
-        table.names = columnsOf(valueOf(line, "Properties"));
-        table.unit = options_.unit;
-        table.expectedRows = count;
-        const auto unit = valueOf(line, kUnitKey);
-        if (!unit.empty() && !parseUnitComment(kUnitComment + std::string(unit), table.unit))
-            fail(fmt::format("unknown unit '{}'; use m, cm, mm or um", unit.substr(0, 40)));
-        table.nextRow = [&](std::uint64_t row, Cells& cells) {
-            if (row == count) return false;
-            if (!file_.nextLine(line))
-                throw InputError(
-                    fmt::format("{}: ends after {} of {} particles; the file is cut short",
-                                file_.path(), row, count));
-            splitAtBlanks(line, cells);
-            if (cells.size() != table.names.size())
-                fail(
-                    fmt::format("has {} words where Properties announces {}; complete the line, "
-                                "or correct the number of particles",
-                                cells.size(), table.names.size()));
-            return true;
-        };
-        const PeriodicCell<3> cell = cellOf(line, table.unit);
-        Pack<3> pack = readTable(file_, table);
-        pack.cell = cell;
-        auto& columns = pack.columns;
-        columns.erase(std::remove_if(columns.begin(), columns.end(),
-                                     [](const Column& c) {
-                                         return c.name == kXyzSpecies &&
-                                                std::all_of(c.texts.begin(), c.texts.end(),
-                                                            [](const std::string& t) {
-                                                                return t == kXyzNoSpecies;
-                                                            }) &&
-                                                c.numbers.empty();
-                                     }),
-                      columns.end());
-        return pack;
-    }
-
-    InputFile file_;
-    PackReadOptions options_;
-};
+/// @param count  of particles, which the line before announces.
+Pack<3> readFrame(InputFile& file, std::uint64_t count, Unit unit) {
+    std::string_view line;
+    if (!file.nextLine(line))
+        file.fail("ends before the line that describes the columns; the file is cut short");
+    TextTable table;
+    table.names = columnsOf(valueOf(line, "properties"), file);
+    table.unit = unit;
+    table.rows = count;
+    if (const auto name = valueOf(line, kUnitKey); !name.empty())
+        table.unit = unitIn(kUnitComment + std::string(name), unit, file);
+    table.nextRow = [&](Cells& cells) { return nextWords(file, table.names, cells); };
+    const PeriodicCell<3> cell = cellOf(line, table.unit);
+    Pack<3> pack = readTable(file, table);
+    pack.cell = cell;
+    auto& columns = pack.columns;
+    columns.erase(std::remove_if(columns.begin(), columns.end(), saysNothing), columns.end());
+    return pack;
+}
 
 }  // namespace
 
 Pack<3> readXyz(const std::string& path, const PackReadOptions& options) {
-    return XyzFile(path, options).read();
+    InputFile file(path);
+    std::string_view line;
+    std::optional<Pack<3>> pack;  // of several frames the last one
+    while (file.nextLine(line)) {
+        if (trimmed(line).empty()) continue;
+        std::int64_t count = 0;
+        if (!parseNumber(line, count) || count < 0)
+            file.failAtLine(
+                fmt::format("'{:.40}' is not a number of particles; an .xyz file begins with one",
+                            trimmed(line)));
+        pack = readFrame(file, static_cast<std::uint64_t>(count), options.unit);
+    }
+    if (!pack) file.fail("is empty; an .xyz file is needed");
+    return *std::move(pack);
 }
 
 }  // namespace vdbpack

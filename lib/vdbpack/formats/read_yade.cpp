@@ -1,11 +1,9 @@
 // YADE's text formats (ymport.text, textExt and textClumps): x y z r and what the #format line
 // adds.
-#include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
 #include "vdbpack/formats/text_table.h"
 #include "vdbpack/io/input_file.h"
-#include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
@@ -22,24 +20,17 @@ namespace {
 
 constexpr std::string_view kFormat = "#format";
 
-bool isFormatLine(std::string_view line) {
-    return line.substr(0, kFormat.size()) == kFormat;
-}
-
 /// The columns of a format such as id_x_y_z_r_matId. @return false if it is not known.
 bool columnsOf(std::string_view format, std::vector<std::string>& names, bool& attributes) {
-    Cells words;
-    splitAtBlanks(format, words);
-    if (words.empty()) return false;
-    std::string_view rest = words.front();
+    std::string_view rest = Words(format).next();
     names.clear();
     constexpr std::string_view kId = "id_";
-    if (rest.substr(0, kId.size()) == kId) {
+    if (startsWith(rest, kId)) {
         names.push_back("id");
         rest.remove_prefix(kId.size());
     }
     constexpr std::string_view kSphere = "x_y_z_r";
-    if (rest.substr(0, kSphere.size()) != kSphere) return false;
+    if (!startsWith(rest, kSphere)) return false;
     rest.remove_prefix(kSphere.size());
     names.insert(names.end(), {"x", "y", "z", "r"});
     attributes = rest == "_attrs";
@@ -74,9 +65,6 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
     std::string cell;
     const std::string kCellNote = std::string(kCellKey) + ": ";
     std::string_view line;
-    const auto fail = [&](const std::string& what) {
-        throw InputError(fmt::format("{}: line {}: {}", path, file.lineNumber(), what));
-    };
 
     // The header: comments up to the first sphere.
     std::uint64_t begin = 0;
@@ -86,43 +74,35 @@ Pack<3> readYade(const std::string& path, const PackReadOptions& options) {
         line = trimmed(line);
         if (line.empty()) continue;
         if (line.front() != '#') break;
-        if (isFormatLine(line)) {
-            if (!columnsOf(line.substr(kFormat.size()), table.names, attributes))
-                fail(
-                    fmt::format("format '{}' is not supported; use x_y_z_r, which id_ may precede "
-                                "and _matId, _clumpId or _attrs follow",
-                                trimmed(line.substr(kFormat.size())).substr(0, 80)));
+        if (startsWith(line, kFormat)) {
+            const auto format = trimmed(line.substr(kFormat.size()));
+            if (!columnsOf(format, table.names, attributes))
+                file.failAtLine("format " + quotedExcerpt(format) +
+                                " is not supported; use x_y_z_r, which id_ may precede and _matId, "
+                                "_clumpId or _attrs follow");
         } else if (line.find(kCellNote) != std::string_view::npos) {
-            cell = std::string(trimmed(line.substr(line.find(kCellNote) + kCellNote.size())));
-        } else if (parseUnitComment(line, table.unit)) {
-            comment = line.substr(1);
+            cell = line.substr(line.find(kCellNote) + kCellNote.size());
         } else {
-            fail(fmt::format("unknown unit in '{}'; use m, cm, mm or um", line.substr(0, 80)));
+            table.unit = unitIn(line, table.unit, file);
+            comment = line.substr(1);
         }
     }
     if (attributes) nameAttributes(line, comment, table.names);
 
     file.seek(begin, lineBefore);
-    table.nextRow = [&](std::uint64_t, Cells& cells) {
+    table.nextRow = [&](Cells& cells) {
         do {
             if (!file.nextLine(line)) return false;
             line = trimmed(line);
-            if (isFormatLine(line)) fail("the format line must come before the spheres; move it");
+            if (startsWith(line, kFormat))
+                file.failAtLine("the format line must come before the spheres; move it");
         } while (line.empty() || line.front() == '#');
         splitAtBlanks(line, cells);
-        if (cells.size() != table.names.size())
-            fail(
-                fmt::format("has {} numbers where {} are expected; check the #format line, or cut "
-                            "the file there",
-                            cells.size(), table.names.size()));
+        requireWords(file, table.names, cells);
         return true;
     };
     Pack<3> pack = readTable(file, table);
-    if (cell.empty()) return pack;
-    const auto found = parseCellText(cell, table.unit);
-    if (!found)
-        throw InputError(fmt::format("{}: '{}' is no periodic cell; remove that line", path, cell));
-    pack.cell = *found;
+    if (!cell.empty()) pack.cell = cellIn(cell, table.unit, path);
     return pack;
 }
 

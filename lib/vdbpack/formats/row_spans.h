@@ -1,4 +1,4 @@
-// Private to runs: which rows of the pack of all ranks are those of one.
+// Private to runs: which rows of the pack of all ranks one rank has.
 #pragma once
 
 #include "vdbpack/core/ranks.h"
@@ -12,7 +12,7 @@ namespace vdbpack {
 /// Spheres of a rank that are rows of the pack of all ranks one after another.
 struct RowSpan {
     std::size_t begin = 0, end = 0;  ///< spheres of this rank
-    std::size_t piece = 0;           ///< among those of all ranks, from 0
+    std::size_t piece = 0;           ///< among the pieces of all ranks, from 0
     std::uint64_t row = 0;           ///< of the first sphere
 };
 

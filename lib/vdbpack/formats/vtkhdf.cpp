@@ -35,9 +35,9 @@ hid_t nativeType(NumberType type) {
     }
 }
 
-class Writer {
+class HdfWriter {
 public:
-    explicit Writer(const std::string& path)
+    explicit HdfWriter(const std::string& path)
         : path_(path),
           file_(H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose),
           group_(made(H5Gcreate2(file_, "VTKHDF", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)),
@@ -113,17 +113,10 @@ std::vector<NumberColumn> numberColumns(const PackView& pack) {
     return columns;
 }
 
-const char* vtkNameOf(NumberType type) {
-    switch (type) {
-        case NumberType::i32:
-            return "Int32";
-        case NumberType::i64:
-            return "Int64";
-        case NumberType::f32:
-            return "Float32";
-        default:
-            return "Float64";
-    }
+std::string vtkNameOf(NumberType type) {
+    std::string name = nameOf(type);
+    name[0] = isReal(type) ? 'F' : 'I';
+    return name;
 }
 
 std::uint64_t bytesOfVtkHdf(std::uint64_t points, const std::vector<NumberColumn>& columns) {
@@ -139,7 +132,7 @@ VtkHdfOffsets layOutVtkHdf(const std::string& path, const std::vector<std::uint6
     H5dont_atexit();
     const Hdf5Quiet quiet;
     const std::uint64_t points = std::accumulate(pieces.begin(), pieces.end(), std::uint64_t{0});
-    Writer file(path);
+    HdfWriter file(path);
     file.note(kUnitKey, unitName(unit));
     file.note(kGeneratorKey, oneLine(generator));
     const std::vector<std::int64_t> counts(pieces.begin(), pieces.end());

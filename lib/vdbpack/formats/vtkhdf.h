@@ -19,8 +19,8 @@ struct NumberColumn {
 /// The columns of a pack that are numbers, as files list them: the radius, the id, and the others.
 std::vector<NumberColumn> numberColumns(const PackView& pack);
 
-/// The name of a type in VTK's XML files.
-const char* vtkNameOf(NumberType type);
+/// The name in VTK's XML files of a type that packs have: Int32, Int64, Float32 or Float64.
+std::string vtkNameOf(NumberType type);
 
 /// Where the values of each array begin in a file, bytes.
 struct VtkHdfOffsets {

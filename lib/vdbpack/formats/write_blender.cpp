@@ -3,22 +3,15 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/io/byte_order.h"
-#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <zlib.h>
 
-#include <algorithm>
-#include <array>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <functional>
-#include <limits>
-#include <set>
-#include <string_view>
-#include <type_traits>
+#include <string>
+#include <utility>
 
 namespace vdbpack {
 
@@ -28,95 +21,18 @@ namespace {
 
 /// The line of the script that is replaced by the facts about the pack.
 constexpr const char* kPackLine = "PACK = {}  # filled in by the writer\n";
-constexpr std::size_t kRowsAtOnce = 1 << 14;
 
-/// A field of the records: its numpy type, and a function that appends the value of a sphere.
-struct Field {
-    std::string name;
-    std::string type;
-    std::function<void(std::string&, std::size_t)> append;
-};
-
-template <typename T, typename Get>
-Field field(std::string_view name, const Get& get) {
-    return {std::string(name),
-            fmt::format("<{}{}", std::is_floating_point_v<T> ? 'f' : 'i', sizeof(T)),
-            [get](std::string& bytes, std::size_t i) {
-                appendLittleEndian(bytes, static_cast<T>(get(i)));
-            }};
-}
-
-/// Whether a name is a plain word, safe between quotes and in Blender's nodes.
-bool isPlainName(std::string_view name) {
-    return !name.empty() && std::all_of(name.begin(), name.end(), [](char c) {
-        return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
-               c == '_';
-    });
-}
-
-std::vector<Field> fieldsOf(const PackView& pack, const std::array<double, 3>& center) {
-    std::vector<Field> fields;
-    const char* const axes[] = {"x", "y", "z"};
-    for (std::size_t d = 0; d < 3; ++d)
-        fields.push_back(field<float>(
-            axes[d], [&pack, d, c = center[d]](std::size_t i) { return pack.position(i)[d] - c; }));
-    fields.push_back(field<float>("radius", [&pack](std::size_t i) { return pack.radius(i); }));
-    fields.push_back(field<std::int64_t>("id", [&pack](std::size_t i) { return pack.id(i); }));
-    std::set<std::string, std::less<>> used;
-    for (const Field& f : fields) used.insert(f.name);
-    pack.forEachAttribute(
-        [&](std::string_view name, const auto& numbers) {
-            if (isPlainName(name) && used.emplace(name).second)
-                fields.push_back(field<ValueOf<decltype(numbers)>>(
-                    name, [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); }));
-        },
-        [](std::string_view, const auto&) {});  // Blender has no attributes of texts
-    return fields;
-}
-
-/// Writes an array of records as numpy.save would. @return the CRC-32 of the records.
-std::uint32_t writeRecords(const PackView& pack, const std::vector<Field>& fields,
-                           OutputFile& out) {
-    std::string dtype;
-    for (const Field& f : fields) dtype += fmt::format("('{}', '{}'), ", f.name, f.type);
-    std::string header = fmt::format("{{'descr': [{}], 'fortran_order': False, 'shape': ({},), }}",
-                                     dtype.substr(0, dtype.size() - 2), pack.size());
-    // Version 2.0 has 32 bits for the length of the header; the records start at a multiple of 64.
-    constexpr std::size_t kFront = 12;
-    header.append(63 - (kFront + header.size()) % 64, ' ');
-    header += '\n';
-    std::string bytes("\x93NUMPY\x02\x00", 8);
-    appendLittleEndian(bytes, static_cast<std::uint32_t>(header.size()));
-    out.write(bytes + header);
-
+/// The CRC-32 of all positions, little-endian as in a file.
+std::uint32_t crcOfPositions(const PackView& pack) {
     uLong crc = crc32(0, nullptr, 0);
-    for (std::size_t first = 0; first < pack.size(); first += kRowsAtOnce) {
+    std::string bytes;
+    for (std::size_t i = 0; i < pack.size(); ++i) {
         bytes.clear();
-        const std::size_t end = std::min(pack.size(), first + kRowsAtOnce);
-        for (std::size_t i = first; i < end; ++i)
-            for (const Field& f : fields) f.append(bytes, i);
+        for (const double c : pack.position(i)) appendLittleEndian(bytes, c);
         crc = crc32(crc, reinterpret_cast<const Bytef*>(bytes.data()),
                     static_cast<uInt>(bytes.size()));
-        out.write(bytes);
     }
     return static_cast<std::uint32_t>(crc);
-}
-
-std::array<double, 3> middleOf(const PackView& pack) {
-    std::array<double, 3> low{}, high{};
-    low.fill(std::numeric_limits<double>::infinity());
-    high.fill(-std::numeric_limits<double>::infinity());
-    for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        for (std::size_t d = 0; d < 3; ++d) {
-            low[d] = std::min(low[d], p[d]);
-            high[d] = std::max(high[d], p[d]);
-        }
-    }
-    std::array<double, 3> middle{};
-    if (pack.size() > 0)
-        for (std::size_t d = 0; d < 3; ++d) middle[d] = 0.5 * (low[d] + high[d]);
-    return middle;
 }
 
 /// A string literal of Python: the escapes of JSON mean the same there.
@@ -158,7 +74,7 @@ std::string relativePath(const std::string& script, const std::string& volume) {
 std::vector<std::string> blenderFiles(const std::string& script, bool levelSets,
                                       const std::string& volume) {
     const std::string stem = stemOf(script);
-    std::vector<std::string> files = {script, stem + ".points.npy"};
+    std::vector<std::string> files = {script, stem + ".points.npz"};
     if (levelSets && volume.empty()) files.push_back(stem + ".vdb");
     return files;
 }
@@ -170,32 +86,23 @@ std::vector<std::string> writeBlender(const Pack<Dim>& pack, const std::string& 
     const auto files = blenderFiles(script, levelSets, volume);
     checkPack(pack);
     const PackView view(pack, options.unit);
-    const std::array<double, 3> center = middleOf(view);
-
     OutputFile points(files[1]);
-    const std::uint32_t crc = writeRecords(view, fieldsOf(view, center), points);
+    writeNpz(view, options, points);
 
-    std::string known = "PACK = {\n";
-    const auto add = [&known](const char* key, const std::string& value) {
-        known += fmt::format("    \"{}\": {},\n", key, value);
-    };
-    add("name", pythonLiteral(nameOf(script), script));
-    add("points", pythonLiteral(nameOf(files[1]), script));
     // "" where there is no level set to show.
     std::string seen;
     if (levelSets) seen = volume.empty() ? nameOf(files[2]) : relativePath(script, volume);
-    add("volume", pythonLiteral(seen, script));
-    add("count", std::to_string(view.size()));
-    add("crc32", std::to_string(crc));
-    add("dim", std::to_string(Dim));
-    add("unit", pythonLiteral(unitName(options.unit), script));
-    std::string place = "[";
-    for (const double c : center) {
-        if (place.size() > 1) place += ", ";
-        appendNumber(place, c);
-    }
-    add("center", place + "]");
-    add("generator", pythonLiteral(options.generator, script));
+    const std::vector<std::pair<const char*, std::string>> facts{
+        {"name", pythonLiteral(nameOf(script), script)},
+        {"points", pythonLiteral(nameOf(files[1]), script)},
+        {"volume", pythonLiteral(seen, script)},
+        {"count", std::to_string(view.size())},
+        {"crc32", std::to_string(crcOfPositions(view))},
+        {"dim", std::to_string(Dim)},
+        {"unit", pythonLiteral(unitName(options.unit), script)},
+        {"generator", pythonLiteral(options.generator, script)}};
+    std::string known = "PACK = {\n";
+    for (const auto& [key, value] : facts) known += fmt::format("    \"{}\": {},\n", key, value);
     known += "}\n";
     std::string text = kBlenderScene;
     const auto at = text.find(kPackLine);

@@ -8,7 +8,7 @@
 
 namespace vdbpack {
 
-/// The files that `writeBlender` leaves for a script NAME.py: itself, NAME.points.npy and, unless
+/// The files that `writeBlender` leaves for a script NAME.py: itself, NAME.points.npz and, unless
 /// there is a `volume` to share, NAME.vdb. @throws ParameterError if the script has another ending.
 std::vector<std::string> blenderFiles(const std::string& script, bool levelSets,
                                       const std::string& volume = "");
@@ -17,11 +17,9 @@ std::vector<std::string> blenderFiles(const std::string& script, bool levelSets,
 /// render as true spheres, colored by a column, the level sets as volume and meshes, camera and
 /// light. It needs nothing but Blender and the files beside it, and moves with them.
 ///
-/// NAME.points.npy is an array of records for numpy.load: x, y, z and radius, then id, region,
-/// order, depth, contacts and those further columns of numbers that have plain names.
-/// Lengths are in `options.unit`, float, with x, y and z from the middle of the pack (`center` in
-/// the script), so that 32 bits hold them to 10^-7 of its size. The script holds the checksum of
-/// its array and refuses another one. Each file is whole or absent; the script comes last.
+/// NAME.points.npz holds the spheres as `writePack` writes .npz, in `options.unit`. The script
+/// holds the checksum of its positions and refuses others. Each file is whole or absent; the script
+/// comes last.
 ///
 /// @param script  ends in .py
 /// @param volume  .vdb that holds `options.levelSets`; empty: they are written as NAME.vdb.

@@ -54,7 +54,7 @@ PackTextRows csvRows(const PackView& pack) {
     return rows;
 }
 
-void writeCsv(const PackView& pack, OutputFile& out) {
+void writeCsv(const PackView& pack, const PackWriteOptions&, OutputFile& out) {
     const PackTextRows rows = csvRows(pack);
     out.write(rows.header);
     writeRows(out, pack.size(), rows.append);

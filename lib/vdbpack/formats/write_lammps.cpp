@@ -9,6 +9,7 @@
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/measure/contacts.h"
 
 #include <fmt/format.h>
 
@@ -96,28 +97,20 @@ private:
     std::int64_t count_ = 1;
 };
 
-/// The unit of density that goes with a unit of length: how many make 1 kg/m³, and its name.
+/// The unit of density that goes with a unit of length: how many kg/m³ make one, a whole number, so
+/// that the best double results as for lengths; and its name.
 struct DensityUnit {
-    double factor;
+    double size;
     const char* name;
 };
 DensityUnit densityUnit(Unit unit) {
-    switch (unit) {
-        case Unit::meter:
-            return {1, "kg/m3"};  // units si
-        case Unit::centimeter:
-            return {1e-3, "g/cm3"};  // units cgs
-        case Unit::millimeter:
-            return {1e-12, "t/mm3"};  // with s: forces in N, pressures in MPa
-        case Unit::micrometer:
-            return {1e-3, "pg/um3"};  // units micro
-    }
-    return {1, "kg/m3"};
-}
-
-/// The best double for `density` in that unit: divided by a whole number, as lengths are.
-double densityIn(double density, Unit unit) {
-    return density / std::round(1 / densityUnit(unit).factor);
+    constexpr DensityUnit kUnits[] = {
+        {1, "kg/m3"},     // m: units si
+        {1e3, "g/cm3"},   // cm: units cgs
+        {1e12, "t/mm3"},  // mm: with s, forces in N and pressures in MPa
+        {1e3, "pg/um3"},  // um: units micro
+    };
+    return kUnits[static_cast<std::size_t>(unit)];
 }
 
 /// The density of each atom, in the unit that is written.
@@ -128,7 +121,7 @@ public:
           unit_(options.unit) {}
     double operator()(std::size_t i) const {
         return areGiven() ? densities_.unconverted()->numbers[i]
-                          : densityIn(densities_.of(i), unit_);
+                          : densities_.of(i) / densityUnit(unit_).size;
     }
     /// Those of an input file, which are kept as they are.
     bool areGiven() const { return densities_.unconverted() != nullptr; }
@@ -212,8 +205,11 @@ PackTextRows lammpsRows(const PackView& pack, const PackWriteOptions& options, c
     return atomRows(pack, options, all, std::make_shared<Atoms>(pack, options, &rows), nullptr);
 }
 
-void writeLammps(const PackView& pack, const PackWriteOptions& options,
-                 const std::vector<Contact>* bonds, OutputFile& out) {
+namespace {
+
+/// @param bonds  null: atoms alone.
+void writeAtoms(const PackView& pack, const PackWriteOptions& options,
+                const std::vector<Contact>* bonds, OutputFile& out) {
     const auto atoms = std::make_shared<Atoms>(pack, options, nullptr);
     const std::size_t count = bonds ? bonds->size() : 0;
     const PackTextRows rows =
@@ -229,6 +225,19 @@ void writeLammps(const PackView& pack, const PackWriteOptions& options,
         appendNumber(text += ' ', atoms->ids((*bonds)[b].j));
         text += '\n';
     });
+}
+
+}  // namespace
+
+void writeLammps(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    writeAtoms(pack, options, nullptr, out);
+}
+
+void writeLammpsBonds(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    const auto bonds = pack.withPack([&options](const auto& own) {
+        return listContacts(own.spheres, options.contactTolerance, own.cell);
+    });
+    writeAtoms(pack, options, &bonds, out);
 }
 
 }  // namespace vdbpack

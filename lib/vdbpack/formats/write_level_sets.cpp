@@ -1,5 +1,6 @@
 // OpenVDB files of level sets, as they are or as fog, and of the grids that other writers add.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/format_words.h"
@@ -12,7 +13,6 @@
 #include <openvdb/io/io.h>
 #include <openvdb/tools/LevelSetUtil.h>
 #include <openvdb/tree/LeafManager.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -32,7 +32,7 @@ namespace {
 
 /// Writes to a given stream: OpenVDB's own classes open files themselves and do not notice a full
 /// disk.
-class Archive : public openvdb::io::Archive {
+class GridArchive : public openvdb::io::Archive {
 public:
     void writeTo(std::ostream& stream, const openvdb::GridCPtrVec& grids) {
         setCompression(hasBloscCompression()
@@ -57,7 +57,7 @@ public:
         auto compression = openvdb::io::getStreamMetadataPtr(stream);
         std::array<std::string, kParts> parts;
         for (std::size_t first = 0; first < leaves.size(); first += kLeaves * kParts) {
-            tbb::parallel_for(std::size_t{0}, kParts, [&](std::size_t p) {
+            parallelFor(std::size_t{0}, kParts, [&](std::size_t p) {
                 const std::size_t from = std::min(first + p * kLeaves, leaves.size());
                 const std::size_t to = std::min(from + kLeaves, leaves.size());
                 std::ostringstream part;
@@ -133,7 +133,7 @@ void writeGrids(const PackWriteOptions& options, const std::vector<openvdb::Grid
     try {
         stream.exceptions(std::ios::failbit | std::ios::badbit);
         stream.open(out.temporaryPath(), std::ios::binary | std::ios::trunc);
-        Archive().writeTo(stream, grids);
+        GridArchive().writeTo(stream, grids);
         stream.close();
     } catch (const std::exception& e) {
         const int cause = errno;

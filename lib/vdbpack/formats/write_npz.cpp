@@ -27,9 +27,9 @@ std::uint32_t crcOf(const std::string& bytes) {
 }
 
 /// An archive of arrays.
-class Archive {
+class NpzArchive {
 public:
-    explicit Archive(OutputFile& out) : out_(out), zip_(out, ZipWriter::Form::zip64) {}
+    explicit NpzArchive(OutputFile& out) : out_(out), zip_(out, ZipWriter::Form::zip64) {}
 
     void add(const std::string& name, const std::string& header, const std::string& data) {
         const auto crc = static_cast<std::uint32_t>(
@@ -70,27 +70,19 @@ std::string bytesOfAll(std::size_t n, const Get& get) {
 /// The characters of UTF-8; bytes that are no UTF-8 stand for themselves.
 std::vector<std::uint32_t> codePoints(std::string_view text) {
     std::vector<std::uint32_t> points;
-    for (std::size_t i = 0; i < text.size();) {
-        const auto byte = static_cast<unsigned char>(text[i]);
-        const std::size_t more = byte >= 0xf0 && byte < 0xf8   ? 3
-                                 : byte >= 0xe0 && byte < 0xf0 ? 2
-                                 : byte >= 0xc0 && byte < 0xe0 ? 1
-                                                               : 0;
-        std::uint32_t point = more == 0 ? byte : byte & (0x3fu >> more);
-        std::size_t k = 1;
-        for (; k <= more && i + k < text.size(); ++k) {
-            const auto next = static_cast<unsigned char>(text[i + k]);
-            if ((next & 0xc0) != 0x80) break;
-            point = point << 6 | (next & 0x3fu);
-        }
-        const bool sound = k == more + 1 && point <= 0x10ffff;
-        points.push_back(sound ? point : byte);
-        i += sound ? more + 1 : 1;
+    while (!text.empty()) {
+        const std::size_t bytes = std::max<std::size_t>(utf8Bytes(text), 1);
+        std::uint32_t point = static_cast<unsigned char>(text.front());
+        if (bytes > 1) point &= 0x7fu >> bytes;
+        for (std::size_t k = 1; k < bytes; ++k)
+            point = point << 6 | (static_cast<unsigned char>(text[k]) & 0x3fu);
+        points.push_back(point);
+        text.remove_prefix(bytes);
     }
     return points;
 }
 
-void addTexts(Archive& zip, const std::string& name, const std::vector<std::string>& texts,
+void addTexts(NpzArchive& zip, const std::string& name, const std::vector<std::string>& texts,
               const std::string& shape) {
     std::size_t longest = 1;
     for (const auto& t : texts) longest = std::max(longest, codePoints(t).size());
@@ -114,7 +106,7 @@ std::string memberName(std::string_view attribute) {
 }  // namespace
 
 void writeNpz(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
-    Archive zip(out);
+    NpzArchive zip(out);
     const std::size_t n = pack.size();
     const std::string shape = fmt::format("({},)", n);
     std::string positions;

@@ -33,9 +33,9 @@ constexpr Colors kCortical{"cortical", "#4a78a8", "#1d3a5a"};
 constexpr Colors kTrabecular{"trabecular", "#f0d9a0", "#8a6d2a"};
 
 /// Numbers with as many decimals as resolve a millionth of the picture, without trailing zeros.
-class Writer {
+class NumberWriter {
 public:
-    explicit Writer(double extent)
+    explicit NumberWriter(double extent)
         : decimals_(std::clamp(5 - static_cast<int>(std::floor(std::log10(extent))), 0, 30)) {}
 
     void append(std::string& text, double value) const {
@@ -91,7 +91,7 @@ void writeSvg(const PackView& pack, const PackWriteOptions& options, OutputFile&
             frame.hi[d] = fromMillimeters(options.frame->hi[d], pack.unit());
         }
     const Layout layout(pack, frame);
-    const Writer number(layout.side());
+    const NumberWriter number(layout.side());
     const Vec<2> size = layout.bounds.size();
     const double pixels = kPixels / layout.side();
 

@@ -2,7 +2,7 @@
 //
 // Sources: UsdGeom's schemas (widths of Points are diameters); the grammar of text files in
 // pxr/usd/sdf/textFileFormatParser.h; the specification of USDZ. `points` and `widths` are floats
-// by schema, but written with the digits of doubles: others round them, `readUsd` need not.
+// by schema, and written with the digits of doubles: programs round them.
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -16,12 +16,10 @@
 #include <zlib.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
-#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -35,7 +33,7 @@ constexpr const char* kSurfaceColor = "(0.75, 0.78, 0.82)";
 constexpr double kSurfaceOpacity = 0.25;
 
 /// `text` in quotes. Control characters and bytes that are no UTF-8 are written by their numbers.
-std::string quoted(std::string_view text) {
+std::string quotedText(std::string_view text) {
     std::string out = "\"";
     while (!text.empty()) {
         const char c = text.front();
@@ -53,30 +51,26 @@ std::string quoted(std::string_view text) {
 }
 
 /// A name that every version of USD accepts.
-std::string identifierOf(std::string_view name) {
-    std::string identifier;
-    for (const char c : name) {
-        const bool fits =
-            (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_';
-        identifier += fits ? c : '_';
-    }
-    if (identifier.empty() || (identifier[0] >= '0' && identifier[0] <= '9'))
-        identifier.insert(0, 1, '_');
-    return identifier;
+std::string usdName(std::string_view name) {
+    const std::string identifier = identifierOf(name);
+    const bool begins = !identifier.empty() && (identifier[0] < '0' || identifier[0] > '9');
+    return begins ? identifier : '_' + identifier;
 }
 
-void appendTriple(std::string& text, const std::array<double, 3>& numbers) {
+/// @tparam T  float or double, of which the digits are written.
+template <class T>
+void appendTriple(std::string& text, const Vec<3>& numbers) {
     text += '(';
-    for (std::size_t d = 0; d < 3; ++d) {
+    for (int d = 0; d < 3; ++d) {
         if (d > 0) text += ", ";
-        appendShortest(text, numbers[d]);
+        appendShortest(text, static_cast<T>(numbers[d]));
     }
     text += ')';
 }
 
-std::string triple(const std::array<double, 3>& numbers) {
+std::string triple(const Vec<3>& numbers) {
     std::string text;
-    appendTriple(text, numbers);
+    appendTriple<double>(text, numbers);
     return text;
 }
 
@@ -90,10 +84,10 @@ std::string extentText(const Box<3>& box) {
         return static_cast<double>(rounded);
     };
     constexpr float kFar = std::numeric_limits<float>::infinity();
-    std::array<double, 3> lo{}, hi{};
+    Vec<3> lo, hi;
     for (int d = 0; d < 3 && !box.empty(); ++d) {
-        lo[static_cast<std::size_t>(d)] = bound(box.lo[d], -kFar);
-        hi[static_cast<std::size_t>(d)] = bound(box.hi[d], kFar);
+        lo[d] = bound(box.lo[d], -kFar);
+        hi[d] = bound(box.hi[d], kFar);
     }
     return fmt::format("[{}, {}]", triple(lo), triple(hi));
 }
@@ -116,22 +110,15 @@ public:
 
     UsdText(const PackView& pack, const PackWriteOptions& options, Sink sink)
         : pack_(pack), options_(options), sink_(std::move(sink)) {
-        Box<3> centers;
-        for (std::size_t i = 0; i < pack.size(); ++i) {
-            const auto p = pack.position(i);
-            const double r = pack.radius(i);
-            centers.add({{p[0], p[1], p[2]}});
-            spheres_.add({{p[0] - r, p[1] - r, p[2] - r}});
-            spheres_.add({{p[0] + r, p[1] + r, p[2] + r}});
-        }
+        const Box<3> centers = pack.boundsOfCenters();
         for (int d = 0; d < 3 && !centers.empty(); ++d)
-            origin_[static_cast<std::size_t>(d)] = originBetween(centers.lo[d], centers.hi[d]);
+            origin_[d] = originBetween(centers.lo[d], centers.hi[d]);
     }
 
     void write() {
         writeHeader();
         sink_("def Xform \"pack\" (\n    kind = \"component\"\n)\n{\n");
-        if (origin_ != std::array<double, 3>{})
+        if (origin_ != Vec<3>{})
             sink_(
                 fmt::format("    double3 xformOp:translate = {}\n"
                             "    uniform token[] xformOpOrder = [\"xformOp:translate\"]\n",
@@ -145,13 +132,13 @@ private:
     void writeHeader() {
         std::string header = "#usda 1.0\n(\n    customLayerData = {\n";
         const auto note = [&header](const char* key, const std::string& text) {
-            header += fmt::format("        string {} = {}\n", key, quoted(text));
+            header += fmt::format("        string {} = {}\n", key, quotedText(text));
         };
         if (!options_.generator.empty()) note(kGeneratorKey, options_.generator);
         note(kUnitKey, unitName(options_.unit));
         if (pack_.cell().any()) note(kCellKey, cellText(pack_.cell()));
         header += "    }\n    defaultPrim = \"pack\"\n    metersPerUnit = ";
-        appendShortest(header, metersPer(options_.unit));
+        appendShortest(header, millimetersPer(options_.unit) / 1000);
         sink_(header + "\n    upAxis = \"Z\"\n)\n\n");
     }
 
@@ -167,26 +154,15 @@ private:
         sink_(metadata.empty() ? "]\n" : "] (\n" + metadata + "        )\n");
     }
 
-    std::array<double, 3> local(std::array<double, 3> p) const {
-        for (std::size_t d = 0; d < 3; ++d) p[d] -= origin_[d];
-        return p;
-    }
-    Box<3> local(Box<3> box) const {
-        for (int d = 0; d < 3; ++d) {
-            box.lo[d] -= origin_[static_cast<std::size_t>(d)];
-            box.hi[d] -= origin_[static_cast<std::size_t>(d)];
-        }
-        return box;
-    }
-
     void writeSpheres() {
         const std::size_t n = pack_.size();
+        const Box<3> spheres = pack_.boundsOfSpheres();
         sink_("\n    def Points \"spheres\"\n    {\n        float3[] extent = " +
-              extentText(local(spheres_)) + "\n");
+              extentText({spheres.lo - origin_, spheres.hi - origin_}) + "\n");
         array("int64[] ids", n,
               [this](std::string& text, std::size_t i) { appendNumber(text, pack_.id(i)); });
         array("point3f[] points", n, [this](std::string& text, std::size_t i) {
-            appendTriple(text, local(pack_.position(i)));
+            appendTriple<double>(text, pack_.center(i) - origin_);
         });
         array(
             "float[] widths", n,
@@ -209,50 +185,42 @@ private:
                 });
             },
             [this, n](std::string_view name, const auto& texts) {
-                primvar("string", name, n,
-                        [&texts](std::string& text, std::size_t i) { text += quoted(texts[i]); });
+                primvar("string", name, n, [&texts](std::string& text, std::size_t i) {
+                    text += quotedText(texts[i]);
+                });
             });
         sink_("    }\n");
     }
 
     void primvar(const char* type, std::string_view name, std::size_t count, const Append& append) {
-        std::string identifier = identifierOf(name);
-        for (int k = 2; !used_.insert(lowered(identifier)).second; ++k)
-            identifier = fmt::format("{}_{}", identifierOf(name), k);
+        const std::string identifier = unique_(usdName(name));
         std::string metadata = kPerSphere;
         if (identifier != name)
-            metadata = fmt::format("            displayName = {}\n", quoted(name)) + metadata;
+            metadata = fmt::format("            displayName = {}\n", quotedText(name)) + metadata;
         array(fmt::format("{}[] primvars:{}", type, identifier), count, append, metadata);
     }
 
     void writeSurface(const TriangleMesh& mesh) {
         const auto vertex = [&mesh, this](std::size_t i) {
-            std::array<double, 3> p{};
-            for (int d = 0; d < 3; ++d)
-                p[static_cast<std::size_t>(d)] =
-                    fromMillimeters(mesh.vertices[i][d], options_.unit);
-            return local(p);
+            Vec<3> p;
+            for (int d = 0; d < 3; ++d) p[d] = fromMillimeters(mesh.vertices[i][d], options_.unit);
+            return p - origin_;
         };
         const std::size_t vertices = mesh.vertices.size();
-        Box<3> exact;
-        for (std::size_t i = 0; i < vertices; ++i) {
-            const auto p = vertex(i);
-            exact.add({{p[0], p[1], p[2]}});
-        }
+        Box<3> box;
+        for (std::size_t i = 0; i < vertices; ++i) box.add(vertex(i));
         // Coordinates of 6 to 7 digits.
-        const Vec<3> size = exact.size();
+        const Vec<3> size = box.size();
         const double extent = *std::max_element(size.c.begin(), size.c.end());
         const double step = extent > 0 ? std::pow(10, std::floor(std::log10(extent)) - 6) : 1;
-        const auto rounded = [&](double x) {
-            return static_cast<float>(std::nearbyint(x / step) * step);
+        const auto rounded = [step](Vec<3> p) {
+            for (double& x : p.c)
+                x = static_cast<double>(static_cast<float>(std::nearbyint(x / step) * step));
+            return p;
         };
-        Box<3> box = exact;
-        for (int d = 0; d < 3 && !box.empty(); ++d) {
-            box.lo[d] = static_cast<double>(rounded(exact.lo[d]));
-            box.hi[d] = static_cast<double>(rounded(exact.hi[d]));
-        }
+        if (!box.empty()) box = {rounded(box.lo), rounded(box.hi)};
         sink_(fmt::format("\n    def Mesh \"{}\"\n    {{\n        float3[] extent = {}\n",
-                          identifierOf(options_.surfaceName), extentText(box)));
+                          usdName(options_.surfaceName), extentText(box)));
         const std::size_t n = mesh.triangles.size();
         array("int[] faceVertexCounts", n, [](std::string& text, std::size_t) { text += '3'; });
         array("int[] faceVertexIndices", n, [&mesh](std::string& text, std::size_t i) {
@@ -260,13 +228,7 @@ private:
             fmt::format_to(std::back_inserter(text), "{}, {}, {}", t[0], t[1], t[2]);
         });
         array("point3f[] points", vertices, [&](std::string& text, std::size_t i) {
-            const auto p = vertex(i);
-            text += '(';
-            for (std::size_t d = 0; d < 3; ++d) {
-                if (d > 0) text += ", ";
-                appendShortest(text, rounded(p[d]));
-            }
-            text += ')';
+            appendTriple<float>(text, rounded(vertex(i)));
         });
         sink_(
             fmt::format("        color3f[] primvars:displayColor = [{}]\n"
@@ -280,10 +242,8 @@ private:
     const PackView& pack_;
     const PackWriteOptions& options_;
     Sink sink_;
-    Box<3> spheres_;
-    std::array<double, 3> origin_{};
-    /// Names that primvars have, and those of which the reader has better.
-    std::set<std::string> used_ = {"displaycolor", "displayopacity", "x", "y", "z", "radius"};
+    Vec<3> origin_;
+    UniqueNames unique_{"displaycolor", "displayopacity"};
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 // OpenVDB files: spheres as a point grid, level sets beside them.
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/field/vdb_init.h"
 #include "vdbpack/formats/pack_formats.h"
 #include "vdbpack/formats/pack_text.h"
@@ -10,7 +11,6 @@
 #include <fmt/format.h>
 #include <openvdb/points/AttributeArrayString.h>
 #include <openvdb/points/PointDataGrid.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -21,7 +21,6 @@
 #include <limits>
 #include <memory>
 #include <numeric>
-#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -72,12 +71,10 @@ bool survives(const PackView& pack, double voxel) {
 /// Edge of a voxel in the unit that is written.
 double chooseVoxel(const PackView& pack, double wanted) {
     if (pack.size() == 0) return 1;
-    Box<3> bounds;
+    const Box<3> bounds = pack.boundsOfCenters();
     double filled = 0;
     double largest = 0;
     for (std::size_t i = 0; i < pack.size(); ++i) {
-        const auto p = pack.position(i);
-        bounds.add({{p[0], p[1], p[2]}});
         const double r = pack.radius(i);
         filled += pack.dim() == 2 ? Measure<2>::ball(r) : Measure<3>::ball(r);
         largest = std::max(largest, r);
@@ -112,37 +109,16 @@ double chooseVoxel(const PackView& pack, double wanted) {
     return voxel;
 }
 
-/// Makes names of attributes that OpenVDB accepts and that are unique.
-class AttributeNames {
-public:
-    std::string unique(std::string_view name) {
-        std::string clean;
-        for (const char c : name) {
-            const bool valid = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                               (c >= '0' && c <= '9') || c == '_';
-            clean += valid ? c : '_';
-        }
-        if (clean.empty()) clean = "column";
-        std::string candidate = clean;
-        for (int n = 2; !used_.insert(candidate).second; ++n)
-            candidate = fmt::format("{}_{}", clean, n);
-        return candidate;
-    }
-
-private:
-    std::set<std::string> used_;
-};
-
 /// An attribute of the point grid: its type, and a function that fills the array of a leaf with the
 /// values of the listed spheres.
-struct Attribute {
+struct PointAttribute {
     std::string name;
     openvdb::NamePair type;
     std::function<void(points::AttributeArray&, const std::vector<std::size_t>&)> fill;
 };
 
 template <typename T, typename Get>
-Attribute attribute(const std::string& name, const Get& get) {
+PointAttribute attribute(const std::string& name, const Get& get) {
     return {name, Plain<T>::attributeType(),
             [get](points::AttributeArray& array, const std::vector<std::size_t>& spheres) {
                 auto& typed = Plain<T>::cast(array);
@@ -156,7 +132,7 @@ Attribute attribute(const std::string& name, const Get& get) {
 
 /// Whole numbers as int32 where they fit, as viewers expect, else int64.
 template <typename Get>
-Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
+PointAttribute wholeAttribute(const std::string& name, std::size_t count, const Get& get) {
     bool narrow = true;
     for (std::size_t i = 0; i < count && narrow; ++i) {
         const std::int64_t value = get(i);
@@ -168,7 +144,7 @@ Attribute wholeAttribute(const std::string& name, std::size_t count, const Get& 
 }
 
 /// A further column of numbers in the smallest type that keeps every one.
-Attribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
+PointAttribute columnAttribute(const std::string& name, const std::vector<double>& numbers) {
     bool whole = true;
     bool single = true;
     for (const double value : numbers) {
@@ -189,8 +165,8 @@ Attribute columnAttribute(const std::string& name, const std::vector<double>& nu
 }
 
 /// Texts are stored as indices into a table in the metadata of the attributes.
-Attribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
-                        openvdb::MetaMap& table) {
+PointAttribute textAttribute(const std::string& name, const std::vector<std::string>& texts,
+                             openvdb::MetaMap& table) {
     points::StringMetaInserter inserter(table);
     auto indices = std::make_shared<std::vector<openvdb::Index>>();
     indices->reserve(texts.size());
@@ -206,27 +182,30 @@ Attribute textAttribute(const std::string& name, const std::vector<std::string>&
             }};
 }
 
-std::vector<Attribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
-    AttributeNames names;
-    std::vector<Attribute> list;
-    names.unique("P");
-    list.push_back(attribute<float>(names.unique("pscale"),
-                                    [&pack](std::size_t i) { return pack.radius(i); }));
-    list.push_back(wholeAttribute(names.unique("id"), pack.size(),
-                                  [&pack](std::size_t i) { return pack.id(i); }));
+std::vector<PointAttribute> attributesOf(const PackView& pack, openvdb::MetaMap& table) {
+    std::vector<PointAttribute> list;
+    UniqueNames unique{"p"};
+    // Names that OpenVDB accepts.
+    const auto named = [&unique](std::string_view name) {
+        return unique(name.empty() ? "column" : identifierOf(name));
+    };
+    list.push_back(
+        attribute<float>(named("pscale"), [&pack](std::size_t i) { return pack.radius(i); }));
+    list.push_back(
+        wholeAttribute(named("id"), pack.size(), [&pack](std::size_t i) { return pack.id(i); }));
     pack.forEachAttribute(
         [&](std::string_view name, const auto& numbers) {
             using T = ValueOf<decltype(numbers)>;
             const auto get = [&pack, &numbers](std::size_t i) { return pack.value(numbers, i); };
             if constexpr (std::is_integral_v<T>)
-                list.push_back(wholeAttribute(names.unique(name), pack.size(), get));
+                list.push_back(wholeAttribute(named(name), pack.size(), get));
             else if constexpr (std::is_same_v<T, float>)
-                list.push_back(attribute<float>(names.unique(name), get));
+                list.push_back(attribute<float>(named(name), get));
             else
-                list.push_back(columnAttribute(names.unique(name), numbers));
+                list.push_back(columnAttribute(named(name), numbers));
         },
         [&](std::string_view name, const auto& texts) {
-            list.push_back(textAttribute(names.unique(name), texts, table));
+            list.push_back(textAttribute(named(name), texts, table));
         });
     return list;
 }
@@ -240,7 +219,7 @@ public:
         sortIntoLeaves();
         describeAttributes();
         addLeaves();
-        tbb::parallel_for(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
+        parallelFor(std::size_t{0}, runs_.size(), [this](std::size_t r) { fill(runs_[r]); });
         grid_->setName("points");
         // A pure scale by a power of two: index and offset give back the position without
         // rounding.
@@ -285,7 +264,7 @@ private:
             }
         }
         entries_.resize(pack_.size());
-        tbb::parallel_for(std::size_t{0}, pack_.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, pack_.size(), [&](std::size_t i) {
             const auto v = voxelOf(i);
             std::uint64_t key = 0;
             for (std::size_t d = 0; d < 3; ++d)
@@ -383,7 +362,7 @@ private:
     const PackView& pack_;
     const double voxel_;
     std::vector<Entry> entries_;  ///< by leaf, then by sphere
-    std::vector<Attribute> attributes_;
+    std::vector<PointAttribute> attributes_;
     points::AttributeSet::Descriptor::Ptr descriptor_;
     // Made by the library: a constructor here would compile all virtual functions of the tree.
     points::PointDataGrid::Ptr grid_ = openvdb::gridPtrCast<points::PointDataGrid>(
@@ -400,6 +379,12 @@ void writeVdb(const PackView& pack, const PackWriteOptions& options, OutputFile&
     if (pack.cell().any())
         grid->insertMeta(kCellKey, openvdb::StringMetadata(cellText(pack.cell())));
     writeGrids(options, {grid}, out);
+}
+
+void writePoints(const PackView& pack, const PackWriteOptions& options, OutputFile& out) {
+    PackWriteOptions alone = options;
+    alone.levelSets.clear();
+    writeVdb(pack, alone, out);
 }
 
 }  // namespace vdbpack

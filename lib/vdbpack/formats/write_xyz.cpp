@@ -3,6 +3,7 @@
 #include "vdbpack/core/box.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_formats.h"
+#include "vdbpack/formats/pack_text.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/row_writer.h"
 #include "vdbpack/io/text.h"
@@ -11,7 +12,6 @@
 
 #include <algorithm>
 #include <initializer_list>
-#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -47,12 +47,9 @@ void writeXyz(const PackView& pack, const PackWriteOptions& options, OutputFile&
     for (const Column& column : pack.columns())
         if (column.name == kXyzSpecies && !column.texts.empty()) species = &column.texts;
     std::string properties = "species:S:1:pos:R:3:radius:R:1:id:I:1";
-    std::set<std::string> used = {"species", "pos", "x", "y", "z", "radius", "id"};
+    UniqueNames unique{"species", "pos", "x", "y", "z", "radius", "id"};
     const auto describe = [&](std::string_view name, char type) {
-        std::string word = asWord(name);
-        for (int n = 2; !used.insert(word).second; ++n)
-            word = fmt::format("{}_{}", asWord(name), n);
-        properties += fmt::format(":{}:{}:1", word, type);
+        properties += fmt::format(":{}:{}:1", unique(asWord(name)), type);
     };
     pack.forEachAttribute(
         [&](std::string_view name, const auto& numbers) {

@@ -4,7 +4,6 @@
 #include "vdbpack/io/input_file.h"
 
 #include <cstdint>
-#include <exception>
 #include <memory>
 #include <string>
 
@@ -41,13 +40,12 @@ public:
     std::string content(const Member& member);
 
 private:
-    struct Source;
     class Stream;
-    [[noreturn]] void fail(const std::string& what) const;
-    /// Fails with what reading the file threw, or else with `what`.
+
+    /// @throws InputError "file: what (the cause)"
     [[noreturn]] void failWith(zip_error* error, const std::string& what) const;
 
-    std::unique_ptr<Source> source_;
+    InputFile file_;
     zip* archive_ = nullptr;
     std::uint64_t taken_ = 0;  ///< bytes of the file that members took
 };

@@ -2,11 +2,9 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/image/ball_voxels.h"
 #include "vdbpack/image/image_values.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -70,12 +68,10 @@ std::vector<double> ballMeans(const Image& image, const std::vector<Sphere<3>>& 
     std::vector<double> means(spheres.size());
     image.visit([&](const auto* numbers) {
         const ImageValues values(image, numbers);
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spheres.size(), 256),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              for (std::size_t i = block.begin(); i < block.end(); ++i)
-                                  means[i] =
-                                      meanOver(image.grid, values, spheres[i], reach, points);
-                          });
+        parallelFor(IndexRange(0, spheres.size(), 256), [&](const IndexRange& block) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i)
+                means[i] = meanOver(image.grid, values, spheres[i], reach, points);
+        });
     });
     return means;
 }

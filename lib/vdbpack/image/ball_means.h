@@ -18,8 +18,8 @@ namespace vdbpack {
 /// Cost: about 1 ns a voxel in a ball, 2 microseconds a small ball.
 std::vector<double> ballMeans(const Image& image, const std::vector<Sphere<3>>& spheres);
 
-/// Values of an image at points, linear between the voxels; beyond them, those of the nearest ones.
-/// Immutable and thread-safe.
+/// Values of an image at points, linear between the voxels; beyond them, the values of the nearest
+/// voxels. Immutable and thread-safe.
 class ImageSampler {
 public:
     /// @throws InputError for an image with several values at each voxel.

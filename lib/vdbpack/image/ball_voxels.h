@@ -17,7 +17,7 @@ struct SliceRange {
 };
 
 /// The slices that a ball may have voxels in.
-/// @param reach  that of the grid.
+/// @param reach  `ImageGrid::reach`.
 inline SliceRange slicesOf(const ImageGrid& grid, const Vec<3>& reach, const Sphere<3>& ball) {
     const double middle = grid.indexOf(ball.center)[2], r = reach[2] * ball.radius;
     const auto end = static_cast<double>(grid.size[2]);

@@ -1,6 +1,7 @@
 #include "vdbpack/image/dicom_check.h"
 
 #include "vdbpack/image/dicom_pixels.h"
+#include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/input_file.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
@@ -70,10 +71,8 @@ std::string nameOf(std::uint32_t tag) {
     return fmt::format("({:04x},{:04x})", tag >> 16, tag & 0xffff);
 }
 
-std::uint32_t number(const unsigned char* bytes, int count) {
-    std::uint32_t sum = 0;
-    for (int i = count; i-- > 0;) sum = sum << 8 | bytes[i];
-    return sum;
+std::uint32_t number(const unsigned char* bytes, std::size_t count) {
+    return static_cast<std::uint32_t>(unsignedNumber(bytes, count, false));
 }
 
 class DicomWalk {
@@ -100,10 +99,8 @@ private:
     /// The elements about the file itself. @return where the others begin
     std::uint64_t walkMeta() {
         std::uint64_t at = 132;
-        unsigned char group[2] = {};
         while (at + 8 <= file_.size()) {
-            file_.readAt(at, group, 2);
-            if (number(group, 2) != 2) break;
+            if (file_.numberAt(at, 2, false) != 2) break;
             const Element e = elementAt(at, file_.size(), false);
             if (e.length == kUnknown) fail(at, e.tag, "has no length");
             check(e, at, 0);

@@ -9,7 +9,7 @@ namespace {
 constexpr const char* kRunLengths = "1.2.840.10008.1.2.5";
 constexpr const char* kJpeg2000 = "1.2.840.10008.1.2.4.9";
 
-/// Reads a fragment; numbers of JPEG begin with the largest byte.
+/// Reads a fragment.
 class FragmentCheck {
 public:
     FragmentCheck(const InputFile& file, const DicomFragment& fragment, const DicomFrame& frame)
@@ -80,20 +80,12 @@ private:
         return bits >= 2 && bits <= frame_.allocated && bits > frame_.allocated / 2;
     }
 
+    /// Numbers of JPEG begin with the largest byte.
     std::uint64_t number(std::uint64_t at, std::size_t count) const {
-        unsigned char bytes[4] = {};
-        file_.readAt(begin_ + at, bytes, count);
-        std::uint64_t sum = 0;
-        for (std::size_t i = 0; i < count; ++i) sum = sum << 8 | bytes[i];
-        return sum;
+        return file_.numberAt(begin_ + at, count, true);
     }
-
     std::uint64_t littleEndian(std::uint64_t at) const {
-        unsigned char bytes[4] = {};
-        file_.readAt(begin_ + at, bytes, 4);
-        std::uint64_t sum = 0;
-        for (std::size_t i = 4; i-- > 0;) sum = sum << 8 | bytes[i];
-        return sum;
+        return file_.numberAt(begin_ + at, 4, false);
     }
 
     void require(bool sound, std::uint64_t at) const {

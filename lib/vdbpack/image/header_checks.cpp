@@ -1,7 +1,9 @@
 #include "vdbpack/image/header_checks.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/input_file.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <zlib.h>
@@ -16,22 +18,10 @@
 
 namespace vdbpack {
 
-namespace {
-
-/// An unsigned number of some bytes.
-std::uint64_t number(const unsigned char* bytes, int count, bool bigEndian) {
-    std::uint64_t sum = 0;
-    for (int i = 0; i < count; ++i) sum = sum << 8 | bytes[bigEndian ? i : count - 1 - i];
-    return sum;
+bool isTiff(const std::string& path) {
+    const std::string extension = extensionOf(path);
+    return extension == ".tif" || extension == ".tiff";
 }
-
-std::uint64_t numberAt(const InputFile& file, std::uint64_t offset, int count, bool bigEndian) {
-    unsigned char bytes[8] = {};
-    file.readAt(offset, bytes, static_cast<std::size_t>(count));
-    return number(bytes, count, bigEndian);
-}
-
-}  // namespace
 
 void checkTiffPages(const std::string& path) {
     constexpr std::size_t kMostPages = 65535;
@@ -42,17 +32,17 @@ void checkTiffPages(const std::string& path) {
     const std::string_view begin(mark, 2);
     if (begin != "II" && begin != "MM") file.fail("is no TIFF image");
     // BigTIFF has longer counts and offsets.
-    const bool big = numberAt(file, 2, 2, bigEndian) == 43;
-    const int width = big ? 8 : 4;
-    std::uint64_t offset = numberAt(file, big ? 8 : 4, width, bigEndian);
+    const bool big = file.numberAt(2, 2, bigEndian) == 43;
+    const std::size_t width = big ? 8 : 4;
+    std::uint64_t offset = file.numberAt(big ? 8 : 4, width, bigEndian);
     std::set<std::uint64_t> pages;
     while (offset != 0) {
         if (!pages.insert(offset).second || pages.size() > kMostPages)
             file.failAtByte(offset, "pages refer to each other in a circle; it is damaged");
-        const std::uint64_t entries = numberAt(file, offset, big ? 8 : 2, bigEndian);
+        const std::uint64_t entries = file.numberAt(offset, big ? 8 : 2, bigEndian);
         if (entries > 65535) file.failAtByte(offset, "a page has too many entries; it is damaged");
         offset += big ? 8 + 20 * entries : 2 + 12 * entries;
-        offset = numberAt(file, offset, width, bigEndian);
+        offset = file.numberAt(offset, width, bigEndian);
     }
 }
 
@@ -65,31 +55,33 @@ void checkNiftiHeader(const std::string& path) {
     const std::unique_ptr<gzFile_s, int (*)(gzFile)> file(gzopen(path.c_str(), "rb"), gzclose);
     if (!file) throw IoError(path + ": cannot be opened for reading");
     const int there = gzread(file.get(), header.data(), header.size());
-    const auto size = [&](bool order) { return number(header.data(), 4, order); };
+    const auto size = [&](bool order) { return unsignedNumber(header.data(), 4, order); };
     const bool bigEndian = size(true) == 348 || size(true) == 540;
     const bool second = size(bigEndian) == 540;
     if ((size(bigEndian) != 348 && !second) || there < (second ? 540 : 348))
         fail("its header does not begin with 348 or 540");
-    const int width = second ? 8 : 2;
+    const std::size_t width = second ? 8 : 2;
     const unsigned char* const dims = header.data() + (second ? 16 : 40);
-    const std::uint64_t count = number(dims, width, bigEndian);
+    const std::uint64_t count = unsignedNumber(dims, width, bigEndian);
     if (count < 1 || count > 7) fail(fmt::format("it has {} dimensions", count));
     for (std::uint64_t d = 1; d <= count; ++d) {
-        const std::uint64_t n = number(dims + d * static_cast<unsigned>(width), width, bigEndian);
+        const std::uint64_t n = unsignedNumber(dims + d * width, width, bigEndian);
         if (n < 1 || n > 0x7fff'ffff || (!second && n > 0x7fff))
             fail(fmt::format("it has {} voxels along axis {}", n, d));
     }
     constexpr int kTypes[] = {2,   4,   8,    16,   32,   64,   128,  256,
                               512, 768, 1024, 1280, 1536, 1792, 2048, 2304};
-    const auto type = static_cast<int>(number(header.data() + (second ? 12 : 70), 2, bigEndian));
+    const auto type =
+        static_cast<int>(unsignedNumber(header.data() + (second ? 12 : 70), 2, bigEndian));
     if (std::find(std::begin(kTypes), std::end(kTypes), type) == std::end(kTypes))
         fail(fmt::format("its data type is {}", type));
     double begin = 0;
     if (second) {
         begin = static_cast<double>(
-            static_cast<std::int64_t>(number(header.data() + 168, 8, bigEndian)));
+            static_cast<std::int64_t>(unsignedNumber(header.data() + 168, 8, bigEndian)));
     } else {
-        const auto bits = static_cast<std::uint32_t>(number(header.data() + 108, 4, bigEndian));
+        const auto bits =
+            static_cast<std::uint32_t>(unsignedNumber(header.data() + 108, 4, bigEndian));
         float value = 0;
         std::memcpy(&value, &bits, 4);
         begin = static_cast<double>(value);

@@ -5,6 +5,9 @@
 
 namespace vdbpack {
 
+/// Whether the name ends in .tif or .tiff.
+bool isTiff(const std::string& path);
+
 /// Refuses TIFF files whose pages run in a circle, or lie outside of the file.
 /// @throws InputError, IoError
 void checkTiffPages(const std::string& path);

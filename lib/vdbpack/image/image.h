@@ -2,7 +2,9 @@
 #pragma once
 
 #include "vdbpack/image/image_grid.h"
+#include "vdbpack/io/byte_order.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
@@ -12,12 +14,6 @@
 
 namespace vdbpack {
 
-enum class VoxelType { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
-
-std::size_t bytesOf(VoxelType type);
-/// Such as "uint8".
-const char* nameOf(VoxelType type);
-
 /// A name that a file gives to a label.
 struct LabelName {
     std::string name;
@@ -25,50 +21,53 @@ struct LabelName {
     std::size_t layer = 0;
 };
 
-struct FreeBytes {
-    void operator()(std::byte* bytes) const { std::free(bytes); }
-};
+/// Memory for voxels, by malloc as niftilib allocates; null where there is not enough.
+inline std::shared_ptr<std::byte[]> voxelMemory(std::size_t bytes) {
+    return {static_cast<std::byte*>(std::malloc(std::max<std::size_t>(bytes, 1))), std::free};
+}
 
 /// Values at the voxels of a grid, as a file has them.
 struct Image {
     ImageGrid grid;
     std::size_t layers = 1;  ///< values of each voxel, one after another: overlapping segmentations
-    VoxelType type = VoxelType::uint8;
-    /// Of all values in this machine's order; allocated by malloc.
-    std::unique_ptr<std::byte[], FreeBytes> bytes;
+    NumberType type = NumberType::u8;  ///< no integer of 64 bits
+    /// Of all values in this machine's order; copies of an image share them.
+    std::shared_ptr<std::byte[]> bytes;
     double slope = 1, intercept = 0;  ///< value = slope * number + intercept
     std::vector<LabelName> names;     ///< empty: the file has none
     std::string format;               ///< such as "NIfTI"
     bool isSpaced = true;             ///< the file states the distances of its voxels
 
     std::size_t values() const { return grid.voxels() * layers; }
+    /// What a number of the file stands for.
+    template <class T>
+    double value(T number) const {
+        return slope * static_cast<double>(number) + intercept;
+    }
     /// Calls `work(numbers)` with the array in its own type.
     template <class Work>
     decltype(auto) visit(const Work& work) const {
         const std::byte* const data = bytes.get();
         switch (type) {
-            case VoxelType::int8:
+            case NumberType::i8:
                 return work(reinterpret_cast<const std::int8_t*>(data));
-            case VoxelType::uint16:
+            case NumberType::u16:
                 return work(reinterpret_cast<const std::uint16_t*>(data));
-            case VoxelType::int16:
+            case NumberType::i16:
                 return work(reinterpret_cast<const std::int16_t*>(data));
-            case VoxelType::uint32:
+            case NumberType::u32:
                 return work(reinterpret_cast<const std::uint32_t*>(data));
-            case VoxelType::int32:
+            case NumberType::i32:
                 return work(reinterpret_cast<const std::int32_t*>(data));
-            case VoxelType::float32:
+            case NumberType::f32:
                 return work(reinterpret_cast<const float*>(data));
-            case VoxelType::float64:
+            case NumberType::f64:
                 return work(reinterpret_cast<const double*>(data));
-            case VoxelType::uint8:
+            default:
                 break;
         }
         return work(reinterpret_cast<const std::uint8_t*>(data));
     }
 };
-
-/// Images are not copied by accident. @throws ResourceError
-Image copyOf(const Image& image);
 
 }  // namespace vdbpack

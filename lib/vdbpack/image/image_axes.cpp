@@ -1,12 +1,13 @@
 #include "vdbpack/image/image_axes.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <filesystem>
 
 namespace vdbpack {
 
@@ -32,6 +33,23 @@ std::array<Vec<3>, 3> perpendicular(std::array<Vec<3>, 3> a) {
 }
 
 }  // namespace
+
+NumberType voxelType(const std::string& name, const std::string& path) {
+    const auto type = numberTypeNamed(name);
+    if (!type || (!isReal(*type) && bytesOf(*type) > 4))
+        throw InputError(
+            fmt::format("{}: its voxels are of type {}; convert it to integers of at most 32 bits "
+                        "or to floats",
+                        path, quotedExcerpt(name)));
+    return *type;
+}
+
+std::uint64_t sizeOf(const std::string& path) {
+    std::error_code failed;
+    const auto size = std::filesystem::file_size(path, failed);
+    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
+    return size;
+}
 
 void applySpacing(ImageGrid& grid, const ImageReadOptions& options, bool known,
                   const std::string& path) {
@@ -81,7 +99,7 @@ void checkAxes(ImageGrid& grid, const std::string& path, const Callbacks& callba
 }
 
 Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t layers,
-                     VoxelType type, std::uint64_t fileBytes) {
+                     NumberType type, std::uint64_t fileBytes) {
     const auto& size = grid.size;
     double count = static_cast<double>(bytesOf(type)) * static_cast<double>(layers);
     for (const std::size_t n : size) {
@@ -101,7 +119,7 @@ Image allocatedImage(const std::string& path, const ImageGrid& grid, std::size_t
     image.layers = layers;
     image.type = type;
     // Not set to 0: pages that a truncated file does not fill are never used.
-    image.bytes.reset(static_cast<std::byte*>(std::malloc(static_cast<std::size_t>(count))));
+    image.bytes = voxelMemory(static_cast<std::size_t>(count));
     if (!image.bytes)
         throw ResourceError(
             fmt::format("{}: its {} x {} x {} voxels take {:.3g} GB of memory, "

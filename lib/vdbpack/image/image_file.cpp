@@ -1,6 +1,7 @@
 #include "vdbpack/image/image_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/itk_image.h"
 #include "vdbpack/image/meta_image.h"
 #include "vdbpack/image/nifti.h"
@@ -16,11 +17,6 @@
 namespace vdbpack {
 
 namespace {
-
-bool isTiff(const std::string& path) {
-    const std::string extension = extensionOf(path);
-    return extension == ".tif" || extension == ".tiff";
-}
 
 /// By the numbers in names: slice2 before slice10.
 bool inOrder(const std::string& a, const std::string& b) {

@@ -11,7 +11,7 @@
 
 namespace vdbpack {
 
-/// Voxels in rows along three axes, which need not be perpendicular to those of the world.
+/// Voxels in rows along three axes, which need not be perpendicular to the axes of the world.
 /// The world is that of DICOM and ITK, mm: x grows to the patient's left, y to the back
 /// (posterior), z to the head (superior); "LPS".
 struct ImageGrid {
@@ -21,7 +21,7 @@ struct ImageGrid {
     std::array<Vec<3>, 3> step{{{{1, 0, 0}}, {{0, 1, 0}}, {{0, 0, 1}}}};
 
     std::size_t voxels() const { return size[0] * size[1] * size[2]; }
-    /// The point at an index; those of voxel centers are whole numbers from 0.
+    /// The point at an index; indices of voxel centers are whole numbers from 0.
     Vec<3> at(const Vec<3>& index) const {
         return origin + index[0] * step[0] + index[1] * step[1] + index[2] * step[2];
     }

@@ -1,12 +1,10 @@
 #include "vdbpack/image/image_surface.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -60,59 +58,56 @@ ImageGrid gridOf(const Region& region, ImageGrid grid) {
 /// and in the region.
 template <class Work>
 void forEachRow(const ImageGrid& grid, const Region& region, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, region.size[1] * region.size[2], 64),
-                      [&](const tbb::blocked_range<std::size_t>& rows) {
-                          for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
-                              const std::size_t y = region.first[1] + row % region.size[1];
-                              const std::size_t z = region.first[2] + row / region.size[1];
-                              work((z * grid.size[1] + y) * grid.size[0] + region.first[0],
-                                   row * region.size[0]);
-                          }
-                      });
+    parallelFor(IndexRange(0, region.size[1] * region.size[2], 64), [&](const IndexRange& rows) {
+        for (std::size_t row = rows.begin(); row < rows.end(); ++row) {
+            const std::size_t y = region.first[1] + row % region.size[1];
+            const std::size_t z = region.first[2] + row / region.size[1];
+            work((z * grid.size[1] + y) * grid.size[0] + region.first[0], row * region.size[0]);
+        }
+    });
+}
+
+/// Counts the labels of a row of voxels.
+template <class T>
+void addRow(const Image& image, const T* numbers, std::size_t layer, std::size_t row,
+            Tally& tally) {
+    const auto& size = image.grid.size;
+    const T* const at = numbers + row * size[0] * image.layers + layer;
+    const auto valueAt = [&](std::size_t x) { return image.value(at[x * image.layers]); };
+    for (std::size_t x = 0; x < size[0];) {
+        const double value = valueAt(x);
+        std::size_t end = x + 1;
+        while (end < size[0] && valueAt(end) == value) ++end;
+        if (!(std::fabs(value) < 1e9) || value != std::floor(value)) {
+            tally.whole = false;
+            return;
+        }
+        if (value != 0) {
+            LabelCount& label = tally.counts[static_cast<std::int64_t>(value)];
+            label.voxels += end - x;
+            ++tally.stretches;
+            const auto y = static_cast<double>(row % size[1]);
+            const auto z = static_cast<double>(row / size[1]);
+            label.voxelBox.add({{static_cast<double>(x), y, z}});
+            label.voxelBox.add({{static_cast<double>(end - 1), y, z}});
+            if (tally.counts.size() > kMostLabels) tally.whole = false;
+        }
+        x = end;
+    }
 }
 
 }  // namespace
 
 std::optional<std::vector<LabelCount>> labelsOf(const Image& image) {
     const auto& size = image.grid.size;
-    tbb::enumerable_thread_specific<std::vector<Tally>> tallies(
-        [&] { return std::vector<Tally>(image.layers); });
+    PerThread<std::vector<Tally>> tallies([&] { return std::vector<Tally>(image.layers); });
     image.visit([&](const auto* numbers) {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, size[1] * size[2], 64),
-            [&](const tbb::blocked_range<std::size_t>& rows) {
-                auto& mine = tallies.local();
-                for (std::size_t layer = 0; layer < image.layers; ++layer) {
-                    Tally& tally = mine[layer];
-                    for (std::size_t row = rows.begin(); row < rows.end() && tally.whole; ++row) {
-                        const auto* const at = numbers + row * size[0] * image.layers + layer;
-                        const auto valueAt = [&](std::size_t x) {
-                            return image.slope * static_cast<double>(at[x * image.layers]) +
-                                   image.intercept;
-                        };
-                        for (std::size_t x = 0; x < size[0];) {
-                            const double value = valueAt(x);
-                            std::size_t end = x + 1;
-                            while (end < size[0] && valueAt(end) == value) ++end;
-                            if (!(std::fabs(value) < 1e9) || value != std::floor(value)) {
-                                tally.whole = false;
-                                break;
-                            }
-                            if (value != 0) {
-                                LabelCount& label = tally.counts[static_cast<std::int64_t>(value)];
-                                label.voxels += end - x;
-                                ++tally.stretches;
-                                const auto y = static_cast<double>(row % size[1]);
-                                const auto z = static_cast<double>(row / size[1]);
-                                label.voxelBox.add({{static_cast<double>(x), y, z}});
-                                label.voxelBox.add({{static_cast<double>(end - 1), y, z}});
-                                if (tally.counts.size() > kMostLabels) tally.whole = false;
-                            }
-                            x = end;
-                        }
-                    }
-                }
-            });
+        parallelFor(IndexRange(0, size[1] * size[2], 64), [&](const IndexRange& rows) {
+            auto& mine = tallies.local();
+            for (std::size_t layer = 0; layer < image.layers; ++layer)
+                for (std::size_t row = rows.begin(); row < rows.end() && mine[layer].whole; ++row)
+                    addRow(image, numbers, layer, row, mine[layer]);
+        });
     });
     std::vector<LabelCount> labels;
     for (std::size_t layer = 0; layer < image.layers; ++layer) {
@@ -248,8 +243,7 @@ std::vector<TriangleMesh> labelSurfaces(const Image& image, const std::vector<La
             std::uint16_t number = 0;
             for (std::size_t x = 0; x < region.size[0]; ++x) {
                 const auto value = static_cast<std::int64_t>(
-                    image.slope * static_cast<double>(values[(from + x) * image.layers + layer]) +
-                    image.intercept);
+                    image.value(values[(from + x) * image.layers + layer]));
                 if (value != last) {
                     last = value;
                     number = value == 0 ? std::uint16_t{0} : numbers.at(value);
@@ -272,17 +266,14 @@ TriangleMesh thresholdSurface(const Image& image, double threshold, const std::s
     voxels.size = image.grid.size;
     voxels.labels.resize(image.grid.voxels());
     return image.visit([&](const auto* values) {
-        const auto valueAt = [&](std::size_t i) {
-            return image.slope * static_cast<double>(values[i * image.layers]) + image.intercept;
-        };
+        const auto valueAt = [&](std::size_t i) { return image.value(values[i * image.layers]); };
         std::atomic<std::size_t> inside{0};
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voxels.labels.size(), 65536),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              std::size_t count = 0;
-                              for (std::size_t i = block.begin(); i < block.end(); ++i)
-                                  count += voxels.labels[i] = valueAt(i) >= threshold;
-                              inside += count;
-                          });
+        parallelFor(IndexRange(0, voxels.labels.size(), 65536), [&](const IndexRange& block) {
+            std::size_t count = 0;
+            for (std::size_t i = block.begin(); i < block.end(); ++i)
+                count += voxels.labels[i] = valueAt(i) >= threshold;
+            inside += count;
+        });
         if (inside == 0 || inside == voxels.labels.size())
             throw InputError(
                 fmt::format("{}: {} of its values are {:g} or more; set `threshold` "

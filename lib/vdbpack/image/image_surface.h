@@ -36,7 +36,7 @@ struct LabelPart {
 /// What a request means: labels by value, by value@layer or by name, joined to one part by "+",
 /// parts separated by
 /// ","; "all": each label is a part. @param path  of the image, for messages.
-/// @throws ParameterError for labels that do not occur, with those that do.
+/// @throws ParameterError for labels that do not occur, with the labels of the image.
 std::vector<LabelPart> parseLabels(const std::string& text, const std::vector<LabelCount>& labels,
                                    const std::string& path);
 

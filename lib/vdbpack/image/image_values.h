@@ -16,9 +16,7 @@ public:
     /// @param image  of one layer.
     ImageValues(const Image& image, const T* numbers) : image_(image), numbers_(numbers) {}
 
-    double value(std::size_t voxel) const {
-        return image_.slope * static_cast<double>(numbers_[voxel]) + image_.intercept;
-    }
+    double value(std::size_t voxel) const { return image_.value(numbers_[voxel]); }
     /// Trilinear; beyond the voxels, the value at the nearest one.
     double interpolated(const Vec<3>& index) const {
         const auto& size = image_.grid.size;

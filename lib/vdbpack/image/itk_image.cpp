@@ -70,11 +70,6 @@ Io ioOf(const std::string& path) {
     return itk::GDCMImageIO::New().GetPointer();
 }
 
-bool isTiff(const std::string& path) {
-    const std::string extension = extensionOf(path);
-    return extension == ".tif" || extension == ".tiff";
-}
-
 /// An io that knows the header of a file.
 Io opened(const std::string& path) {
     if (isTiff(path)) checkTiffPages(path);
@@ -88,38 +83,12 @@ Io opened(const std::string& path) {
     });
 }
 
-VoxelType typeOf(const itk::ImageIOBase& io, const std::string& path) {
-    using Type = itk::IOComponentEnum;
-    const bool longs = sizeof(long) == 4;
-    switch (io.GetComponentType()) {
-        case Type::UCHAR:
-            return VoxelType::uint8;
-        case Type::CHAR:
-            return VoxelType::int8;
-        case Type::USHORT:
-            return VoxelType::uint16;
-        case Type::SHORT:
-            return VoxelType::int16;
-        case Type::UINT:
-            return VoxelType::uint32;
-        case Type::INT:
-            return VoxelType::int32;
-        case Type::ULONG:
-            if (longs) return VoxelType::uint32;
-            break;
-        case Type::LONG:
-            if (longs) return VoxelType::int32;
-            break;
-        case Type::FLOAT:
-            return VoxelType::float32;
-        case Type::DOUBLE:
-            return VoxelType::float64;
-        default:
-            break;
-    }
-    throw InputError(fmt::format(
-        "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
-        path, itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType())));
+NumberType typeOf(const itk::ImageIOBase& io, const std::string& path) {
+    // Such as "unsigned_char".
+    const std::string name = itk::ImageIOBase::GetComponentTypeAsString(io.GetComponentType());
+    const bool real = name == "float" || name == "double";
+    const char* const kind = real ? "float" : startsWith(name, "unsigned") ? "uint" : "int";
+    return voxelType(fmt::format("{}{}", kind, 8 * io.GetComponentSize()), path);
 }
 
 /// The grid that an io reports, with one slice if it is flat.
@@ -140,13 +109,6 @@ ImageGrid gridOf(const itk::ImageIOBase& io, const std::string& path) {
             grid.step[d].c[row] = row < direction.size() ? direction[row] * io.GetSpacing(d) : 0;
     }
     return grid;
-}
-
-std::uint64_t sizeOf(const std::string& path) {
-    std::error_code failed;
-    const auto size = std::filesystem::file_size(path, failed);
-    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
-    return size;
 }
 
 void readVoxels(itk::ImageIOBase& io, const std::string& path, std::byte* to) {
@@ -216,7 +178,7 @@ struct Slice {
 /// different types, as DICOM with different scales may be, as floats.
 Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std::string& path,
              const ImageReadOptions& options) {
-    VoxelType type = typeOf(*slices.front().io, slices.front().file);
+    NumberType type = typeOf(*slices.front().io, slices.front().file);
     std::uint64_t bytes = 0;
     bool alike = true;
     for (const Slice& slice : slices) {
@@ -227,7 +189,7 @@ Image joined(const std::vector<Slice>& slices, const ImageGrid& grid, const std:
                              ": has several values at each pixel, such as colors; "
                              "convert it to one");
     }
-    if (!alike) type = VoxelType::float32;
+    if (!alike) type = NumberType::f32;
     Image image = allocatedImage(path, grid, 1, type, bytes);
     const std::size_t pixels = grid.size[0] * grid.size[1];
     for (std::size_t z = 0; z < slices.size(); ++z) {
@@ -255,6 +217,17 @@ void requireAlike(const Slice& slice, const Slice& first) {
                         "series",
                         slice.file, slice.grid.size[0], slice.grid.size[1], first.file,
                         first.grid.size[0], first.grid.size[1]));
+}
+
+std::vector<Slice> openedSlices(const std::vector<std::string>& files,
+                                const ImageReadOptions& options) {
+    std::vector<Slice> slices;
+    for (const std::string& file : files) {
+        options.callbacks.stopIfCancelled();
+        const Io io = opened(file);
+        slices.push_back({file, io, gridOf(*io, file)});
+    }
+    return slices;
 }
 
 /// The slices of the one series in a folder.
@@ -287,13 +260,7 @@ std::vector<std::string> slicesIn(const std::string& folder, const ImageReadOpti
 Image readDicomFolder(const std::string& folder, const ImageReadOptions& options) {
     const std::vector<std::string> files = slicesIn(folder, options);
     if (files.size() == 1) return readByItk(files.front(), options);
-    std::vector<Slice> slices;
-    for (const std::string& file : files) {
-        options.callbacks.stopIfCancelled();
-        Slice slice{file, opened(file), {}, 0};
-        slice.grid = gridOf(*slice.io, file);
-        slices.push_back(std::move(slice));
-    }
+    std::vector<Slice> slices = openedSlices(files, options);
     const Slice& any = slices.front();
     const Vec<3> across = normalized(cross(any.grid.step[0], any.grid.step[1]));
     for (Slice& slice : slices) {
@@ -335,15 +302,12 @@ Image readDicomFolder(const std::string& folder, const ImageReadOptions& options
 }
 
 Image readTiffStack(const std::vector<std::string>& files, const ImageReadOptions& options) {
-    std::vector<Slice> slices;
-    for (const std::string& file : files) {
-        options.callbacks.stopIfCancelled();
-        Slice slice{file, opened(file), {}, 0};
-        slice.grid = gridOf(*slice.io, file);
+    const std::vector<Slice> slices = openedSlices(files, options);
+    for (const Slice& slice : slices) {
         if (slice.grid.size[2] != 1)
-            throw InputError(file + ": has several pages; give it alone, or files of one slice");
-        slices.push_back(std::move(slice));
-        requireAlike(slices.back(), slices.front());
+            throw InputError(slice.file +
+                             ": has several pages; give it alone, or files of one slice");
+        requireAlike(slice, slices.front());
     }
     ImageGrid grid = slices.front().grid;
     grid.size[2] = slices.size();

@@ -2,11 +2,10 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/image/ball_voxels.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <new>
@@ -35,7 +34,7 @@ LabelMap emptyMap(const ImageGrid& grid) {
 template <class Work>
 void forEachSlab(const ImageGrid& grid, const Work& work) {
     const std::size_t slabs = (grid.size[2] + kSlab - 1) / kSlab;
-    tbb::parallel_for(std::size_t{0}, slabs, [&](std::size_t s) {
+    parallelFor(std::size_t{0}, slabs, [&](std::size_t s) {
         work(s, SliceRange{s * kSlab, std::min((s + 1) * kSlab, grid.size[2])});
     });
 }

@@ -91,8 +91,7 @@ LabelRelations labelRelations(const Image& image, const std::vector<LabelCount>&
                         const auto number = at[x * image.layers];
                         std::size_t end = x + 1;
                         while (end < size[0] && at[end * image.layers] == number) ++end;
-                        const auto value = static_cast<std::int64_t>(
-                            image.slope * static_cast<double>(number) + image.intercept);
+                        const auto value = static_cast<std::int64_t>(image.value(number));
                         if (value != 0) row.push_back({x, end, indices.at(value), 0});
                         x = end;
                     }

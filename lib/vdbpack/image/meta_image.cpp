@@ -25,19 +25,16 @@ namespace {
 
 // Source: the format as MetaIO reads it, https://itk.org/Wiki/ITK/MetaIO/Documentation.
 
-VoxelType typeOf(const TextHeader& header, const std::string& path) {
-    constexpr std::pair<const char*, VoxelType> kTypes[] = {
-        {"MET_UCHAR", VoxelType::uint8},   {"MET_CHAR", VoxelType::int8},
-        {"MET_USHORT", VoxelType::uint16}, {"MET_SHORT", VoxelType::int16},
-        {"MET_UINT", VoxelType::uint32},   {"MET_INT", VoxelType::int32},
-        {"MET_FLOAT", VoxelType::float32}, {"MET_DOUBLE", VoxelType::float64}};
+NumberType typeOf(const TextHeader& header, const std::string& path) {
+    constexpr std::pair<const char*, NumberType> kTypes[] = {
+        {"MET_UCHAR", NumberType::u8},   {"MET_CHAR", NumberType::i8},
+        {"MET_USHORT", NumberType::u16}, {"MET_SHORT", NumberType::i16},
+        {"MET_UINT", NumberType::u32},   {"MET_INT", NumberType::i32},
+        {"MET_FLOAT", NumberType::f32},  {"MET_DOUBLE", NumberType::f64}};
     const std::string name = header.value("elementtype");
     for (const auto& [known, type] : kTypes)
         if (name == known) return type;
-    throw InputError(
-        fmt::format("{}: its voxels are of type {}; convert it to integers of at most "
-                    "32 bits or to floats",
-                    path, quotedExcerpt(name)));
+    return voxelType(name, path);
 }
 
 /// The finite numbers of the first of some keys that the header has. @param count  how many
@@ -125,32 +122,15 @@ std::string dataFile(const TextHeader& header, const std::string& path) {
     return (std::filesystem::path(path).parent_path() / name).string();
 }
 
-/// Inflates from an offset on. @return bytes written
-std::size_t inflated(const InputFile& file, std::uint64_t offset, std::byte* to,
-                     std::size_t bytes) {
-    constexpr std::size_t kPiece = std::size_t{1} << 18, kMost = std::size_t{1} << 30;
-    std::vector<unsigned char> piece(kPiece);
-    z_stream stream{};
-    if (inflateInit2(&stream, 15 + 32) != Z_OK) throw ResourceError("no memory to inflate a file");
-    std::size_t done = 0;
-    int state = Z_OK;
-    while (state == Z_OK && done < bytes && (stream.avail_in > 0 || offset < file.size())) {
-        if (stream.avail_in == 0) {
-            const auto next =
-                static_cast<std::size_t>(std::min<std::uint64_t>(kPiece, file.size() - offset));
-            file.readAt(offset, piece.data(), next);
-            offset += next;
-            stream.next_in = piece.data();
-            stream.avail_in = static_cast<uInt>(next);
-        }
-        const auto room = static_cast<uInt>(std::min(kMost, bytes - done));
-        stream.next_out = reinterpret_cast<Bytef*>(to + done);
-        stream.avail_out = room;
-        state = inflate(&stream, Z_NO_FLUSH);
-        done += room - stream.avail_out;
-    }
-    inflateEnd(&stream);
-    return done;
+/// Inflates what follows an offset. @return whether it makes just so many bytes
+bool inflateAll(const InputFile& file, std::uint64_t offset, std::byte* to, std::size_t bytes) {
+    std::vector<Bytef> packed(static_cast<std::size_t>(file.size() - offset));
+    file.readAt(offset, packed.data(), packed.size());
+    auto size = static_cast<uLongf>(bytes);
+    const int status = ::uncompress(reinterpret_cast<Bytef*>(to), &size, packed.data(),
+                                    static_cast<uLong>(packed.size()));
+    if (status == Z_MEM_ERROR) throw ResourceError(file.path() + ": no memory to inflate it");
+    return status == Z_OK && size == bytes;
 }
 
 void swapBytes(std::byte* bytes, std::size_t count, std::size_t width) {
@@ -185,7 +165,7 @@ Image readMetaImage(const std::string& path, const ImageReadOptions& options) {
     const bool packed = isTrue(header, "compresseddata");
     bool whole = offset <= file.size() && (packed || bytes <= file.size() - offset);
     if (whole && packed)
-        whole = inflated(file, offset, image.bytes.get(), bytes) == bytes;
+        whole = inflateAll(file, offset, image.bytes.get(), bytes);
     else if (whole)
         file.readAt(offset, image.bytes.get(), bytes);
     if (!whole)

@@ -3,13 +3,13 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/header_checks.h"
 #include "vdbpack/image/image_axes.h"
+#include "vdbpack/io/text.h"
 
 #include <fmt/format.h>
 #include <nifti2_io.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 #include <utility>
 
@@ -21,32 +21,6 @@ struct FreeNifti {
     void operator()(nifti_image* image) const { nifti_image_free(image); }
 };
 using Nifti = std::unique_ptr<nifti_image, FreeNifti>;
-
-VoxelType typeOf(const nifti_image& nifti, const std::string& path) {
-    switch (nifti.datatype) {
-        case DT_UINT8:
-            return VoxelType::uint8;
-        case DT_INT8:
-            return VoxelType::int8;
-        case DT_UINT16:
-            return VoxelType::uint16;
-        case DT_INT16:
-            return VoxelType::int16;
-        case DT_UINT32:
-            return VoxelType::uint32;
-        case DT_INT32:
-            return VoxelType::int32;
-        case DT_FLOAT32:
-            return VoxelType::float32;
-        case DT_FLOAT64:
-            return VoxelType::float64;
-        default:
-            break;
-    }
-    throw InputError(fmt::format(
-        "{}: its voxels are of type {}; convert it to integers of at most 32 bits or to floats",
-        path, nifti_datatype_to_string(nifti.datatype)));
-}
 
 /// Millimeters per unit of the file.
 double unitOf(const nifti_image& nifti) {
@@ -126,15 +100,13 @@ Image readNifti(const std::string& path, const ImageReadOptions& options) {
                            "left is unknown");
     }
     checkAxes(grid, path, callbacks);
-    std::error_code failed;
-    auto bytes = std::filesystem::file_size(nifti->iname ? nifti->iname : path.c_str(), failed);
-    if (failed) throw IoError(fmt::format("{}: cannot be read: {}", path, failed.message()));
-    Image image = allocatedImage(path, grid, 1, typeOf(*nifti, path), bytes);
+    const NumberType type = voxelType(lowered(nifti_datatype_string(nifti->datatype)), path);
+    Image image = allocatedImage(path, grid, 1, type, sizeOf(nifti->iname ? nifti->iname : path));
     image.bytes.reset();  // niftilib allocates
     callbacks.stopIfCancelled();
     if (nifti_image_load(nifti.get()) != 0 || !nifti->data)
         throw InputError(path + ": ends before its last voxel; it is damaged or incomplete");
-    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)));
+    image.bytes.reset(static_cast<std::byte*>(std::exchange(nifti->data, nullptr)), std::free);
     if (nifti->scl_slope != 0 && std::isfinite(nifti->scl_slope) &&
         std::isfinite(nifti->scl_inter)) {
         image.slope = nifti->scl_slope;

@@ -1,19 +1,12 @@
 #include "vdbpack/image/surface_net.h"
 
 #include "vdbpack/core/error.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
-#include <set>
-#include <tuple>
-#include <utility>
 
 namespace vdbpack {
 
@@ -102,6 +95,31 @@ private:
     std::vector<std::uint32_t> here_, below_;
 };
 
+void addVertex(SurfaceNet& net, std::uint32_t vertex, const std::array<std::size_t, 3>& cell,
+               const Corners& c) {
+    for (std::size_t d = 0; d < 3; ++d) {
+        net.cells[vertex][d] = static_cast<std::uint16_t>(cell[d]);
+        net.vertices[vertex].c[d] = static_cast<double>(cell[d]) - 0.5;
+    }
+    net.junctions[vertex] = junctionsOf(c);
+}
+
+/// Adds the faces whose four cells are this one and those before it.
+void addFaces(const SliceMaps& maps, const std::array<std::size_t, 3>& cell, const Corners& c,
+              std::vector<SurfaceNet::Face>& faces) {
+    const auto [x, y, z] = cell;
+    const auto add = [&](std::size_t high, std::uint8_t axis, std::array<std::uint32_t, 4> around) {
+        if (SurfaceNet::isFace(c[0], c[high])) faces.push_back({around, c[0], c[high], axis});
+    };
+    if (y > 0 && z > 0)
+        add(1, 0, {maps.below(x, y - 1), maps.below(x, y), maps.here(x, y), maps.here(x, y - 1)});
+    if (x > 0 && z > 0)
+        add(2, 1, {maps.below(x - 1, y), maps.here(x - 1, y), maps.here(x, y), maps.below(x, y)});
+    if (x > 0 && y > 0)
+        add(4, 2,
+            {maps.here(x - 1, y - 1), maps.here(x, y - 1), maps.here(x, y), maps.here(x - 1, y)});
+}
+
 }  // namespace
 
 SurfaceNet surfaceNet(const LabelVoxels& voxels) {
@@ -110,7 +128,7 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
     const std::size_t slices = size[2] + 1;
     // Vertices are numbered slice by slice.
     std::vector<std::size_t> first(slices + 1);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         std::size_t count = 0;
         forEachCell(voxels, rows, z, [&](std::size_t, std::size_t, const Corners&) { ++count; });
         first[z + 1] = count;
@@ -126,7 +144,7 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
     net.junctions.resize(first.back());
     const std::size_t tasks = (slices + kSlices - 1) / kSlices;
     std::vector<std::vector<SurfaceNet::Face>> faces(tasks);
-    tbb::parallel_for(std::size_t{0}, tasks, [&](std::size_t task) {
+    parallelFor(std::size_t{0}, tasks, [&](std::size_t task) {
         SliceMaps maps(size[0] + 1, (size[0] + 1) * (size[1] + 1));
         const std::size_t begin = task * kSlices, end = std::min(slices, begin + kSlices);
         auto& own = faces[task];
@@ -136,31 +154,8 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
             forEachCell(voxels, rows, z, [&](std::size_t x, std::size_t y, const Corners& c) {
                 maps.set(x, y, vertex);
                 if (z >= begin) {
-                    net.cells[vertex] = {static_cast<std::uint16_t>(x),
-                                         static_cast<std::uint16_t>(y),
-                                         static_cast<std::uint16_t>(z)};
-                    net.vertices[vertex] = {{static_cast<double>(x) - 0.5,
-                                             static_cast<double>(y) - 0.5,
-                                             static_cast<double>(z) - 0.5}};
-                    net.junctions[vertex] = junctionsOf(c);
-                    // The faces whose four cells are this one and those before it.
-                    const auto add = [&](std::size_t low, std::size_t high, std::uint8_t axis,
-                                         std::array<std::uint32_t, 4> around) {
-                        if (SurfaceNet::isFace(c[low], c[high]))
-                            own.push_back({around, c[low], c[high], axis});
-                    };
-                    if (y > 0 && z > 0)
-                        add(0, 1, 0,
-                            {maps.below(x, y - 1), maps.below(x, y), maps.here(x, y),
-                             maps.here(x, y - 1)});
-                    if (x > 0 && z > 0)
-                        add(0, 2, 1,
-                            {maps.below(x - 1, y), maps.here(x - 1, y), maps.here(x, y),
-                             maps.below(x, y)});
-                    if (x > 0 && y > 0)
-                        add(0, 4, 2,
-                            {maps.here(x - 1, y - 1), maps.here(x, y - 1), maps.here(x, y),
-                             maps.here(x - 1, y)});
+                    addVertex(net, vertex, {x, y, z}, c);
+                    addFaces(maps, {x, y, z}, c, own);
                 }
                 ++vertex;
             });
@@ -174,6 +169,49 @@ SurfaceNet surfaceNet(const LabelVoxels& voxels) {
         own = {};
     }
     return net;
+}
+
+void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
+                 const std::function<double(std::size_t, std::size_t)>& shareOf) {
+    const auto& size = voxels.size;
+    const std::size_t stride[3] = {1, size[0], size[0] * size[1]};
+    parallelFor(IndexRange(0, net.vertices.size(), 1024), [&](const auto& block) {
+        for (std::size_t v = block.begin(); v < block.end(); ++v) {
+            const auto& cell = net.cells[v];
+            // Whether a corner of the cell is a voxel, and which.
+            std::array<std::size_t, 8> at{};
+            std::array<bool, 8> within{};
+            for (std::size_t k = 0; k < 8; ++k) {
+                within[k] = true;
+                for (std::size_t d = 0; d < 3; ++d) {
+                    const std::size_t i = cell[d] + (k >> d & 1);  // from 1
+                    within[k] = within[k] && i >= 1 && i <= size[d];
+                    at[k] += (i - 1) * stride[d];
+                }
+            }
+            Vec<3> sum;
+            int count = 0;
+            for (std::size_t k = 0; k < 8; ++k)
+                for (std::size_t d = 0; d < 3; ++d) {
+                    const std::size_t l = k | std::size_t{1} << d;
+                    if (l == k || !(within[k] || within[l])) continue;
+                    const std::uint16_t a = within[k] ? voxels.labels[at[k]] : kBeyond;
+                    const std::uint16_t b = within[l] ? voxels.labels[at[l]] : kBeyond;
+                    if (!SurfaceNet::isFace(a, b)) continue;
+                    Vec<3> x;
+                    for (std::size_t e = 0; e < 3; ++e)
+                        x.c[e] = static_cast<double>(k >> e & 1) - 0.5;
+                    x.c[d] += within[k] && within[l] ? shareOf(at[k], at[l]) : 0.5;
+                    sum += x;
+                    ++count;
+                }
+            for (int d = 0; d < 3; ++d) {
+                const std::uint16_t i = cell[static_cast<std::size_t>(d)];
+                if (count > 0 && i != 0 && i != size[static_cast<std::size_t>(d)])
+                    net.vertices[v][d] += sum[d] / count;
+            }
+        }
+    });
 }
 
 }  // namespace vdbpack

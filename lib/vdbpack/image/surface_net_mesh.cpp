@@ -1,10 +1,9 @@
 // The surfaces of labels as meshes.
 #include "vdbpack/core/disjoint_sets.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/image/surface_net.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <limits>
@@ -16,7 +15,7 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoVertex = std::numeric_limits<std::uint32_t>::max();
 
 /// One side of a face.
 struct Side {
@@ -83,6 +82,40 @@ DisjointSets joinedCorners(const SurfaceNet& net, const std::vector<std::uint32_
     }
 }
 
+/// The sides of faces, in the order that `joinedCorners` takes.
+std::vector<Side> sidesOf(const SurfaceNet& net, const std::vector<std::uint32_t>& faces,
+                          const std::function<bool(std::uint16_t)>& inside) {
+    std::vector<Side> sides(4 * faces.size());
+    parallelFor(IndexRange(0, faces.size(), 4096), [&](const auto& block) {
+        for (std::size_t f = block.begin(); f < block.end(); ++f) {
+            const SurfaceNet::Face& face = net.faces[faces[f]];
+            auto voxel = net.cells[face.vertices[0]];  // counted from 1
+            for (std::size_t d = 0; d < 3; ++d)
+                if (d != face.axis) ++voxel[d];
+            const auto number = [](const std::array<std::uint16_t, 3>& v) {
+                return static_cast<std::uint64_t>(v[0]) | static_cast<std::uint64_t>(v[1]) << 16 |
+                       static_cast<std::uint64_t>(v[2]) << 32;
+            };
+            std::uint64_t in = number(voxel);
+            ++voxel[face.axis];
+            std::uint64_t out = number(voxel);
+            if (!inside(face.below)) std::swap(in, out);
+            for (std::uint32_t k = 0; k < 4; ++k) {
+                const std::uint32_t a = face.vertices[k], b = face.vertices[(k + 1) % 4];
+                std::uint64_t axis = 0;
+                while (net.cells[a][axis] == net.cells[b][axis]) ++axis;
+                // Vertices are numbered by cells in this order.
+                sides[4 * f + k] = {static_cast<std::uint64_t>(std::min(a, b)) * 3 + axis, in, out,
+                                    static_cast<std::uint32_t>(f), k};
+            }
+        }
+    });
+    tbb::parallel_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
+        return std::tie(a.edge, a.insideVoxel, a.face) < std::tie(b.edge, b.insideVoxel, b.face);
+    });
+    return sides;
+}
+
 }  // namespace
 
 TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
@@ -91,44 +124,15 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
     for (std::size_t f = 0; f < net.faces.size(); ++f)
         if (inside(net.faces[f].below) != inside(net.faces[f].above))
             faces.push_back(static_cast<std::uint32_t>(f));
-    if (faces.size() >= kNone / 4)
+    if (faces.size() >= kNoVertex / 4)
         throw ResourceError(
             "the surface of a label has more than 1,000,000,000 faces; give a "
             "coarser image");
-    std::vector<Side> sides(4 * faces.size());
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, faces.size(), 4096), [&](const auto& block) {
-            for (std::size_t f = block.begin(); f < block.end(); ++f) {
-                const SurfaceNet::Face& face = net.faces[faces[f]];
-                auto voxel = net.cells[face.vertices[0]];  // counted from 1
-                for (std::size_t d = 0; d < 3; ++d)
-                    if (d != face.axis) ++voxel[d];
-                const auto number = [](const std::array<std::uint16_t, 3>& v) {
-                    return static_cast<std::uint64_t>(v[0]) |
-                           static_cast<std::uint64_t>(v[1]) << 16 |
-                           static_cast<std::uint64_t>(v[2]) << 32;
-                };
-                std::uint64_t in = number(voxel);
-                ++voxel[face.axis];
-                std::uint64_t out = number(voxel);
-                if (!inside(face.below)) std::swap(in, out);
-                for (std::uint32_t k = 0; k < 4; ++k) {
-                    const std::uint32_t a = face.vertices[k], b = face.vertices[(k + 1) % 4];
-                    std::uint64_t axis = 0;
-                    while (net.cells[a][axis] == net.cells[b][axis]) ++axis;
-                    // Vertices are numbered by cells in this order.
-                    sides[4 * f + k] = {static_cast<std::uint64_t>(std::min(a, b)) * 3 + axis, in,
-                                        out, static_cast<std::uint32_t>(f), k};
-                }
-            }
-        });
-    tbb::parallel_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-        return std::tie(a.edge, a.insideVoxel, a.face) < std::tie(b.edge, b.insideVoxel, b.face);
-    });
+    std::vector<Side> sides = sidesOf(net, faces, inside);
     DisjointSets corners = joinedCorners(net, faces, sides);
     sides = {};
     TriangleMesh mesh;
-    std::vector<std::uint32_t> number(4 * faces.size(), kNone);
+    std::vector<std::uint32_t> number(4 * faces.size(), kNoVertex);
     mesh.triangles.resize(2 * faces.size());
     const bool mirrored = grid.signedVoxelVolume() < 0;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -136,7 +140,7 @@ TriangleMesh surfaceOf(const SurfaceNet& net, const ImageGrid& grid,
         std::array<std::uint32_t, 4> q;
         for (std::uint32_t k = 0; k < 4; ++k) {
             const std::uint32_t root = corners.find(static_cast<std::uint32_t>(4 * f) + k);
-            if (number[root] == kNone) {
+            if (number[root] == kNoVertex) {
                 number[root] = static_cast<std::uint32_t>(mesh.vertices.size());
                 mesh.vertices.push_back(grid.at(net.vertices[face.vertices[k]]));
             }

@@ -1,8 +1,6 @@
 // Where the vertices of a surface net lie.
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/image/surface_net.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +11,6 @@
 namespace vdbpack {
 
 namespace {
-
-constexpr std::uint16_t kBeyond = LabelVoxels::kBeyond;
 
 /// Across the sides of a cell to -x, +x, -y, +y, -z, +z.
 using Neighbors = std::array<std::uint32_t, 6>;
@@ -78,10 +74,9 @@ Vec<3> inCell(const SurfaceNet& net, const std::array<std::size_t, 3>& size, std
 
 template <class Work>
 void forEachVertex(const SurfaceNet& net, const Work& work) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, net.vertices.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t v = block.begin(); v < block.end(); ++v) work(v);
-                      });
+    parallelFor(IndexRange(0, net.vertices.size(), 4096), [&](const IndexRange& block) {
+        for (std::size_t v = block.begin(); v < block.end(); ++v) work(v);
+    });
 }
 
 /// Computes how far vertices lie from the means of those that they are linked to.
@@ -168,11 +163,9 @@ void relax(SurfaceNet& net, const std::array<std::size_t, 3>& size, const Links&
     std::vector<std::uint32_t> moving(count);
     std::iota(moving.begin(), moving.end(), 0u);
     const auto forEachMoving = [&](const auto& work) {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, moving.size(), 4096),
-                          [&](const tbb::blocked_range<std::size_t>& block) {
-                              for (std::size_t i = block.begin(); i < block.end(); ++i)
-                                  work(moving[i]);
-                          });
+        parallelFor(IndexRange(0, moving.size(), 4096), [&](const IndexRange& block) {
+            for (std::size_t i = block.begin(); i < block.end(); ++i) work(moving[i]);
+        });
     };
     const auto setApart = [&](std::size_t v) {
         apart[v] = stiffness[v].bend * offMean.ofOffsets(ahead, v);
@@ -319,7 +312,7 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     std::size_t labels = 1;
     for (const SurfaceNet::Face& face : net.faces)
         for (const std::uint16_t label : {face.below, face.above})
-            if (label != kBeyond) labels = std::max(labels, std::size_t{label} + 1);
+            if (label != LabelVoxels::kBeyond) labels = std::max(labels, std::size_t{label} + 1);
     for (int round = 0; round < kRounds; ++round) {
         std::vector<double> missing(labels);
         std::map<std::pair<std::uint16_t, std::uint16_t>, double> areas;  // of labels that touch
@@ -330,9 +323,9 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
             double volume = -dot(middle, area) / 3;
             // The voxels of a label, counted along rows: from face to face.
             if (face.axis == 0) volume += static_cast<double>(net.cells[face.vertices[0]][0]) - 0.5;
-            if (face.below != kBeyond) missing[face.below] += volume;
-            if (face.above != kBeyond) missing[face.above] -= volume;
-            if (face.below == kBeyond || face.above == kBeyond) continue;
+            if (face.below != LabelVoxels::kBeyond) missing[face.below] += volume;
+            if (face.above != LabelVoxels::kBeyond) missing[face.above] -= volume;
+            if (face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond) continue;
             areas[std::minmax(face.below, face.above)] += length(area);
         }
         // The least movement that does so is a potential of the labels; that of the background is
@@ -355,9 +348,10 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
         std::vector<double> around(net.vertices.size());
         for (const SurfaceNet::Face& face : net.faces) {
             const Vec<3> area = areaOf(net, face);
-            const double by = face.below == kBeyond || face.above == kBeyond
-                                  ? 0
-                                  : potential[face.below] - potential[face.above];
+            const double by =
+                face.below == LabelVoxels::kBeyond || face.above == LabelVoxels::kBeyond
+                    ? 0
+                    : potential[face.below] - potential[face.above];
             for (const std::uint32_t v : face.vertices) {
                 shift[v] += by * area;
                 around[v] += length(area);
@@ -376,50 +370,6 @@ void restoreVolumes(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
 void smooth(SurfaceNet& net, const std::array<std::size_t, 3>& size) {
     straighten(net, size);
     restoreVolumes(net, size);
-}
-
-void interpolate(SurfaceNet& net, const LabelVoxels& voxels,
-                 const std::function<double(std::size_t, std::size_t)>& shareOf) {
-    const auto& size = voxels.size;
-    const std::size_t stride[3] = {1, size[0], size[0] * size[1]};
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, net.vertices.size(), 1024), [&](const auto& block) {
-            for (std::size_t v = block.begin(); v < block.end(); ++v) {
-                const auto& cell = net.cells[v];
-                // Whether a corner of the cell is a voxel, and which.
-                std::array<std::size_t, 8> at{};
-                std::array<bool, 8> within{};
-                for (std::size_t k = 0; k < 8; ++k) {
-                    within[k] = true;
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        const std::size_t i = cell[d] + (k >> d & 1);  // from 1
-                        within[k] = within[k] && i >= 1 && i <= size[d];
-                        at[k] += (i - 1) * stride[d];
-                    }
-                }
-                Vec<3> sum;
-                int count = 0;
-                for (std::size_t k = 0; k < 8; ++k)
-                    for (std::size_t d = 0; d < 3; ++d) {
-                        const std::size_t l = k | std::size_t{1} << d;
-                        if (l == k || !(within[k] || within[l])) continue;
-                        const std::uint16_t a = within[k] ? voxels.labels[at[k]] : kBeyond;
-                        const std::uint16_t b = within[l] ? voxels.labels[at[l]] : kBeyond;
-                        if (!SurfaceNet::isFace(a, b)) continue;
-                        Vec<3> x;
-                        for (std::size_t e = 0; e < 3; ++e)
-                            x.c[e] = static_cast<double>(k >> e & 1) - 0.5;
-                        x.c[d] += within[k] && within[l] ? shareOf(at[k], at[l]) : 0.5;
-                        sum += x;
-                        ++count;
-                    }
-                for (int d = 0; d < 3; ++d) {
-                    const std::uint16_t i = cell[static_cast<std::size_t>(d)];
-                    if (count > 0 && i != 0 && i != size[static_cast<std::size_t>(d)])
-                        net.vertices[v][d] += sum[d] / count;
-                }
-            }
-        });
 }
 
 }  // namespace vdbpack

@@ -1,6 +1,7 @@
 #include "vdbpack/image/text_header.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/image/image_axes.h"
 #include "vdbpack/io/numbers.h"
 #include "vdbpack/io/text.h"
 
@@ -18,14 +19,6 @@ namespace {
 
 /// ITK's reader of NRRD quotes lines in buffers of a fixed size, which overflow from about 700.
 constexpr std::size_t kLongestLine = 500;
-
-std::uint64_t sizeOf(const std::filesystem::path& path) {
-    std::error_code failed;
-    const auto size = std::filesystem::file_size(path, failed);
-    if (failed)
-        throw IoError(fmt::format("{}: cannot be read: {}", path.string(), failed.message()));
-    return size;
-}
 
 /// A whole number, 0 for anything else.
 std::int64_t wholeOf(const std::string& text) {
@@ -97,7 +90,8 @@ std::uint64_t bytesOfData(const TextHeader& header, const std::string& path) {
     const std::filesystem::path folder = std::filesystem::path(path).parent_path();
     // Of a list or a pattern, all files in the folder.
     std::error_code ignored;
-    if (std::filesystem::is_regular_file(folder / data, ignored)) return sizeOf(folder / data);
+    if (std::filesystem::is_regular_file(folder / data, ignored))
+        return sizeOf((folder / data).string());
     std::uint64_t sum = 0;
     const std::filesystem::path shown = folder.empty() ? std::filesystem::path(".") : folder;
     for (const auto& entry : std::filesystem::directory_iterator(shown, ignored))

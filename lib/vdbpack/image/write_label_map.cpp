@@ -2,6 +2,7 @@
 // write through a file without a name.
 #include "vdbpack/core/error.h"
 #include "vdbpack/image/label_map.h"
+#include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
 
@@ -17,31 +18,30 @@ namespace vdbpack {
 
 namespace {
 
-enum class NumberType { uint8, uint16, int32 };
-
 NumberType typeFor(const std::vector<std::int32_t>& labels) {
     std::int32_t least = 0, most = 0;
     for (const std::int32_t l : labels) {
         least = std::min(least, l);
         most = std::max(most, l);
     }
-    if (least < 0 || most > std::numeric_limits<std::uint16_t>::max()) return NumberType::int32;
-    return most > std::numeric_limits<std::uint8_t>::max() ? NumberType::uint16 : NumberType::uint8;
+    if (least < 0 || most > std::numeric_limits<std::uint16_t>::max()) return NumberType::i32;
+    return most > std::numeric_limits<std::uint8_t>::max() ? NumberType::u16 : NumberType::u8;
 }
 
-/// What one of three says of a type.
+/// The value for one of the three types.
 template <class T>
-T of(NumberType type, T uint8, T uint16, T int32) {
-    return type == NumberType::uint8 ? uint8 : type == NumberType::uint16 ? uint16 : int32;
+T of(NumberType type, T u8, T u16, T i32) {
+    return type == NumberType::u8 ? u8 : type == NumberType::u16 ? u16 : i32;
 }
 
 /// The numbers of labels from `begin` to `end` as bytes, the least first.
 void appendBytes(const std::vector<std::int32_t>& labels, std::size_t begin, std::size_t end,
                  NumberType type, std::string& bytes) {
-    const int width = of(type, 1, 2, 4);
+    const std::size_t width = bytesOf(type);
     for (std::size_t i = begin; i < end; ++i) {
         auto value = static_cast<std::uint32_t>(labels[i]);
-        for (int b = 0; b < width; ++b, value >>= 8) bytes.push_back(static_cast<char>(value));
+        for (std::size_t b = 0; b < width; ++b, value >>= 8)
+            bytes.push_back(static_cast<char>(value));
     }
 }
 
@@ -142,7 +142,7 @@ std::string nrrdHeader(const LabelMap& map, NumberType type, const std::string& 
     const ImageGrid& grid = map.grid;
     constexpr const char* kVector = "({:.17g},{:.17g},{:.17g})";
     std::string header = "NRRD0004\n# " + note + "\n";
-    header += fmt::format("type: {}\ndimension: 3\n", of(type, "uint8", "uint16", "int32"));
+    header += fmt::format("type: {}\ndimension: 3\n", nameOf(type));
     header += "space: left-posterior-superior\n";
     header += fmt::format("sizes: {} {} {}\n", grid.size[0], grid.size[1], grid.size[2]);
     header += "space directions:";

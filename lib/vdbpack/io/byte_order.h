@@ -5,28 +5,32 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
+#include <optional>
 #include <string>
+#include <string_view>
 
 namespace vdbpack {
 
-/// Types of numbers in .ply and .vtp.
+/// Types of numbers in files and images.
 enum class NumberType { i8, u8, i16, u16, i32, u32, i64, u64, f32, f64 };
 
+inline constexpr const char* kNumberTypeNames[] = {
+    "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"};
+/// Such as "uint8".
+inline const char* nameOf(NumberType type) {
+    return kNumberTypeNames[static_cast<std::size_t>(type)];
+}
+/// The type of such a name; nothing for any other name.
+inline std::optional<NumberType> numberTypeNamed(std::string_view name) {
+    for (std::size_t t = 0; t < std::size(kNumberTypeNames); ++t)
+        if (name == kNumberTypeNames[t]) return static_cast<NumberType>(t);
+    return std::nullopt;
+}
+
 inline std::size_t bytesOf(NumberType type) {
-    switch (type) {
-        case NumberType::i8:
-        case NumberType::u8:
-            return 1;
-        case NumberType::i16:
-        case NumberType::u16:
-            return 2;
-        case NumberType::i32:
-        case NumberType::u32:
-        case NumberType::f32:
-            return 4;
-        default:
-            return 8;
-    }
+    constexpr std::size_t kBytes[] = {1, 1, 2, 2, 4, 4, 8, 8, 4, 8};
+    return kBytes[static_cast<std::size_t>(type)];
 }
 
 inline bool isReal(NumberType type) {
@@ -54,6 +58,13 @@ T loadAs(const char* bytes, bool swap) {
 template <typename T>
 T loadLittleEndian(const char* bytes) {
     return loadAs<T>(bytes, hostIsBigEndian());
+}
+
+/// The unsigned number in at most 8 bytes.
+inline std::uint64_t unsignedNumber(const unsigned char* bytes, std::size_t count, bool bigEndian) {
+    std::uint64_t sum = 0;
+    for (std::size_t i = 0; i < count; ++i) sum = sum << 8 | bytes[bigEndian ? i : count - 1 - i];
+    return sum;
 }
 
 /// Appends the bytes of a number, the least significant first.

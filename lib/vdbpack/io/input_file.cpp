@@ -1,6 +1,7 @@
 #include "vdbpack/io/input_file.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/byte_order.h"
 #include "vdbpack/io/text.h"
 
 #include <fcntl.h>
@@ -92,6 +93,12 @@ void InputFile::readAt(std::uint64_t offset, void* target, std::size_t bytes) co
         offset += static_cast<std::uint64_t>(n);
         bytes -= static_cast<std::size_t>(n);
     }
+}
+
+std::uint64_t InputFile::numberAt(std::uint64_t offset, std::size_t bytes, bool bigEndian) const {
+    unsigned char raw[8] = {};
+    readAt(offset, raw, bytes);
+    return unsignedNumber(raw, bytes, bigEndian);
 }
 
 void InputFile::fill(std::size_t bytes) {

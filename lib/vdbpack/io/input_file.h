@@ -25,9 +25,14 @@ public:
     /// Bytes in the file when it was opened; later ones are not read.
     std::uint64_t size() const { return size_; }
 
+    /// Whether it is a pipe, whose bytes `peek` gives.
+    bool inMemory() const { return inMemory_; }
     /// Fills `bytes` at `target` with the file's content from `offset` on.
     /// @throws InputError if the file ends before, IoError if reading fails.
     void readAt(std::uint64_t offset, void* target, std::size_t bytes) const;
+
+    /// The unsigned number in at most 8 bytes from `offset` on. @throws as `readAt`
+    std::uint64_t numberAt(std::uint64_t offset, std::size_t bytes, bool bigEndian) const;
 
     /// Offset of the next byte that has not been taken.
     std::uint64_t offset() const { return bufferOffset_ + at_; }
@@ -35,7 +40,7 @@ public:
     /// Up to `bytes` from the offset on, which is not moved; fewer at the end of the file. Valid
     /// until the next call of this, `take` or `nextLine`.
     std::string_view peek(std::size_t bytes);
-    /// Takes `bytes`, valid as long as those of `peek`; nullptr if the file ends before.
+    /// Takes `bytes`, valid as long as the bytes of `peek`; nullptr if the file ends before.
     const char* take(std::size_t bytes);
     /// Takes the byte order mark of UTF-8 if it comes next.
     void skipByteOrderMark();

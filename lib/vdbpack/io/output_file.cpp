@@ -23,7 +23,7 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::size_t kBufferBytes = 1 << 20;
+constexpr std::size_t kWriteBytes = 1 << 20;
 /// Number of temporary names to try, and how many bytes of the file's name they begin with.
 constexpr int kNames = 100;
 constexpr std::size_t kLongestStem = 200;
@@ -122,7 +122,7 @@ OutputFile::OutputFile(std::string path, bool shown)
     if (exists && ::faccessat(AT_FDCWD, target_.c_str(), W_OK, AT_EACCESS) != 0 && errno == EACCES)
         throw IoError(path_ + ": is write-protected; name another file, or allow writing to it");
     // Memory is allocated first: if that fails, there is no file to remove.
-    buffer_.reserve(kBufferBytes);
+    buffer_.reserve(kWriteBytes);
     temporaryPath_.reserve(64);
     // If possible, a file without a name, which leaves nothing after a crash.
     if (!shown) descriptor_ = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0666);
@@ -175,9 +175,9 @@ void OutputFile::fail(const char* action) const {
 }
 
 void OutputFile::write(const void* data, std::size_t bytes) {
-    if (buffer_.size() + bytes > kBufferBytes) flushBuffer();
+    if (buffer_.size() + bytes > kWriteBytes) flushBuffer();
     buffer_.append(static_cast<const char*>(data), bytes);
-    if (buffer_.size() >= kBufferBytes) flushBuffer();
+    if (buffer_.size() >= kWriteBytes) flushBuffer();
 }
 
 void OutputFile::flushBuffer() {

@@ -16,16 +16,14 @@ namespace {
 
 NumberType parseType(const InputFile& file, std::string_view name) {
     static constexpr std::pair<std::string_view, NumberType> kTypes[] = {
-        {"char", NumberType::i8},    {"int8", NumberType::i8},     {"uchar", NumberType::u8},
-        {"uint8", NumberType::u8},   {"short", NumberType::i16},   {"int16", NumberType::i16},
-        {"ushort", NumberType::u16}, {"uint16", NumberType::u16},  {"int", NumberType::i32},
-        {"int32", NumberType::i32},  {"uint", NumberType::u32},    {"uint32", NumberType::u32},
-        {"long", NumberType::i64},   {"int64", NumberType::i64},   {"ulong", NumberType::u64},
-        {"uint64", NumberType::u64}, {"float", NumberType::f32},   {"float32", NumberType::f32},
-        {"double", NumberType::f64}, {"float64", NumberType::f64},
+        {"char", NumberType::i8},    {"uchar", NumberType::u8},  {"short", NumberType::i16},
+        {"ushort", NumberType::u16}, {"int", NumberType::i32},   {"uint", NumberType::u32},
+        {"long", NumberType::i64},   {"ulong", NumberType::u64}, {"float", NumberType::f32},
+        {"double", NumberType::f64},
     };
     for (const auto& [known, type] : kTypes)
         if (name == known) return type;
+    if (const auto type = numberTypeNamed(name)) return *type;
     file.failAtLine("type of a property expected, found " + quotedExcerpt(name));
 }
 

@@ -20,7 +20,7 @@ struct PlyProperty {
 
 struct PlyElement {
     std::string name;
-    std::uint64_t count = 0;  ///< as announced by the header, not necessarily that of the file
+    std::uint64_t count = 0;  ///< as announced by the header, not necessarily as the file has them
     std::vector<PlyProperty> properties;
 
     bool hasLists() const;

@@ -1,6 +1,6 @@
 #include "vdbpack/io/row_writer.h"
 
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 #include <vector>
@@ -18,7 +18,7 @@ void writeRows(const std::function<void(const std::string&)>& write, std::size_t
     constexpr std::size_t kChunks = 64;
     std::vector<std::string> chunks(kChunks);
     for (std::size_t first = 0; first < rows; first += kRowsPerChunk * kChunks) {
-        tbb::parallel_for(std::size_t{0}, kChunks, [&](std::size_t c) {
+        parallelFor(std::size_t{0}, kChunks, [&](std::size_t c) {
             chunks[c].clear();
             const std::size_t begin = std::min(rows, first + c * kRowsPerChunk);
             const std::size_t end = std::min(rows, begin + kRowsPerChunk);

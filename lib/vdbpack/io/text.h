@@ -38,7 +38,7 @@ private:
     std::string_view text_;
 };
 
-/// Replaces `words` by those of `line`.
+/// Replaces `words` by the words of `line`.
 void splitAtBlanks(std::string_view line, std::vector<std::string_view>& words);
 
 /// The texts between the separators of `text`, without blanks at their ends.

@@ -42,19 +42,6 @@ int base64Value(char c) {
     return c == '/' ? 63 : -1;
 }
 
-bool isSigned(NumberType type) {
-    return type == NumberType::i8 || type == NumberType::i16 || type == NumberType::i32 ||
-           type == NumberType::i64;
-}
-
-/// Whether a whole number fits the type.
-bool fits(std::int64_t value, NumberType type) {
-    const std::size_t bits = 8 * bytesOf(type);
-    if (bits == 64) return isSigned(type) || value >= 0;
-    const std::int64_t top = std::int64_t{1} << (isSigned(type) ? bits - 1 : bits);
-    return value < top && value >= (isSigned(type) ? -top : 0);
-}
-
 }  // namespace
 
 /// Bytes in order, from the file or from base64 text.
@@ -233,80 +220,56 @@ void VtkArrays::inflate(const VtkArray& array, const Blocks& blocks, ByteSource&
     }
 }
 
-std::vector<char> VtkArrays::numbers(const VtkArray& array, std::uint64_t count) {
+VtkNumbers VtkArrays::numbers(const VtkArray& array, std::uint64_t count) {
     if (array.format == VtkArray::Format::ascii) return asciiNumbers(array, count);
     const std::size_t tuple = array.components * bytesOf(array.type);
-    return bytesOfArray(array, [&](std::uint64_t bytes) {
+    const auto isSound = [&](std::uint64_t bytes) {
         if (bytes % tuple != 0 || bytes / tuple != count)
             fail(array,
                  fmt::format("has {} bytes where {} tuples of {} bytes are expected; the file "
                              "is damaged",
                              bytes, count, tuple));
-    });
+    };
+    return {bytesOfArray(array, isSound), array.type, encoding_.swap};
 }
 
-std::vector<char> VtkArrays::asciiNumbers(const VtkArray& array, std::uint64_t count) const {
+VtkNumbers VtkArrays::asciiNumbers(const VtkArray& array, std::uint64_t count) const {
     // Two characters a number at least.
     if (count > array.text.size() / (2 * array.components) + 1)
         fail(array, fmt::format("holds fewer than {} tuples; the file is cut short", count));
-    const std::size_t size = bytesOf(array.type);
-    std::vector<char> data(static_cast<std::size_t>(count * array.components) * size);
+    const bool real = isReal(array.type);
+    const auto n = static_cast<std::size_t>(count * array.components);
+    VtkNumbers numbers{std::vector<char>(8 * n), real ? NumberType::f64 : NumberType::i64, false};
     std::size_t at = 0;
-    for (std::size_t i = 0; i < count * array.components; ++i)
-        storeWord(array, nextWord(array.text, at), i, data.data() + i * size);
+    for (std::size_t i = 0; i < n; ++i) {
+        const auto word = nextWord(array.text, at);
+        double value = 0;
+        std::int64_t whole = 0;
+        if (!(real ? parseNumber(word, value) : parseNumber(word, whole)))
+            fail(array, word.empty()
+                            ? fmt::format("ends after {} numbers; the file is cut short", i)
+                            : fmt::format("has {} as number {}; a {}number is needed",
+                                          quotedExcerpt(word), i, real ? "" : "whole "));
+        char* const to = numbers.bytes.data() + 8 * i;
+        if (real)
+            std::memcpy(to, &value, 8);
+        else
+            std::memcpy(to, &whole, 8);
+    }
     if (!nextWord(array.text, at).empty())
         fail(array, fmt::format("holds more than {} tuples; the file is damaged", count));
-    return data;
-}
-
-void VtkArrays::storeWord(const VtkArray& array, std::string_view word, std::size_t index,
-                          char* target) const {
-    const auto require = [&](bool sound) {
-        if (sound) return;
-        fail(array, word.empty()
-                        ? fmt::format("ends after {} numbers; the file is cut short", index)
-                        : fmt::format("has {} as number {}; a number of its type is needed",
-                                      quotedExcerpt(word), index));
-    };
-    const auto store = [&](auto value) {
-        std::memcpy(target, &value, sizeof value);
-        if (encoding_.swap) std::reverse(target, target + sizeof value);
-    };
-    if (isReal(array.type)) {
-        double value = 0;
-        require(parseNumber(word, value));
-        if (array.type == NumberType::f64) return store(value);
-        // Beyond its range the conversion is undefined; infinities do convert.
-        require(!std::isfinite(value) ||
-                std::abs(value) <= static_cast<double>(std::numeric_limits<float>::max()));
-        return store(static_cast<float>(value));
-    }
-    std::int64_t value = 0;
-    require(parseNumber(word, value) && fits(value, array.type));
-    switch (bytesOf(array.type)) {
-        case 1:
-            return store(static_cast<std::uint8_t>(value));
-        case 2:
-            return store(static_cast<std::uint16_t>(value));
-        case 4:
-            return store(static_cast<std::uint32_t>(value));
-        default:
-            return store(static_cast<std::uint64_t>(value));
-    }
+    return numbers;
 }
 
 std::vector<std::string> VtkArrays::texts(const VtkArray& array, std::uint64_t count,
                                           std::uint64_t longest) {
-    if (array.format != VtkArray::Format::ascii)
-        return splitTexts(array,
-                          bytesOfArray(array,
-                                       [&](std::uint64_t bytes) {
-                                           if (bytes / (longest + 1) > count)
-                                               fail(array, fmt::format("has {} bytes for {} texts; "
-                                                                       "shorten them",
-                                                                       bytes, count));
-                                       }),
-                          count);
+    if (array.format != VtkArray::Format::ascii) {
+        const auto isSound = [&](std::uint64_t bytes) {
+            if (bytes / (longest + 1) > count)
+                fail(array, fmt::format("has {} bytes for {} texts; shorten them", bytes, count));
+        };
+        return splitTexts(array, bytesOfArray(array, isSound), count);
+    }
     std::vector<char> data;
     std::size_t at = 0;
     for (auto word = nextWord(array.text, at); !word.empty(); word = nextWord(array.text, at)) {

@@ -25,9 +25,22 @@ struct VtkArray {
     std::uint64_t offset = 0;  ///< into the appended section
 };
 
+/// The numbers of an array, in memory.
+struct VtkNumbers {
+    std::vector<char> bytes;
+    NumberType type;
+    bool swap;  ///< the byte order differs from the host's
+
+    /// Number `i`, as `loadNumber` hands it to `use`.
+    template <class Use>
+    bool at(std::uint64_t i, const Use& use) const {
+        return loadNumber(type, bytes.data() + i * bytesOf(type), swap, use);
+    }
+};
+
 /// How the arrays of a file are stored, as the file's root says.
 struct VtkEncoding {
-    bool swap = false;        ///< the byte order is not that of the host
+    bool swap = false;        ///< the byte order differs from the host's
     bool wideHeader = false;  ///< sizes have 64 bits rather than 32
     std::string compressor;   ///< empty: none
 };
@@ -47,11 +60,8 @@ public:
     void appendRaw(std::uint64_t offset) { appended_ = offset; }
     void appendBase64(std::uint64_t offset);
 
-    bool swap() const { return encoding_.swap; }
-
-    /// `count` tuples as bytes of the array's type, in the byte order of the file.
-    /// @throws InputError, IoError, ResourceError
-    std::vector<char> numbers(const VtkArray& array, std::uint64_t count);
+    /// The numbers of `count` tuples. @throws InputError, IoError, ResourceError
+    VtkNumbers numbers(const VtkArray& array, std::uint64_t count);
     /// `count` texts of at most `longest` bytes on average.
     /// @throws InputError, IoError, ResourceError
     std::vector<std::string> texts(const VtkArray& array, std::uint64_t count,
@@ -82,10 +92,7 @@ private:
                  std::vector<char>& data) const;
     std::vector<std::string> splitTexts(const VtkArray& array, const std::vector<char>& data,
                                         std::uint64_t count) const;
-    std::vector<char> asciiNumbers(const VtkArray& array, std::uint64_t count) const;
-    /// Writes the number that `word` spells to `target`.
-    void storeWord(const VtkArray& array, std::string_view word, std::size_t index,
-                   char* target) const;
+    VtkNumbers asciiNumbers(const VtkArray& array, std::uint64_t count) const;
 
     const InputFile& file_;
     VtkEncoding encoding_;

@@ -18,23 +18,6 @@ constexpr std::string_view kAppended = "<AppendedData";
 constexpr std::int64_t kMostComponents = 16;
 constexpr std::ptrdiff_t kMostTags = 1'000'000;
 
-bool parseType(std::string_view name, NumberType& type) {
-    static constexpr struct {
-        std::string_view name;
-        NumberType type;
-    } kTypes[] = {{"Int8", NumberType::i8},     {"UInt8", NumberType::u8},
-                  {"Int16", NumberType::i16},   {"UInt16", NumberType::u16},
-                  {"Int32", NumberType::i32},   {"UInt32", NumberType::u32},
-                  {"Int64", NumberType::i64},   {"UInt64", NumberType::u64},
-                  {"Float32", NumberType::f32}, {"Float64", NumberType::f64}};
-    for (const auto& t : kTypes) {
-        if (name != t.name) continue;
-        type = t.type;
-        return true;
-    }
-    return false;
-}
-
 }  // namespace
 
 VtkXml::VtkXml(const std::string& path, const std::string& type, double memoryLimit)
@@ -149,8 +132,11 @@ VtkArray VtkXml::described(const pugi::xml_node& node) const {
     a.name = attribute(node, "Name");
     a.tag = node.parent().name();
     a.string = attribute(node, "type") == "String";
-    if (!a.string && !parseType(attribute(node, "type"), a.type))
-        failAt(node, "an array has an unknown type");
+    if (!a.string) {
+        const auto type = numberTypeNamed(lowered(attribute(node, "type")));
+        if (!type) failAt(node, "an array has an unknown type");
+        a.type = *type;
+    }
     const auto components = attribute(node, "NumberOfComponents");
     std::int64_t count = 1;
     if (!components.empty() &&

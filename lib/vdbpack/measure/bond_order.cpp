@@ -1,9 +1,8 @@
 #include "vdbpack/measure/bond_order.h"
 
 #include "vdbpack/core/cell_levels.h"
+#include "vdbpack/core/parallel.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -92,25 +91,23 @@ BondOrder<Dim> bondOrder(const std::vector<Sphere<Dim>>& spheres, std::size_t ow
     BondOrder<Dim> order;
     order.direction.resize(own);
     order.strength.resize(own);
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, own, 256),
-        [&](const tbb::blocked_range<std::size_t>& part) {
-            for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                std::array<double, BondOrder<Dim>::kComponents> sum{};
-                int bonds = 0;
-                forEachBond(cells, spheres, i, [&](std::uint32_t, const Vec<Dim>& to) {
-                    const auto y = harmonics<Dim>(normalized(to));
-                    for (std::size_t c = 0; c < y.size(); ++c) sum[c] += y[c];
-                    ++bonds;
-                });
-                double square = 0;
-                for (const double v : sum) square += v * v;
-                const double length = std::sqrt(square);
-                order.strength[i] = bonds > 0 ? static_cast<float>(length / bonds) : 0;
-                for (std::size_t c = 0; c < sum.size(); ++c)
-                    order.direction[i][c] = length > 0 ? static_cast<float>(sum[c] / length) : 0;
-            }
-        });
+    parallelFor(IndexRange(0, own, 256), [&](const IndexRange& part) {
+        for (std::size_t i = part.begin(); i < part.end(); ++i) {
+            std::array<double, BondOrder<Dim>::kComponents> sum{};
+            int bonds = 0;
+            forEachBond(cells, spheres, i, [&](std::uint32_t, const Vec<Dim>& to) {
+                const auto y = harmonics<Dim>(normalized(to));
+                for (std::size_t c = 0; c < y.size(); ++c) sum[c] += y[c];
+                ++bonds;
+            });
+            double square = 0;
+            for (const double v : sum) square += v * v;
+            const double length = std::sqrt(square);
+            order.strength[i] = bonds > 0 ? static_cast<float>(length / bonds) : 0;
+            for (std::size_t c = 0; c < sum.size(); ++c)
+                order.direction[i][c] = length > 0 ? static_cast<float>(sum[c] / length) : 0;
+        }
+    });
     return order;
 }
 
@@ -121,8 +118,8 @@ std::uint64_t countSolidLike(const CellLevels<Dim>& cells, const std::vector<Sph
                              std::size_t own, const BondOrder<Dim>& order,
                              const SourceOf& sourceOf) {
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, own, 256), std::uint64_t(0),
-        [&](const tbb::blocked_range<std::size_t>& part, std::uint64_t sum) {
+        IndexRange(0, own, 256), std::uint64_t(0),
+        [&](const IndexRange& part, std::uint64_t sum) {
             for (std::size_t i = part.begin(); i < part.end(); ++i) {
                 int alike = 0;
                 forEachBond(cells, spheres, i, [&](std::uint32_t j, const Vec<Dim>&) {

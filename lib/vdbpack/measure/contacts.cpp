@@ -3,11 +3,9 @@
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
@@ -86,7 +84,7 @@ PartContacts contactsOfPart(const std::vector<Sphere<Dim>>& spheres, std::size_t
         double smallest = std::numeric_limits<double>::infinity();
         std::array<std::int64_t, Dim*(Dim + 1) / 2> fabric{};
     };
-    tbb::enumerable_thread_specific<Found> found;
+    PerThread<Found> found;
     Components components(spheres.size());
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
@@ -133,8 +131,8 @@ void ContactSums::add(const std::vector<Sphere<Dim>>& added, double tolerance,
     if (!depth.empty() && depth.size() != added.size())
         throw ParameterError(fmt::format("contacts: {} depths for {} {}; give one each or none",
                                          depth.size(), added.size(), Measure<Dim>::kSpheres));
-    tbb::enumerable_thread_specific<ContactSums> tallies;
-    tbb::parallel_for(Blocks(0, added.size(), 4096), [&](const Blocks& block) {
+    PerThread<ContactSums> tallies;
+    parallelFor(IndexRange(0, added.size(), 4096), [&](const IndexRange& block) {
         ContactSums& tally = tallies.local();
         tally.spheres += block.size();
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
@@ -208,7 +206,7 @@ ContactCheck countContacts(const std::vector<Sphere<Dim>>& spheres, double toler
     result.counts = std::move(all.partners);
     if (spheres.empty()) return result;
     std::vector<std::atomic<std::uint32_t>> members(spheres.size());
-    tbb::parallel_for(Blocks(0, spheres.size(), 4096), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, spheres.size(), 4096), [&](const IndexRange& block) {
         std::uint32_t component = 0, inARow = 0;
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const std::uint32_t root = all.component[i];
@@ -239,7 +237,7 @@ std::vector<Contact> listContacts(const std::vector<Sphere<Dim>>& given, double 
     SpheresWithImages<Dim> repeated;
     if (cell.any()) repeated = withPartners(given, tolerance, cell);
     const std::vector<Sphere<Dim>>& spheres = cell.any() ? repeated.spheres : given;
-    tbb::enumerable_thread_specific<std::vector<Contact>> found;
+    PerThread<std::vector<Contact>> found;
     const CellLevels<Dim> cells(spheres, tolerance);
     cells.forEachPair(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
@@ -274,13 +272,13 @@ template <int Dim>
 std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::size_t standing,
                                const std::vector<std::uint32_t>* source) {
     if (spheres.size() < 2 || spheres.size() <= standing) return std::nullopt;
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    static constexpr double kInfinity = std::numeric_limits<double>::infinity();
     double smallest = kInfinity;
     for (const auto& s : spheres) smallest = std::min(smallest, s.radius);
     // Pairs are sought up to a gap in proportion to their radii: wide enough once no pair of the
     // smallest spheres could be closer than what was found.
     for (double slack = 0.01;;) {
-        tbb::enumerable_thread_specific<double> found(kInfinity);
+        PerThread<double> found([] { return kInfinity; });
         const CellLevels<Dim> cells(spheres, slack);
         cells.forEachPair(
             [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,
@@ -291,7 +289,8 @@ std::optional<double> leastGap(const std::vector<Sphere<Dim>>& spheres, std::siz
                 mine = std::min(mine, std::sqrt(d2) - a.radius - b.radius);
             },
             [] { return false; });
-        const double gap = found.combine([](double a, double b) { return std::min(a, b); });
+        double gap = kInfinity;
+        for (const double each : found) gap = std::min(gap, each);
         if (gap <= slack * smallest) return gap;
         slack = gap < kInfinity ? gap / smallest * (1 + 1e-9) : 8 * slack;
     }

@@ -2,11 +2,10 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -39,8 +38,8 @@ template <int Dim>
 double totalMeasure(const std::vector<Sphere<Dim>>& spheres) {
     // The deterministic form: the same digits for any number of threads.
     return tbb::parallel_deterministic_reduce(
-        Blocks(0, spheres.size(), 4096), 0.0,
-        [&](const Blocks& block, double sum) {
+        IndexRange(0, spheres.size(), 4096), 0.0,
+        [&](const IndexRange& block, double sum) {
             for (std::size_t i = block.begin(); i < block.end(); ++i)
                 sum += Measure<Dim>::ball(spheres[i].radius);
             return sum;
@@ -62,7 +61,7 @@ std::vector<unsigned char> partsDeeperThan(double depth, double deep,
     const double known = domain.fieldDepth();
     std::vector<unsigned char> part(spheres.size());
     const auto probes = probeDirections<Dim>();
-    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, spheres.size(), 512), [&](const IndexRange& block) {
         auto& sampler = samplers.local();
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const Sphere<Dim>& s = spheres[i];
@@ -100,8 +99,8 @@ double coveredDeeperThan(const std::vector<Sphere<Dim>>& spheres, const Domain<D
         static_cast<std::size_t>(std::clamp(kPoints / std::max(crossings, 1.0), 16.0, 1000.0));
     const BallPoints<Dim> ball(16384 + points);
     const double own = tbb::parallel_deterministic_reduce(
-        Blocks(0, spheres.size(), 512), 0.0,
-        [&](const Blocks& block, double sum) {
+        IndexRange(0, spheres.size(), 512), 0.0,
+        [&](const IndexRange& block, double sum) {
             auto& sampler = samplers.local();
             for (std::size_t i = block.begin(); i < block.end(); ++i) {
                 if (part[i] == none) continue;

@@ -2,11 +2,10 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -66,7 +65,7 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
     const double end = static_cast<double>(count) * width;
     const double rough = std::max(domain.facts().voxelSize, 1e-9 * width);
     std::vector<unsigned char> near(spheres.size());
-    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, spheres.size(), 512), [&](const IndexRange& block) {
         auto& sampler = samplers.local();
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const double d = -sampler.signedDistance(spheres[i].center);
@@ -77,8 +76,8 @@ BinSums sumsOfBins(const std::vector<Sphere<Dim>>& spheres, const Domain<Dim>& d
         sumOver(rows.ranks, static_cast<std::uint64_t>(std::count(near.begin(), near.end(), 1))));
     const int points = static_cast<int>(std::clamp(1.2e7 / std::max(crossing, 1.0), 16.0, 1000.0));
     const BinSums own = tbb::parallel_deterministic_reduce(
-        Blocks(0, spheres.size(), 8192), BinSums{},
-        [&](const Blocks& block, BinSums mine) {
+        IndexRange(0, spheres.size(), 8192), BinSums{},
+        [&](const IndexRange& block, BinSums mine) {
             mine.covered.resize(count);
             mine.variance.resize(count);
             auto& sampler = samplers.local();

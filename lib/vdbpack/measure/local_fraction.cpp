@@ -2,11 +2,10 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -20,7 +19,7 @@ namespace {
 /// Volumes are summed in whole parts of a cell, so that sums do not depend on the order.
 constexpr double kPart = 0x1p-40;
 /// Points by which a sphere that lies in several cells is shared out.
-constexpr int kPoints = 32;
+constexpr int kBallPoints = 32;
 
 /// Cubes (2D: squares) in the middle of a box, as many as fit.
 template <int Dim>
@@ -70,7 +69,7 @@ std::vector<std::uint64_t> coveredParts(const std::vector<Sphere<Dim>>& spheres,
                                         const CoarseGrid<Dim>& grid, double unit,
                                         const SphereRows& rows) {
     std::vector<std::atomic<std::uint64_t>> covered(grid.cells());
-    tbb::parallel_for(Blocks(0, spheres.size(), 512), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, spheres.size(), 512), [&](const IndexRange& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             const Sphere<Dim>& s = spheres[i];
             const double ball = Measure<Dim>::ball(s.radius);
@@ -87,9 +86,9 @@ std::vector<std::uint64_t> coveredParts(const std::vector<Sphere<Dim>>& spheres,
                 continue;
             }
             Spread<Dim> spread(rows[i]);
-            for (int k = 0; k < kPoints; ++k)
+            for (int k = 0; k < kBallPoints; ++k)
                 add(grid.cellAt(s.center + ballPoint<Dim>(spread.next()) * s.radius),
-                    ball / kPoints);
+                    ball / kBallPoints);
         }
     });
     std::vector<std::uint64_t> all(covered.begin(), covered.end());
@@ -104,7 +103,7 @@ std::vector<unsigned char> cellsInside(const CoarseGrid<Dim>& grid, const Domain
     Samplers<Dim> samplers(domain);
     std::vector<unsigned char> inside(grid.cells());
     const double halfDiagonal = 0.5 * edge * std::sqrt(static_cast<double>(Dim));
-    tbb::parallel_for(Blocks(0, grid.cells(), 64), [&](const Blocks& block) {
+    parallelFor(IndexRange(0, grid.cells(), 64), [&](const IndexRange& block) {
         auto& sampler = samplers.local();
         for (std::size_t c = block.begin(); c < block.end(); ++c) {
             const Vec<Dim> x = grid.centerOf(c);

@@ -2,12 +2,10 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/space_shares.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -26,23 +24,22 @@ template <int Dim>
 void addPairs(const std::vector<Sphere<Dim>>& spheres, const std::vector<std::uint32_t>& references,
               double reach, Counts& pairs) {
     const CellLevels<Dim> cells(spheres);
-    tbb::enumerable_thread_specific<Counts> counts(Counts(pairs.size()));
+    PerThread<Counts> counts([&] { return Counts(pairs.size()); });
     const double perBin = static_cast<double>(pairs.size()) / reach;
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, references.size(), 64), [&](const auto& block) {
-            Counts& mine = counts.local();
-            for (std::size_t k = block.begin(); k < block.end(); ++k) {
-                const std::uint32_t i = references[k];
-                const Vec<Dim>& x = spheres[i].center;
-                cells.forEachNear(x, reach, [&](std::uint32_t j, const Sphere<Dim>& s) {
-                    const double square = squaredLength(s.center - x);
-                    if (j != i && square < reach * reach)
-                        ++mine[std::min(mine.size() - 1,
-                                        static_cast<std::size_t>(std::sqrt(square) * perBin))];
-                    return true;
-                });
-            }
-        });
+    parallelFor(IndexRange(0, references.size(), 64), [&](const auto& block) {
+        Counts& mine = counts.local();
+        for (std::size_t k = block.begin(); k < block.end(); ++k) {
+            const std::uint32_t i = references[k];
+            const Vec<Dim>& x = spheres[i].center;
+            cells.forEachNear(x, reach, [&](std::uint32_t j, const Sphere<Dim>& s) {
+                const double square = squaredLength(s.center - x);
+                if (j != i && square < reach * reach)
+                    ++mine[std::min(mine.size() - 1,
+                                    static_cast<std::size_t>(std::sqrt(square) * perBin))];
+                return true;
+            });
+        }
+    });
     for (const Counts& mine : counts)
         for (std::size_t b = 0; b < pairs.size(); ++b) pairs[b] += mine[b];
 }

@@ -2,12 +2,10 @@
 
 #include "vdbpack/core/cell_levels.h"
 #include "vdbpack/core/error.h"
-#include "vdbpack/measure/sampling.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/sampling.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -18,8 +16,8 @@ namespace vdbpack {
 
 namespace {
 
-/// Blocks of a box, each with the same number of sample points: consecutive points are near each
-/// other.
+/// IndexRange of a box, each with the same number of sample points: consecutive points are near
+/// each other.
 template <int Dim>
 class SampleBlocks {
 public:
@@ -158,8 +156,8 @@ Vacancies<Dim> findVacancies(const std::vector<Sphere<Dim>>& spheres, const Doma
     const CellLevels<Dim> cells(cell.any() ? withImages(spheres, cell, most).spheres : spheres);
     const VacancySearch<Dim> search(cells, blocks, radius, 4 * length(bounds.size()));
     Samplers<Dim> samplers(domain);
-    tbb::enumerable_thread_specific<Vacancies<Dim>> found;
-    tbb::parallel_for(Blocks(0, blocks.blocks(), 1), [&](const Blocks& range) {
+    PerThread<Vacancies<Dim>> found;
+    parallelFor(IndexRange(0, blocks.blocks(), 1), [&](const IndexRange& range) {
         for (std::size_t b = range.begin(); b < range.end(); ++b)
             search.searchBlock(b, samplers.local(), found.local());
     });

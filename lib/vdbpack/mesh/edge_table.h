@@ -1,4 +1,4 @@
-// The edges of a triangle mesh, each with the triangles that use it. Private to mesh/.
+// The edges of a triangle mesh, each with the triangles that use it. Private to mesh and repair.
 #pragma once
 
 #include "vdbpack/core/disjoint_sets.h"
@@ -18,7 +18,7 @@ inline bool isCollapsed(const std::array<std::uint32_t, 3>& t) {
     return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
 }
 
-/// All edges of a mesh, those of collapsed triangles left out.
+/// All edges of a mesh but the edges of collapsed triangles.
 ///
 /// Uses of edges are in rows by the lower vertex, sorted within a row: linear time, 8 bytes per
 /// use.

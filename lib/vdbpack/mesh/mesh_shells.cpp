@@ -91,11 +91,10 @@ struct Hit {
 
 /// The probes of all pieces: the centers of up to `kVotes` of their triangles, evenly spread over
 /// the order of the file. Centers, as corners may be shared with the piece that is tested.
-std::vector<Probe> probesOf(const TriangleMesh& mesh, const ShellAnalysis& analysis,
-                            std::vector<std::uint32_t>& probeCount) {
+std::vector<Probe> probesOf(const TriangleMesh& mesh, const ShellAnalysis& analysis) {
     const auto& shells = analysis.shells;
     std::vector<Probe> probes;
-    probeCount.assign(shells.size(), 0);
+    std::vector<std::size_t> probeCount(shells.size(), 0);
     std::vector<std::size_t> seen(shells.size(), 0);
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const std::uint32_t s = analysis.shellOfTriangle[i];
@@ -146,40 +145,51 @@ std::vector<Hit> findHits(const TriangleMesh& mesh, const ShellAnalysis& analysi
     return hits;
 }
 
+/// What the probes of a shell show about another one.
+struct PairVotes {
+    std::uint32_t inner, outer;
+    std::size_t inside = 0;   ///< probes of `inner` in `outer`
+    std::size_t unclear = 0;  ///< probes that do not count
+};
+
+std::vector<PairVotes> votesOf(const TriangleMesh& mesh, const ShellAnalysis& analysis,
+                               const std::vector<Probe>& probes) {
+    const std::vector<Hit> hits = findHits(mesh, analysis, probes);
+    std::vector<PairVotes> votes;
+    for (std::size_t i = 0; i < hits.size();) {
+        const auto [probe, outer, ignored] = hits[i];
+        const std::uint32_t inner = probes[probe].shell;
+        if (votes.empty() || votes.back().inner != inner || votes.back().outer != outer)
+            votes.push_back({inner, outer});
+        bool odd = false, unclear = false;
+        for (; i < hits.size() && hits[i].shell == outer && hits[i].probe == probe; ++i) {
+            odd = !odd;
+            unclear = unclear || hits[i].unclear;
+        }
+        votes.back().unclear += unclear;
+        votes.back().inside += odd && !unclear;
+    }
+    return votes;
+}
+
+std::vector<std::size_t> countsOf(const std::vector<Probe>& probes, std::size_t shells) {
+    std::vector<std::size_t> counts(shells);
+    for (const Probe& probe : probes) ++counts[probe.shell];
+    return counts;
+}
+
 /// Sets `depth` of every shell.
 void findNesting(const TriangleMesh& mesh, ShellAnalysis& analysis) {
     auto& shells = analysis.shells;
     const bool anyClosed = std::any_of(shells.begin(), shells.end(),
                                        [](const Shell& shell) { return shell.boundaryEdges == 0; });
     if (shells.size() < 2 || !anyClosed) return;
-    std::vector<std::uint32_t> probeCount;
-    const std::vector<Probe> probes = probesOf(mesh, analysis, probeCount);
-    const std::vector<Hit> hits = findHits(mesh, analysis, probes);
-    for (std::size_t i = 0; i < hits.size();) {
-        const std::uint32_t inner = probes[hits[i].probe].shell;
-        const std::uint32_t outer = hits[i].shell;
-        std::size_t inside = 0;
-        std::size_t voting = probeCount[inner];
-        const auto samePair = [&](std::size_t k) {
-            return k < hits.size() && hits[k].shell == outer &&
-                   probes[hits[k].probe].shell == inner;
-        };
-        while (samePair(i)) {
-            const std::uint32_t probe = hits[i].probe;
-            bool odd = false;
-            bool unclear = false;
-            for (; samePair(i) && hits[i].probe == probe; ++i) {
-                odd = !odd;
-                unclear = unclear || hits[i].unclear;
-            }
-            if (unclear)
-                --voting;
-            else if (odd)
-                ++inside;
-        }
+    const std::vector<Probe> probes = probesOf(mesh, analysis);
+    const auto counts = countsOf(probes, shells.size());
+    for (const PairVotes& pair : votesOf(mesh, analysis, probes))
         // A smaller piece never encloses a larger one: of two that cut each other both might.
-        if (2 * inside > voting && outer < inner) ++shells[inner].depth;
-    }
+        if (2 * pair.inside > counts[pair.inner] - pair.unclear && pair.outer < pair.inner)
+            ++shells[pair.inner].depth;
 }
 
 /// Triangles of closed shells in boxes around others, up to `kSamples` of each shell, evenly spread
@@ -225,26 +235,11 @@ std::size_t countIntersections(const TriangleMesh& mesh, const ShellAnalysis& an
     if (analysis.shells.size() < 2) return 0;
     const std::vector<Probe> probes = probesInOtherBoxes(mesh, analysis);
     if (probes.empty()) return 0;
-    std::vector<std::size_t> probeCount(analysis.shells.size());
-    for (const Probe& probe : probes) ++probeCount[probe.shell];
-    const std::vector<Hit> hits = findHits(mesh, analysis, probes);
+    const auto counts = countsOf(probes, analysis.shells.size());
     std::set<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (std::size_t i = 0; i < hits.size();) {
-        const std::uint32_t inner = probes[hits[i].probe].shell, outer = hits[i].shell;
-        std::size_t inside = 0, unclear = 0;
-        while (i < hits.size() && hits[i].shell == outer && probes[hits[i].probe].shell == inner) {
-            const std::uint32_t probe = hits[i].probe;
-            bool odd = false, touches = false;
-            for (; i < hits.size() && hits[i].shell == outer && hits[i].probe == probe; ++i) {
-                odd = !odd;
-                touches = touches || hits[i].unclear;
-            }
-            unclear += touches;
-            inside += odd && !touches;
-        }
-        if (inside > 0 && inside + unclear < probeCount[inner])
-            pairs.insert(std::minmax(inner, outer));
-    }
+    for (const PairVotes& pair : votesOf(mesh, analysis, probes))
+        if (pair.inside > 0 && pair.inside + pair.unclear < counts[pair.inner])
+            pairs.insert(std::minmax(pair.inner, pair.outer));
     return pairs.size();
 }
 

@@ -53,8 +53,8 @@ bool MeshSides::Columns::fillCells() {
     };
     const std::size_t n = mesh.triangles.size();
     const double places = tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, n, 4096), 0.0,
-        [&](const tbb::blocked_range<std::size_t>& part, double sum) {
+        IndexRange(0, n, 4096), 0.0,
+        [&](const IndexRange& part, double sum) {
             for (std::size_t k = part.begin(); k < part.end(); ++k) {
                 const Range r = rangeOf(k);
                 sum += (r.i1 - r.i0 + 1.0) * (r.j1 - r.j0 + 1.0);

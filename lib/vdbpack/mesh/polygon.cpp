@@ -13,7 +13,7 @@ namespace {
 using Triangles = std::vector<std::array<std::uint32_t, 3>>;
 
 /// Areas below this share of the square of a polygon's size are rounding.
-constexpr double kFlat = 1e-12;
+constexpr double kFlatLoop = 1e-12;
 
 double size2Of(const std::vector<Vec<3>>& corners) {
     Box<3> box;
@@ -54,7 +54,7 @@ public:
     explicit EarCutter(std::vector<Vec<2>> points) : points_(std::move(points)) {
         const auto n = static_cast<std::uint32_t>(points_.size());
         for (const auto& p : points_) bounds_.add(p);
-        flat_ = kFlat * squaredLength(bounds_.size());
+        flat_ = kFlatLoop * squaredLength(bounds_.size());
         before_.resize(n);
         after_.resize(n);
         pointsInward_.resize(n);
@@ -178,7 +178,7 @@ PolygonSplit splitPolygon(const std::vector<Vec<3>>& corners, Triangles& triangl
         normal += normalOf(t);
         area += length(normalOf(t));
     }
-    const double rounding = kFlat * size2Of(corners);
+    const double rounding = kFlatLoop * size2Of(corners);
     if (!(area > rounding)) return PolygonSplit::fan;  // a line, which has no inside
     const double size = length(normal);
     if (!(size > rounding)) return PolygonSplit::crossed;

@@ -1,4 +1,5 @@
-// Private: a tree of oriented boxes over triangles, for meshes whose triangles are long.
+// Private to mesh, repair and domain: a tree of oriented boxes over triangles, for meshes whose
+// triangles are long.
 #pragma once
 
 #include "vdbpack/core/vec.h"
@@ -26,7 +27,8 @@ public:
     using Corners = std::array<Vec<3>, 3>;
 
     TriangleTree() = default;
-    /// @param cornersOf  those of a triangle by its number, finite. Cost: n log n, in parallel.
+    /// @param cornersOf  the corners of a triangle by its number, finite. Cost: n log n, in
+    /// parallel.
     TriangleTree(std::size_t triangles, const std::function<Corners(std::size_t)>& cornersOf);
 
     bool empty() const { return nodes_.empty(); }

@@ -1,4 +1,5 @@
-// Private to mesh: lines along z through a mesh, by a rule that never counts an edge twice.
+// Private to mesh and repair: lines along z through a mesh, by a rule that never counts an edge
+// twice.
 #pragma once
 
 #include "vdbpack/mesh/triangle_mesh.h"

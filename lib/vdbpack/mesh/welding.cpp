@@ -39,8 +39,8 @@ void Welder::resize(std::size_t slots) {
 
 namespace {
 
-/// Drops vertices that no triangle names. @return their number.
-std::size_t dropUnused(TriangleMesh& mesh) {
+/// Drops vertices that no triangle names.
+void dropUnused(TriangleMesh& mesh) {
     constexpr std::uint32_t kUnused = std::numeric_limits<std::uint32_t>::max();
     std::vector<std::uint32_t> newIndex(mesh.vertices.size(), kUnused);
     for (const auto& t : mesh.triangles)
@@ -51,32 +51,24 @@ std::size_t dropUnused(TriangleMesh& mesh) {
         mesh.vertices[kept] = mesh.vertices[v];
         newIndex[v] = kept++;
     }
-    const std::size_t dropped = mesh.vertices.size() - kept;
-    if (dropped == 0) return 0;
+    if (kept == mesh.vertices.size()) return;
     mesh.vertices.resize(kept);
     for (auto& t : mesh.triangles)
         for (auto& v : t) v = newIndex[v];
-    return dropped;
 }
 
 }  // namespace
 
-TriangleMesh welded(TriangleMesh mesh, WeldingCounts* counts) {
-    std::size_t merged = 0;
-    {
-        Welder welder(mesh.vertices.size());
-        std::vector<std::uint32_t> newIndex(mesh.vertices.size());
-        for (std::size_t v = 0; v < newIndex.size(); ++v)
-            newIndex[v] = welder.add(mesh.vertices[v]);
-        merged = mesh.vertices.size() - welder.size();
-        if (merged > 0) {
-            mesh.vertices = welder.takeVertices();
-            for (auto& t : mesh.triangles)
-                for (auto& v : t) v = newIndex[v];
-        }
+TriangleMesh welded(TriangleMesh mesh) {
+    Welder welder(mesh.vertices.size());
+    std::vector<std::uint32_t> newIndex(mesh.vertices.size());
+    for (std::size_t v = 0; v < newIndex.size(); ++v) newIndex[v] = welder.add(mesh.vertices[v]);
+    if (welder.size() < mesh.vertices.size()) {
+        mesh.vertices = welder.takeVertices();
+        for (auto& t : mesh.triangles)
+            for (auto& v : t) v = newIndex[v];
     }
-    const std::size_t unused = dropUnused(mesh);
-    if (counts != nullptr) *counts = {merged, unused};
+    dropUnused(mesh);
     return mesh;
 }
 

@@ -59,13 +59,8 @@ private:
     std::vector<std::uint32_t> recent_ = std::vector<std::uint32_t>(kRecent, kNone);
 };
 
-struct WeldingCounts {
-    std::size_t merged = 0;  ///< vertices that had the coordinates of an earlier one
-    std::size_t unused = 0;  ///< vertices that no triangle names
-};
-
 /// The mesh with vertices of identical coordinates merged and unused ones dropped; the remaining
 /// ones keep their order. Coordinates must be finite and indices in range.
-TriangleMesh welded(TriangleMesh mesh, WeldingCounts* counts = nullptr);
+TriangleMesh welded(TriangleMesh mesh);
 
 }  // namespace vdbpack

@@ -29,8 +29,8 @@ double largestRadius(const PackOptions& options);
 template <int Dim>
 std::vector<FrontLengths> frontLengths(const PackOptions& options);
 
-/// What the front works with; where sizes differ by place, the largest radius is that of all, and
-/// the other lengths are those of the finest sizes.
+/// What the front works with; where sizes differ by place, the largest radius is the largest of
+/// all, and the other lengths are those of the finest sizes.
 template <int Dim>
 FrontSettings<Dim> frontSettings(const Domain<Dim>& domain, const PackOptions& options);
 

@@ -1,9 +1,7 @@
 #include "vdbpack/pack/local_sizes.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/sphere.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -140,12 +138,11 @@ template <int Dim>
 std::vector<LocalSize> localSizesOf(const std::vector<Sphere<Dim>>& spheres,
                                     const Domain<Dim>& domain, const LocalSizes& sizes) {
     std::vector<LocalSize> all(spheres.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, spheres.size(), 2048),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          LocalSizeSampler<Dim> sampler(domain, sizes);
-                          for (std::size_t i = part.begin(); i < part.end(); ++i)
-                              all[i] = sampler.at(spheres[i].center);
-                      });
+    parallelFor(IndexRange(0, spheres.size(), 2048), [&](const IndexRange& part) {
+        LocalSizeSampler<Dim> sampler(domain, sizes);
+        for (std::size_t i = part.begin(); i < part.end(); ++i)
+            all[i] = sampler.at(spheres[i].center);
+    });
     return all;
 }
 

@@ -19,7 +19,7 @@ namespace vdbpack {
 struct LocalSizes {
     /// Factor on the radii; null: 1 everywhere.
     std::shared_ptr<const SizeField> factor;
-    /// Radii (times the factor) of spheres with centers in `shell`; none: those of the others.
+    /// Radii (times the factor) of spheres with centers in `shell`; none: the sizes of the others.
     std::optional<SizeDistribution> shellSizes;
     ShellThickness shell;
 

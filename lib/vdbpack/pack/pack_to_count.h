@@ -12,7 +12,7 @@ namespace vdbpack {
 template <int Dim>
 struct CountedSpheres {
     /// How many of the spheres, in a pack whose largest radius is `largest` mm; empty: all. Over
-    /// ranks: of the spheres of all, from those of one.
+    /// ranks: of the spheres of all ranks, from the spheres of one.
     std::function<double(const std::vector<Sphere<Dim>>& spheres, double largest)> count;
     double share = 1;     ///< of all spheres, estimated
     double fraction = 0;  ///< of the domain that spheres fill, about; 0: found by smaller packs
@@ -20,8 +20,8 @@ struct CountedSpheres {
 
 /// A pack of about `target` spheres: `options.sizes` are scaled until so many fill the domain.
 ///
-/// The first scale is `scaleForCount`'s guess from smaller packs, the next ones follow the line
-/// through the last two packs (logarithm of the count against that of the scale), kept between
+/// The first scale is `scaleForCount`'s guess from smaller packs, the next scales follow the line
+/// through the last two packs (logarithm of the count against logarithm of the scale), kept between
 /// scales that gave too few and too many. Within 1.8 % of `target`, or the number itself where that
 /// is less than a sphere; where eight packs come no nearer, the nearest is returned with a warning.
 /// @param options   its sizes are left as they were packed.
@@ -38,7 +38,7 @@ PackResult<Dim> packToCount(const Domain<Dim>& domain, PackOptions& options, dou
 /// says when it is read again.
 SizeDistribution scaledSizes(const SizeDistribution& sizes, double factor, int dim);
 
-/// Sets the sizes of `options` (those of the shell, too) to the ones of `from` times `factor`.
+/// Sets the sizes of `options` (also of the shell) to the sizes of `from` times `factor`.
 void scaleSizes(PackOptions& options, const PackOptions& from, double factor, int dim);
 
 }  // namespace vdbpack

@@ -4,11 +4,6 @@
 
 namespace vdbpack {
 
-namespace {
-/// 2^64 / golden ratio: the additive step with the most even spread.
-constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
-}  // namespace
-
 RadiusPool::RadiusPool(const SizeDistribution& sizes, std::uint64_t seed, std::uint64_t stream,
                        std::size_t capacity, double shell)
     : sizes_(sizes),

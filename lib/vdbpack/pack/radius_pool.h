@@ -11,6 +11,9 @@
 
 namespace vdbpack {
 
+/// 2^64 / golden ratio: the additive step that spreads draws most evenly over a distribution.
+inline constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
+
 /// Pending radii, sorted. Drawing until a radius fits would bias a pack towards small spheres; a
 /// pool keeps the distribution exact: all radii drawn are placed, except those pending at the end.
 ///
@@ -43,8 +46,8 @@ public:
     double draw();
     /// Makes a radius that was drawn pending instead.
     void giveBack(double r);
-    /// Whether the mean of the radii that left the pool is more than a hundredth above that of the
-    /// distribution. A pool whose largest radii are taken first comes to hold small ones; those
+    /// Whether the mean of the radii that left the pool is more than a hundredth above the mean of
+    /// the distribution. A pool whose largest radii are taken first comes to hold small ones; those
     /// that replaced them would all be placed where the pack begins.
     bool hasGivenLarge() const { return given_.excess > 0.01 * mean_ * given_.count; }
     /// Removes the `k`-th smallest and draws up to the capacity.
@@ -59,7 +62,7 @@ public:
     /// Of the radii that left the pool.
     struct Given {
         double count = 0;
-        double excess = 0;  ///< their sum, less that of as many mean radii, mm
+        double excess = 0;  ///< their sum, less the sum of as many mean radii, mm
     };
     /// What one rank tells another of a pool that moves there.
     struct State {

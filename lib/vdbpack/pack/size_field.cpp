@@ -1,8 +1,7 @@
 #include "vdbpack/pack/size_field.h"
 
 #include "vdbpack/core/lanes.h"
-
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +37,7 @@ SizeField::SizeField(const Box<3>& bounds, const Vec<3>& node, double step,
     inverse_ = 1 / step_;
     const auto all = static_cast<std::size_t>(nodes);
     values_.resize(all + kLanes);  // whole eights may be read
-    tbb::parallel_for(0, count_[1] * count_[2], [&](int row) {
+    parallelFor(0, count_[1] * count_[2], [&](int row) {
         const int j = row % count_[1], k = row / count_[1];
         for (int i = 0; i < count_[0]; ++i)
             values_[indexOf(i, j, k)] =
@@ -59,7 +58,7 @@ void SizeField::addLevels() {
         total *= static_cast<std::size_t>(first.count[d]);
     }
     first.bounds.resize(total);
-    tbb::parallel_for(std::size_t{0}, total, [&](std::size_t c) {
+    parallelFor(std::size_t{0}, total, [&](std::size_t c) {
         Index from, to;
         std::size_t rest = c;
         for (std::size_t d = 0; d < 3; ++d) {

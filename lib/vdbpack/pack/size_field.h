@@ -12,8 +12,8 @@
 
 namespace vdbpack {
 
-/// Numbers at the nodes of a lattice, linear in between; beyond it, those of the nearest nodes.
-/// Immutable and thread-safe. A lookup takes some 10 ns.
+/// Numbers at the nodes of a lattice, linear in between; beyond it, the numbers of the nearest
+/// nodes. Immutable and thread-safe. A lookup takes some 10 ns.
 class SizeField {
 public:
     /// Tabulates a function.

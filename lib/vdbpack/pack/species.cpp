@@ -1,13 +1,13 @@
 #include "vdbpack/pack/species.h"
 
+#include "vdbpack/pack/radius_pool.h"
+
 #include <algorithm>
 #include <limits>
 
 namespace vdbpack {
 
 namespace {
-/// As of RadiusPool: draws are spread over the distribution.
-constexpr std::uint64_t kGoldenStep = 0x9e3779b97f4a7c15ull;
 /// Offset from the random streams of pools.
 constexpr std::uint64_t kStreams = std::uint64_t{1} << 48;
 /// Bounds what waits where no sphere of a species finds room.

@@ -30,6 +30,7 @@ struct PreviewOptions {
     PreviewColor color = PreviewColor::radius;
     std::string column;  ///< of numbers, for PreviewColor::column
     std::optional<PreviewCut> cut;
+    std::string file;  ///< .png that a run writes; empty: none
     /// Called often, by one thread at a time; once it returns true, drawing throws Interrupted.
     std::function<bool()> cancelled;
 };

@@ -1,5 +1,6 @@
 // Draws circles at true scale.
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/scene.h"
@@ -7,7 +8,6 @@
 #include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,13 +17,13 @@ namespace vdbpack {
 namespace {
 
 constexpr int kSide = 4;  // samples along a side of a pixel
-constexpr double kMargin = 0.02;
+constexpr double kPlaneMargin = 0.02;
 /// Space below for the scale bar, share of the height.
 constexpr double kFoot = 0.05;
-constexpr double kOutline = 1.2;      // half width, pixels
-constexpr double kRim = 0.9;          // width of a circle's rim, pixels
-constexpr double kLargestRim = 0.12;  // the same at most, share of the radius
-constexpr float kRimShade = 0.42f;
+constexpr double kOutline = 1.2;            // half width, pixels
+constexpr double kCircleRim = 0.9;          // width of a circle's rim, pixels
+constexpr double kLargestCircleRim = 0.12;  // the same at most, share of the radius
+constexpr float kCircleShade = 0.42f;
 
 /// Bilinear interpolation; far outside beyond the lattice.
 double distanceAt(const PlaneField& field, const Vec<2>& x) {
@@ -71,8 +71,9 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
     image.pixels.assign(
         3 * static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height), 255);
     const Vec<2> size = bounds.size();
-    const double pixel = std::max({size[0] / (options.width * (1 - 2 * kMargin)),
-                                   size[1] / (options.height * (1 - 2 * kMargin - kFoot)), 1e-300});
+    const double pixel =
+        std::max({size[0] / (options.width * (1 - 2 * kPlaneMargin)),
+                  size[1] / (options.height * (1 - 2 * kPlaneMargin - kFoot)), 1e-300});
     const Vec<2> middle = bounds.center();
     const auto pointAt = [&](double x, double y) {
         return Vec<2>{{middle[0] + (x - 0.5 * options.width) * pixel,
@@ -98,11 +99,12 @@ Picture renderPreview(const PlanePreview& scene, const PreviewOptions& options) 
         const auto found = discs.at(x);
         if (found.index < 0) return color;
         const auto i = static_cast<std::size_t>(found.index);
-        const double rim = std::min(kRim * pixel, kLargestRim * scene.pack->spheres[i].radius);
-        return colors.color[i] * (found.rim < rim ? kRimShade : 1);
+        const double rim =
+            std::min(kCircleRim * pixel, kLargestCircleRim * scene.pack->spheres[i].radius);
+        return colors.color[i] * (found.rim < rim ? kCircleShade : 1);
     };
     StopRequest request(options.cancelled);
-    tbb::parallel_for(0, image.height, [&](int y) {
+    parallelFor(0, image.height, [&](int y) {
         request.stop();
         for (int x = 0; x < image.width; ++x) {
             Color sum;

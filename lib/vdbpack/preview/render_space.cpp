@@ -1,13 +1,13 @@
 // Draws scenes in space, tile by tile.
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/lanes.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/progress.h"
 #include "vdbpack/preview/scale_bar.h"
 #include "vdbpack/preview/space_tracer.h"
 #include "vdbpack/preview/sphere_colors.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -134,7 +134,7 @@ std::vector<std::int32_t> visibleSpheres(const SpacePreview& scene, const Previe
     const SpaceTracer tracer(spheres, options, request);
     std::vector<std::int32_t> seen(static_cast<std::size_t>(options.width) *
                                    static_cast<std::size_t>(options.height));
-    tbb::parallel_for(0, options.height, [&](int y) {
+    parallelFor(0, options.height, [&](int y) {
         for (int x = 0; x < options.width; ++x)
             seen[static_cast<std::size_t>(y) * static_cast<std::size_t>(options.width) +
                  static_cast<std::size_t>(x)] = tracer.sphereAt(x + 0.5, y + 0.5);
@@ -157,7 +157,7 @@ Picture renderPreview(const SpacePreview& scene, const PreviewOptions& options) 
                             static_cast<std::size_t>(image.height));
         const int columns = (image.width + kTile - 1) / kTile;
         const int rows = (image.height + kTile - 1) / kTile;
-        tbb::parallel_for(0, columns * rows, [&](int tile) {
+        parallelFor(0, columns * rows, [&](int tile) {
             request.stop();
             drawTile(tracer, tile % columns * kTile, tile / columns * kTile, image);
         });

@@ -1,5 +1,6 @@
 #include "vdbpack/report/markup.h"
 
+#include "vdbpack/io/text.h"
 #include "vdbpack/report/report.h"
 
 #include <fmt/format.h>
@@ -19,26 +20,10 @@ using Json = nlohmann::ordered_json;
 /// Arrays up to this long are written in one cell.
 constexpr std::size_t kShortArray = 9;
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 if there is none.
-std::size_t characterLength(std::string_view text, std::size_t at) {
-    const auto byte = [&](std::size_t i) {
-        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
-    };
-    const unsigned first = byte(at);
-    const std::size_t length = first < 0x80                     ? 1
-                               : first >= 0xC2 && first <= 0xDF ? 2
-                               : (first & 0xF0) == 0xE0         ? 3
-                               : first >= 0xF0 && first <= 0xF4 ? 4
-                                                                : 0;
-    for (std::size_t i = 1; i < length; ++i)
-        if ((byte(at + i) & 0xC0) != 0x80) return 0;
-    // Overlong forms, surrogates, values above U+10FFFF, and characters that XML excludes.
-    const unsigned second = byte(at + 1), third = byte(at + 2);
-    if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second > 0x9F) ||
-        (first == 0xF0 && second < 0x90) || (first == 0xF4 && second > 0x8F) ||
-        (first == 0xEF && second == 0xBF && third >= 0xBE))
-        return 0;
-    return length;
+/// Bytes of the character of UTF-8 at `at`; 0 if there is none, or one that XML excludes.
+std::size_t characterLength(const std::string& text, std::size_t at) {
+    const std::size_t length = utf8Bytes(std::string_view(text).substr(at));
+    return length == 3 && text.compare(at, 3, "\xEF\xBF\xBE") >= 0 ? 0 : length;
 }
 
 std::string cell(const Json& value, const std::string& key) {

@@ -1,5 +1,6 @@
 #include "vdbpack/report/page_frame.h"
 
+#include "vdbpack/io/text.h"
 #include "vdbpack/report/markup.h"
 
 #include <fmt/format.h>
@@ -86,6 +87,10 @@ std::string htmlPage(const std::string& title, const std::string& style, const s
            "<link rel='icon' href='data:,'/>\n<title>" +
            escaped(title) + "</title>\n<style>\n" + kStyle + style +
            "</style>\n</head>\n<body>\n<main>\n" + main + "</main>\n</body>\n</html>\n";
+}
+
+bool isPage(const std::string& reportFile) {
+    return extensionOf(reportFile) == ".html";
 }
 
 }  // namespace vdbpack

@@ -21,4 +21,7 @@ std::string pictureFigure(const PagePicture& picture);
 /// @param title  plain text. @param style  added to that of all pages. @param main  markup
 std::string htmlPage(const std::string& title, const std::string& style, const std::string& main);
 
+/// Whether a report is a page for the browser, which shows more of a pack than each run measures.
+bool isPage(const std::string& reportFile);
+
 }  // namespace vdbpack

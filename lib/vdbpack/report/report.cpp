@@ -10,17 +10,6 @@ std::string grouped(std::uint64_t n) {
     return text;
 }
 
-std::string TargetReport::symbol() const {
-    return name == "targetTbth"   ? "Tb.Th"
-           : name == "targetTbsp" ? "Tb.Sp"
-           : name == "targetDa"   ? "DA"
-                                  : "Conn.D";
-}
-
-std::string TargetReport::unit() const {
-    return name == "targetDa" ? "" : name == "targetConnd" ? " /mm³" : " mm";
-}
-
 FailedChecks failedChecks(const Report& r) {
     FailedChecks failed;
     failed.overlap = r.overlap && r.overlap->pairs != r.inputOverlaps;

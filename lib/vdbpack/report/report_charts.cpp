@@ -5,8 +5,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <numeric>
+#include <utility>
+#include <vector>
 
 namespace vdbpack {
 
@@ -14,7 +17,7 @@ namespace {
 
 using Form = ChartSeries::Form;
 
-/// Stages that take a smaller share of the total time are left out.
+/// Stages that take a smaller share of the longest one are left out.
 constexpr double kLeastTime = 0.001;
 
 std::vector<double> edgesOf(const RadiusHistogram& radii) {
@@ -66,11 +69,12 @@ Chart chartOf(const char* id, const char* title, const std::string& xLabel,
     return chart;
 }
 
-std::string noSpheres(const Words& words) {
+std::string noSpheres(const DimensionWords& words) {
     return fmt::format("There are no {}.", words.spheres);
 }
 
-std::string requestText(const RadiusHistogram& radii, const Report& report, const Words& words) {
+std::string requestText(const RadiusHistogram& radii, const Report& report,
+                        const DimensionWords& words) {
     const std::string text = radii.requested.empty()
                                  ? "No size distribution to compare with (--radius)"
                                  : "Requested: " + report.requested;
@@ -79,7 +83,7 @@ std::string requestText(const RadiusHistogram& radii, const Report& report, cons
                                : text;
 }
 
-Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
+Chart sizes(const RadiusHistogram& radii, const Report& report, const DimensionWords& words) {
     Chart chart =
         chartOf("chart-sizes", "Sizes", "radius, mm",
                 fmt::format("{}, % in each of {} bins", words.spheres, radii.counts.size()),
@@ -92,7 +96,8 @@ Chart sizes(const RadiusHistogram& radii, const Report& report, const Words& wor
     return chart;
 }
 
-Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const Words& words) {
+Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report,
+                     const DimensionWords& words) {
     Chart chart = chartOf("chart-cumulated", "Sizes, cumulated", "radius, mm",
                           fmt::format("{} up to this radius, %", words.spheres), noSpheres(words));
     if (report.ks && report.ksByVolume)
@@ -103,11 +108,11 @@ Chart cumulatedSizes(const RadiusHistogram& radii, const Report& report, const W
     chart.series.push_back({"reached", Form::line, edges, cumulated(percent(radii.counts)), {}});
     if (!radii.requested.empty())
         chart.series.push_back(
-            {"requested", Form::points, edges, cumulated(percent(radii.requested)), {}});
+            {"requested", Form::line, edges, cumulated(percent(radii.requested)), {}});
     return chart;
 }
 
-Chart coordination(const Report& report, const Words& words) {
+Chart coordination(const Report& report, const DimensionWords& words) {
     Chart chart = chartOf("chart-contacts", "Contacts", "contacts per " + words.sphere,
                           fmt::format("{}, %", words.spheres), noSpheres(words));
     chart.wholeTicks = true;
@@ -134,7 +139,7 @@ std::string noDomain(const Report& report, const std::string& otherwise) {
                                       : otherwise;
 }
 
-Chart profile(const Structure& structure, const Report& report, const Words& words) {
+Chart profile(const Structure& structure, const Report& report, const DimensionWords& words) {
     Chart chart = chartOf(
         "chart-profile", "Solid fraction by depth", "depth below the wall, mm", "solid fraction",
         report.count == 0 ? noSpheres(words)
@@ -152,7 +157,7 @@ Chart profile(const Structure& structure, const Report& report, const Words& wor
     return chart;
 }
 
-Chart pairs(const Structure& structure, const Report& report, const Words& words) {
+Chart pairs(const Structure& structure, const Report& report, const DimensionWords& words) {
     Chart chart = chartOf(
         "chart-pairs", "Pair correlation", "distance r, mean diameters", "g(r)",
         report.count == 0
@@ -172,34 +177,42 @@ Chart pairs(const Structure& structure, const Report& report, const Words& words
     return chart;
 }
 
-BarChart times(const Report& report) {
-    BarChart chart;
-    chart.id = "chart-seconds";
-    chart.title = "Time";
-    chart.unit = "s";
-    chart.none = "No times were recorded.";
-    chart.note = fmt::format("{:.3g} s in all, on {} thread{}.", report.seconds.total,
-                             report.threads, report.threads == 1 ? "" : "s");
+/// A table of the stages, each with a bar.
+std::string times(const Report& report) {
     const Report::Seconds& s = report.seconds;
-    for (const auto& [name, value] :
-         {std::pair<const char*, double>{report.task == "pack" ? "mesh" : "read", s.mesh},
-          {"domain", s.domain},
-          {"pack", s.pack},
-          {"voids", s.voids},
-          {"measure", s.measure},
-          {"write", s.write}})
-        if (value > kLeastTime * s.total) chart.bars.emplace_back(name, value);
-    return chart;
+    const std::vector<std::pair<const char*, double>> stages{
+        {report.task == "pack" ? "mesh" : "read", s.mesh},
+        {"domain", s.domain},
+        {"pack", s.pack},
+        {"densify", s.densify},
+        {"voids", s.voids},
+        {"measure", s.measure},
+        {"write", s.write}};
+    double most = 0;
+    for (const auto& [name, value] : stages) most = std::max(most, value);
+    if (!(most > 0))
+        return "<figure>\n<h3>Time</h3>\n<p class='none'>No times were recorded.</p>\n</figure>\n";
+    std::string rows;
+    for (const auto& [name, value] : stages)
+        if (value > kLeastTime * most)
+            rows += fmt::format(
+                "<tr><th scope='row'>{0}</th><td><meter max='{1:.3g}' value='{2:.3g}'></meter></td>"
+                "<td>{2:.3g} s</td></tr>\n",
+                name, most, value);
+    return fmt::format(
+        "<figure>\n<h3>Time</h3>\n<table class='times' id='chart-seconds'><tbody>\n{}"
+        "</tbody></table>\n<figcaption>{:.3g} s in all, on {} thread{}.</figcaption>\n</figure>\n",
+        rows, s.total, report.threads, report.threads == 1 ? "" : "s");
 }
 
 }  // namespace
 
 std::string reportCharts(const Report& report, const Structure& structure,
                          const RadiusHistogram& radii) {
-    const Words words(report.dim);
+    const DimensionWords words(report.dim);
     return figure(sizes(radii, report, words)) + figure(cumulatedSizes(radii, report, words)) +
            figure(coordination(report, words)) + figure(profile(structure, report, words)) +
-           figure(pairs(structure, report, words)) + figure(times(report));
+           figure(pairs(structure, report, words)) + times(report);
 }
 
 }  // namespace vdbpack

@@ -1,4 +1,4 @@
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/repair_report.h"
 #include "vdbpack/report/report.h"
 
 #include <nlohmann/json.hpp>

@@ -56,7 +56,7 @@ void addCheck(Keys& keys, const Report& r, const char* label, std::uint64_t foun
 }
 
 void addPack(Keys& keys, const Report& r) {
-    const Words words(r.dim);
+    const DimensionWords words(r.dim);
     keys.add(
         words.spheres, grouped(r.count),
         r.count > 0 ? fmt::format("radius {:.4g} to {:.4g} mm", r.radius.min, r.radius.max) : "");
@@ -133,7 +133,7 @@ std::string titleOf(const ReportPage& page) {
     // The folder is shown below, with the other settings.
     const std::string subject = page.subject.substr(page.subject.rfind('/') + 1);
     if (page.morphometry) return subject + ", bone morphometry";
-    const std::string spheres = Words(r.dim).spheres;
+    const std::string spheres = DimensionWords(r.dim).spheres;
     return r.task == "pack" ? subject + ", packed with " + spheres
                             : subject + ", a pack of " + spheres + " measured";
 }
@@ -156,7 +156,7 @@ std::string again(const ReportPage& page) {
         "<p>Its hash is <code>{}</code>, for any order of the {}. "
         "<code>vdb_pack verify FILE --json</code> computes it from a pack file in mm (any format "
         "but .ply), and so do the ten lines of numpy in assets/guides/files.md.</p>\n",
-        hashText(r.hash), Words(r.dim).spheres);
+        hashText(r.hash), DimensionWords(r.dim).spheres);
     return out + "</div>\n";
 }
 

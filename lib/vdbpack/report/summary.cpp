@@ -1,5 +1,5 @@
 #include "vdbpack/core/symmetric.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
+#include "vdbpack/repair/repair_report.h"
 #include "vdbpack/report/report.h"
 #include "vdbpack/report/words.h"
 
@@ -51,7 +51,7 @@ private:
     std::string text_;
 };
 
-void addDomain(Summary& out, const Report& r, const Words& words) {
+void addDomain(Summary& out, const Report& r, const DimensionWords& words) {
     const DomainFacts& d = r.domain;
     std::string text = d.kind;
     if (d.triangles > 0) text += fmt::format(", {} triangles", grouped(d.triangles));
@@ -66,15 +66,11 @@ void addDomain(Summary& out, const Report& r, const Words& words) {
         out.line("", fmt::format("the mesh has {} boundary and {} non-manifold edges",
                                  grouped(d.boundaryEdges), grouped(d.nonManifoldEdges)));
     if (!d.repair) return;
-    out.line("repair", describe(*d.repair));
-    if (d.repair->changes && d.repair->changes->before != d.repair->changes->after)
-        out.line("", describe(*d.repair->changes));
-    if (d.repair->doubtfulVolume > 0)
-        out.line("", fmt::format("ambiguous volume next to holes: {:.4g} mm³",
-                                 d.repair->doubtfulVolume));
+    const char* name = "repair";
+    for (const auto& line : repairLines(*d.repair)) out.line(std::exchange(name, ""), line);
 }
 
-void addSpheres(Summary& out, const Report& r, const Words& words) {
+void addSpheres(Summary& out, const Report& r, const DimensionWords& words) {
     std::string text = grouped(r.count);
     if (!r.requested.empty()) text += ", requested " + r.requested;
     if (r.ks && r.ksByVolume)
@@ -122,7 +118,7 @@ void addFabric(Summary& out, const ContactNetwork& c) {
                              axis, eigen.values[0], 1.0 / Dim));
 }
 
-void addContacts(Summary& out, const Report& r, const Words& words) {
+void addContacts(Summary& out, const Report& r, const DimensionWords& words) {
     const ContactNetwork& c = *r.contacts;
     out.line(
         "contacts",
@@ -155,7 +151,7 @@ void addParts(Summary& out, const Report& r) {
     out.line("", fmt::format("{} contacts between parts", grouped(r.contactsBetweenParts)));
 }
 
-void addDensified(Summary& out, const Report& r, const Words& words) {
+void addDensified(Summary& out, const Report& r, const DimensionWords& words) {
     const Report::Densified& d = *r.densified;
     out.line("densified",
              fmt::format("from {:.4f} to {:.4f} of the domain, {} {} added, {} steps", d.before,
@@ -176,7 +172,7 @@ void addDensified(Summary& out, const Report& r, const Words& words) {
                              *d.solidLike < 0.995 ? 2 : 3));
 }
 
-std::string voidsText(const Report& r, const Words& words) {
+std::string voidsText(const Report& r, const DimensionWords& words) {
     const VoidReport& v = *r.voids;
     std::string text = v.method;
     if (v.count > 0) text += fmt::format(": {}", grouped(v.count));
@@ -223,7 +219,7 @@ void addTargets(Summary& out, const VoidReport& v) {
     if (!line.empty()) out.line("", line);
 }
 
-void addVoids(Summary& out, const Report& r, const Words& words) {
+void addVoids(Summary& out, const Report& r, const DimensionWords& words) {
     const VoidReport& v = *r.voids;
     const char* root = v.shell > 0 ? "connected to the shell" : "in the largest component";
     if (!v.method.empty()) {
@@ -261,7 +257,7 @@ std::string noneNew(std::uint64_t found, std::uint64_t given, const std::string&
     return fmt::format("none new; {} {} of the input pack {}", grouped(found), things, fault);
 }
 
-void addChecks(Summary& out, const Report& r, const Words& words) {
+void addChecks(Summary& out, const Report& r, const DimensionWords& words) {
     // `measure` reports; it does not judge.
     const char* failed = r.task == "measure" ? "" : "CHECK FAILED: ";
     if (r.overlap) {
@@ -291,7 +287,7 @@ void addChecks(Summary& out, const Report& r, const Words& words) {
     }
 }
 
-void addRun(Summary& out, const Report& r, const Words& words) {
+void addRun(Summary& out, const Report& r, const DimensionWords& words) {
     std::string seconds;
     const std::pair<const char*, double> stages[] = {
         {"mesh", r.seconds.mesh},   {"domain", r.seconds.domain},
@@ -328,7 +324,7 @@ void addLines(Summary& out, const char* label, const std::vector<std::string>& l
 }  // namespace
 
 std::string summary(const Report& r) {
-    const Words words(r.dim);
+    const DimensionWords words(r.dim);
     Summary out;
     if (!r.domain.kind.empty()) addDomain(out, r, words);
     addLines(out, "by default", r.chosen);

@@ -38,10 +38,6 @@ std::string tickText(double value, double step) {
     return fmt::format("{:.{}f}", value, static_cast<int>(std::max(0.0, decimals)));
 }
 
-std::string shortNumber(double value) {
-    return value >= 100 ? fmt::format("{:.0f}", value) : fmt::format("{:.3g}", value);
-}
-
 /// Maps values to coordinates of the drawing.
 struct Axis {
     double low = 0, high = 1;
@@ -109,34 +105,16 @@ std::string path(const ChartSeries& s, const std::string& color, const Axis& x, 
     return fmt::format("<path class='mark line {}' d='{}'/>", color, way);
 }
 
-std::string points(const ChartSeries& s, const std::string& color, const Axis& x, const Axis& y) {
+std::string errorBars(const ChartSeries& s, const std::string& color, const Axis& x,
+                      const Axis& y) {
     std::string out;
-    for (std::size_t i = 0; i < s.y.size(); ++i) {
-        if (!isDrawn(s, i)) continue;
-        std::string title = fmt::format("{:.4g}: {:.4g}", s.x[i], s.y[i]);
-        if (i < s.error.size() && std::isfinite(s.error[i])) {
-            title += fmt::format(" ± {:.2g}", s.error[i]);
-            out += fmt::format("<path class='error {}' d='M{:.2f} {:.2f}V{:.2f}'/>", color,
-                               x(s.x[i]), y(s.y[i] - s.error[i]), y(s.y[i] + s.error[i]));
-        }
-        out += withTitle(fmt::format("<circle class='mark {}' cx='{:.2f}' cy='{:.2f}' r='2.2'",
-                                     color, x(s.x[i]), y(s.y[i])),
-                         "circle", title);
-    }
+    for (std::size_t i = 0; i < s.error.size(); ++i)
+        if (isDrawn(s, i) && std::isfinite(s.error[i]))
+            out += withTitle(fmt::format("<path class='error {}' d='M{:.2f} {:.2f}V{:.2f}'", color,
+                                         x(s.x[i]), y(s.y[i] - s.error[i]), y(s.y[i] + s.error[i])),
+                             "path",
+                             fmt::format("{:.4g}: {:.4g} ± {:.2g}", s.x[i], s.y[i], s.error[i]));
     return out;
-}
-
-std::string drawn(const ChartSeries& s, const std::string& color, const Axis& x, const Axis& y) {
-    switch (s.form) {
-        case ChartSeries::Form::bars:
-            return bars(s, color, x, y);
-        case ChartSeries::Form::points:
-            return points(s, color, x, y);
-        case ChartSeries::Form::line:
-        case ChartSeries::Form::steps:
-            break;
-    }
-    return path(s, color, x, y) + (s.error.empty() ? "" : points(s, color, x, y));
 }
 
 /// As many ticks as there is room for their labels.
@@ -171,42 +149,8 @@ std::string axes(const Chart& chart, const Axis& x, const Axis& y) {
     return out;
 }
 
-std::string svg(const std::string& id, const std::string& title, const std::string& description,
-                double height, const std::string& content) {
-    return fmt::format(
-        "<svg class='chart' id='{0}' viewBox='0 0 {1} {2}' role='img' "
-        "aria-labelledby='{0}-title {0}-note'>\n<title id='{0}-title'>{3}</title>"
-        "<desc id='{0}-note'>{4}</desc>\n{5}\n</svg>\n",
-        id, kWidth, height, escaped(title), escaped(description), content);
-}
-
-/// The drawing with its title above and its note below; without a drawing, the reason `none`.
-std::string figureAround(const std::string& title, const std::string& drawing,
-                         const std::string& legend, const std::string& note,
-                         const std::string& none) {
-    std::string out = "<figure>\n<h3>" + escaped(title) + "</h3>\n";
-    if (drawing.empty()) return out + "<p class='none'>" + escaped(none) + "</p>\n</figure>\n";
-    out += legend + drawing;
-    if (!note.empty()) out += "<figcaption>" + escaped(note) + "</figcaption>\n";
-    return out + "</figure>\n";
-}
-
 std::string colorOf(std::size_t series) {
     return fmt::format("c{}", series % 2);
-}
-
-/// The symbol of a series in the legend.
-const char* keyOf(ChartSeries::Form form) {
-    switch (form) {
-        case ChartSeries::Form::bars:
-            return "block";
-        case ChartSeries::Form::points:
-            return "dot";
-        case ChartSeries::Form::line:
-        case ChartSeries::Form::steps:
-            break;
-    }
-    return "stroke";
 }
 
 std::string legendOf(const Chart& chart) {
@@ -214,7 +158,8 @@ std::string legendOf(const Chart& chart) {
     for (std::size_t i = 0; i < chart.series.size(); ++i)
         if (!chart.series[i].name.empty())
             keys +=
-                fmt::format("<span><i class='{} {}'></i>{}</span>\n", keyOf(chart.series[i].form),
+                fmt::format("<span><i class='{} {}'></i>{}</span>\n",
+                            chart.series[i].form == ChartSeries::Form::bars ? "block" : "stroke",
                             colorOf(i), escaped(chart.series[i].name));
     if (chart.level)
         keys += fmt::format("<span><i class='stroke dashed'></i>{}</span>\n",
@@ -243,7 +188,10 @@ std::string figure(const Chart& chart) {
             if (overIntervals(s)) across.add(s.x[i + 1]);
             up.add(s.y[i]);
         }
-    if (!across.any()) return figureAround(chart.title, "", "", "", chart.none);
+    const std::string title = escaped(chart.title), note = escaped(chart.note);
+    if (!across.any())
+        return fmt::format("<figure>\n<h3>{}</h3>\n<p class='none'>{}</p>\n</figure>\n", title,
+                           escaped(chart.none));
     if (chart.level) up.add(chart.level->y);
     if (chart.fromZero) across.add(0);
     if (!(across.high - across.low > 1e-9 * std::fabs(across.high))) {
@@ -255,36 +203,20 @@ std::string figure(const Chart& chart) {
     const Axis x{across.low, across.high, kLeft, kWidth - kRight};
     const Axis y{0, std::ceil(up.high / step - 1e-6) * step, kHeight - kBottom, kTop};
     std::string content = axes(chart, x, y) + "\n";
-    for (std::size_t i = 0; i < chart.series.size(); ++i)
-        content += drawn(chart.series[i], colorOf(i), x, y);
+    for (std::size_t i = 0; i < chart.series.size(); ++i) {
+        const ChartSeries& series = chart.series[i];
+        content += series.form == ChartSeries::Form::bars
+                       ? bars(series, colorOf(i), x, y)
+                       : path(series, colorOf(i), x, y) + errorBars(series, colorOf(i), x, y);
+    }
     if (chart.level && std::isfinite(chart.level->y))
         content += fmt::format("<path class='level' d='M{:.1f} {:.2f}H{:.1f}'/>", x.from,
                                y(chart.level->y), x.to);
-    return figureAround(chart.title, svg(chart.id, chart.title, chart.note, kHeight, content),
-                        legendOf(chart), chart.note, chart.none);
-}
-
-std::string figure(const BarChart& chart) {
-    constexpr double kRow = 28, kName = 70, kValue = 76;
-    double most = 0;
-    for (const auto& [name, value] : chart.bars)
-        if (std::isfinite(value)) most = std::max(most, value);
-    if (!(most > 0)) return figureAround(chart.title, "", "", "", chart.none);
-    std::string content;
-    double top = 4;
-    for (const auto& [name, value] : chart.bars) {
-        if (!std::isfinite(value)) continue;
-        const double width = std::max(1.0, value / most * (kWidth - kName - kValue));
-        content += fmt::format(
-            "<text x='{0:.1f}' y='{1:.1f}' text-anchor='end'>{2}</text>"
-            "<rect class='mark c0' x='{3:.1f}' y='{4:.1f}' width='{5:.2f}' height='{6:.1f}'/>"
-            "<text x='{7:.1f}' y='{1:.1f}'>{8} {9}</text>\n",
-            kName - 6, top + kRow / 2 + 4, escaped(name), kName, top + 5, width, kRow - 10,
-            kName + width + 5, shortNumber(value), escaped(chart.unit));
-        top += kRow;
-    }
-    return figureAround(chart.title, svg(chart.id, chart.title, chart.note, top + 4, content), "",
-                        chart.note, chart.none);
+    return fmt::format(
+        "<figure>\n<h3>{1}</h3>\n{2}<svg class='chart' id='{0}' viewBox='0 0 {3} {4}' role='img' "
+        "aria-labelledby='{0}-title {0}-note'>\n<title id='{0}-title'>{1}</title>"
+        "<desc id='{0}-note'>{5}</desc>\n{6}\n</svg>\n<figcaption>{5}</figcaption>\n</figure>\n",
+        chart.id, title, legendOf(chart), kWidth, kHeight, note, content);
 }
 
 std::string chartStyle() {
@@ -296,8 +228,8 @@ svg.chart path { fill: none; }
 .grid { stroke: var(--line); }
 .axis { stroke: var(--soft); }
 .level { stroke: var(--ink); stroke-dasharray: 5 4; }
-rect.c0, circle.c0 { fill: var(--c0); }
-rect.c1, circle.c1 { fill: var(--c1); }
+rect.c0 { fill: var(--c0); }
+rect.c1 { fill: var(--c1); }
 path.line, path.error { stroke-width: 2; stroke-linejoin: round; }
 path.error { stroke-width: 1.2; }
 path.c0 { stroke: var(--c0); }
@@ -305,12 +237,15 @@ path.c1 { stroke: var(--c1); }
 .legend { margin: 0 0 .3rem; display: flex; flex-wrap: wrap; gap: .2rem 1rem; font-size: .8125rem; }
 .legend i { display: inline-block; width: 1rem; margin-right: .4rem; vertical-align: middle; }
 .legend .block { height: .7rem; }
-.legend .dot { width: .5rem; height: .5rem; border-radius: 50%; }
 .legend .stroke { border-top: 3px solid; }
 .legend .dashed { border-top: 2px dashed var(--ink); }
 .legend .c0 { color: var(--c0); }
 .legend .c1 { color: var(--c1); }
-.legend .block, .legend .dot { background: currentColor; }
+.legend .block { background: currentColor; }
+.times th { width: 1%; }
+.times td { width: 1%; white-space: nowrap; }
+.times td:nth-child(2) { width: 98%; }
+.times meter { width: 100%; }
 figcaption, .none { font-size: .8125rem; color: var(--soft); margin: .3rem 0 0; }
 )";
 }

@@ -3,20 +3,19 @@
 
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace vdbpack {
 
 /// What is drawn in one color. Points that are not finite are left out.
 struct ChartSeries {
-    /// A line through points, points alone, or bars and an outline of steps over intervals.
-    enum class Form { line, points, bars, steps };
+    /// A line through points, or bars or an outline of steps over intervals.
+    enum class Form { line, bars, steps };
     std::string name;  ///< in the legend; empty: not listed
     Form form = Form::line;
     std::vector<double> x;  ///< one per point; bars and steps: the n + 1 bounds of n intervals
     std::vector<double> y;
-    std::vector<double> error;  ///< half of each error bar, of points and lines; empty: none
+    std::vector<double> error;  ///< half of each error bar, of lines; empty: none
 };
 
 /// A level to compare with.
@@ -36,17 +35,9 @@ struct Chart {
     bool wholeTicks = false;          ///< ticks of x at integers only
 };
 
-/// Horizontal bars below one another, each with its name and value.
-struct BarChart {
-    std::string id, title, note, none;
-    std::string unit;  ///< after each value
-    std::vector<std::pair<std::string, double>> bars;
-};
-
 /// The chart as a <figure> of well-formed XML with its title, legend and note. The y axis starts
 /// at 0; ticks are at round numbers. Colors and sizes come from `chartStyle`.
 std::string figure(const Chart& chart);
-std::string figure(const BarChart& chart);
 
 /// The CSS of figures, needed once per page.
 std::string chartStyle();

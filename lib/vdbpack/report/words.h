@@ -7,8 +7,8 @@
 
 namespace vdbpack {
 
-struct Words {
-    explicit Words(int dim)
+struct DimensionWords {
+    explicit DimensionWords(int dim)
         : sphere(dim == 2 ? Measure<2>::kSphere : Measure<3>::kSphere),
           spheres(dim == 2 ? Measure<2>::kSpheres : Measure<3>::kSpheres),
           volume(dim == 2 ? Measure<2>::kVolume : Measure<3>::kVolume),

@@ -1,6 +1,5 @@
 #include "vdbpack/run/densify_stage.h"
 
-#include "vdbpack/densify/densify.h"
 #include "vdbpack/measure/bond_order.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/measure/space_shares.h"
@@ -74,26 +73,18 @@ double solidLikeOf(const std::vector<Sphere<Dim>>& spheres, Ranks* ranks,
 }  // namespace
 
 template <int Dim>
-void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<Dim>& pack,
-                 Report& report, const Callbacks& callbacks) {
+void densifyPack(const Domain<Dim>& domain, DensifyOptions options,
+                 std::vector<std::int64_t>& pieces, Pack<Dim>& pack, Report& report,
+                 const Callbacks& callbacks) {
     Clock clock;
     Report::Densified told;
-    if (std::isfinite(setting.fraction)) told.requested = setting.fraction;
-    Ranks* const ranks = setting.ranks;
+    if (std::isfinite(options.fraction)) told.requested = options.fraction;
+    Ranks* const ranks = options.ranks;
     told.contactsBefore = contactsOf(pack.spheres, ranks, pack.order, domain.cell());
-    DensifyOptions options;
-    options.fraction = setting.fraction;
-    if (setting.sizes) options.sizes = *setting.sizes;
-    options.gap = setting.gap;
-    options.seed = setting.seed;
-    options.mixSizes = setting.mixSizes;
-    options.fixed = setting.fixed;
-    options.local = setting.local;
     if (ranks) {
-        options.ranks = ranks;
         options.labels.assign(pack.order.begin(), pack.order.end());
-        options.pieces = *setting.pieces;
-    } else if (!setting.local) {
+        options.pieces = pieces;
+    } else if (!options.local) {
         options.regions = pack.region;
     }
     auto result = densify(domain, pack.spheres, options, callbacks);
@@ -119,9 +110,9 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
     pack = appended(std::move(pack), added.spheres);
     if (ranks) {
         pack.order = labels;
-        *setting.pieces = std::move(result.pieces);
+        pieces = std::move(result.pieces);
     }
-    if (!setting.local && !result.regions.empty()) pack.region = std::move(result.regions);
+    if (!options.local && !result.regions.empty()) pack.region = std::move(result.regions);
     if (result.interrupted)
         report.interrupted = true;
     else if (!result.apart)
@@ -130,9 +121,9 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
                         "pack is unchanged. There are too many for the domain, or some lie far "
                         "outside it",
                         Measure<Dim>::kSpheres, result.steps));
-    else if (!result.reached && std::isfinite(setting.fraction))
+    else if (!result.reached && std::isfinite(options.fraction))
         callbacks.warn(fmt::format(
-            "densify: the solid fraction {} was requested, {:.4f} was reached{}", setting.fraction,
+            "densify: the solid fraction {} was requested, {:.4f} was reached{}", options.fraction,
             result.after,
             domain.cell().all() ? std::string()
                                 : fmt::format("; smaller {} reach more", Measure<Dim>::kSpheres)));
@@ -141,15 +132,15 @@ void densifyPack(const Domain<Dim>& domain, const DensifySetting& setting, Pack<
             "densify: {:.0f} % of the spheres are in crystalline order: nearly equal "
             "ones reach {:.4f} in no other way here. Request a lower solid fraction{}",
             100 * told.solidLike.value_or(0), result.after,
-            std::isfinite(setting.fraction) ? ", or max for the densest pack that is about random"
+            std::isfinite(options.fraction) ? ", or max for the densest pack that is about random"
                                             : " for a pack that is random along its walls, too"));
     told.seconds = clock.lap();
     report.densified = told;
 }
 
-template void densifyPack(const Domain<2>&, const DensifySetting&, Pack<2>&, Report&,
-                          const Callbacks&);
-template void densifyPack(const Domain<3>&, const DensifySetting&, Pack<3>&, Report&,
-                          const Callbacks&);
+template void densifyPack(const Domain<2>&, DensifyOptions, std::vector<std::int64_t>&, Pack<2>&,
+                          Report&, const Callbacks&);
+template void densifyPack(const Domain<3>&, DensifyOptions, std::vector<std::int64_t>&, Pack<3>&,
+                          Report&, const Callbacks&);
 
 }  // namespace vdbpack

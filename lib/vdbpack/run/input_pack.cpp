@@ -2,10 +2,10 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/pack_file.h"
 #include "vdbpack/formats/with_images.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/grey_stage.h"
 
 #include <fmt/format.h>
 
@@ -64,7 +64,7 @@ Pack<3> readInputPack(const InputPack& recipe, const Callbacks& callbacks) {
     Pack<3> pack = recipe.given ? *recipe.given : readPack(recipe.pack, read);
     if (pack.spheres.empty()) throw InputError(recipe.pack + ": holds no spheres");
     const auto columns = columnsOfNumbers(pack);
-    checkGrey(recipe, &columns);
+    checkGrey(recipe.grey, recipe.density, &columns);
     warnOfSharedIds(pack, recipe.pack, callbacks);
     Box<3> box{pack.spheres[0].center, pack.spheres[0].center};
     for (const auto& s : pack.spheres)

@@ -4,10 +4,11 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/preview_stage.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/stages.h"
+#include "vdbpack/view/pack_view.h"
 
 #include <functional>
 #include <optional>

@@ -130,7 +130,7 @@ void requireSpheresLeft(const Run<Dim>& run, std::uint64_t before) {
     const auto& bvtv = run.voids.report.bvtv;
     throw ParameterError(fmt::format(
         "`voids` {}: remove all {} {}{}. Give fewer or smaller voids, or a higher `targetBvtv`",
-        run.voidRecipe->method, before, Measure<Dim>::kSpheres,
+        nameOf(*run.voidRecipe), before, Measure<Dim>::kSpheres,
         bvtv ? fmt::format(" and leave a BV/TV of {:.4f}", *bvtv) : std::string()));
 }
 

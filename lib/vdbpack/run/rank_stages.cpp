@@ -1,28 +1,12 @@
 #include "vdbpack/run/rank_stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/output_target.h"
 #include "vdbpack/formats/pack_parts.h"
-#include "vdbpack/io/text.h"
-#include "vdbpack/measure/contacts.h"
-#include "vdbpack/measure/density.h"
-#include "vdbpack/measure/joined_components.h"
-#include "vdbpack/measure/space_shares.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/output_target.h"
-#include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/report_file.h"
-#include "vdbpack/verify/worst.h"
+#include "vdbpack/report/page_frame.h"
 #include "vdbpack/voids/thinning.h"
 
 #include <fmt/format.h>
-
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <functional>
-#include <limits>
-#include <tuple>
-#include <utility>
 
 namespace vdbpack {
 
@@ -42,239 +26,24 @@ void checkRanksIn(const DomainSource& source, const PackRecipe& recipe) {
 }
 
 void checkRanks(const PackRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe.voids);
     const char* const alone = "leave it out, or start one process with all threads";
-    refuse(recipe.densify > 0 && !recipe.existing.empty(), "`densify` around `existing` spheres",
-           alone);
+    refuse(recipe.densify.fraction > 0 && !recipe.existing.empty(),
+           "`densify` around `existing` spheres", alone);
     refuse(recipe.images, "`images` of a periodic cell", "convert a file that was written");
     refuse(recipe.voids.keepConnected, "`keepConnected`", alone);
-    refuse(isThinning(method) || needsFront(method), "`voids` chosen among the spheres",
+    refuse(recipe.voids.as<Thinning>() || recipe.voids.as<FrontHoles>(),
+           "`voids` chosen among the spheres",
            "use voids such as boolean, overlay, grid or a list");
-    const PreviewRecipe& preview = recipe.preview;
+    const PreviewOptions& preview = recipe.preview;
     refuse(!preview.file.empty() || preview.cut || preview.color != PreviewColor::radius,
            "a picture", "draw it from a file that was written");
-    for (const std::string& output : recipe.outputs) {
-        const OutputKind kind = targetOf(output).kind;
-        if (kind == OutputKind::pack) checkShareFormat(output);
+    for (const OutputTarget& output : recipe.outputs) {
+        const OutputKind kind = output.kind;
+        if (kind == OutputKind::pack) checkShareFormat(output.text);
         refuse(kind == OutputKind::contacts || kind == OutputKind::materials ||
                    kind == OutputKind::labels || kind == OutputKind::blender,
-               output.c_str(), "write it from a file of the spheres");
+               output.text.c_str(), "write it from a file of the spheres");
     }
-}
-
-namespace {
-
-/// Radii of all ranks in narrow classes, and their distance to a distribution.
-template <int Dim>
-class RadiusClasses {
-public:
-    /// Of `n` spheres of this rank.
-    /// @param least, largest  of all, mm.
-    /// @param radiusAt  radius of the i-th one, mm; 0: it does not count.
-    template <class RadiusAt>
-    RadiusClasses(Ranks& ranks, std::size_t n, double least, double largest,
-                  const RadiusAt& radiusAt)
-        : least_(least * (1 - kRounding)),
-          width_((largest * (1 + kRounding) - least_) / kClasses),
-          shares_(2 * kClasses) {
-        for (std::size_t i = 0; i < n; ++i) {
-            const double r = radiusAt(i);
-            if (!(r > 0)) continue;
-            const auto k = std::min(kClasses - 1, static_cast<std::size_t>((r - least_) / width_));
-            ++shares_[k];
-            shares_[kClasses + k] +=
-                static_cast<std::uint64_t>(std::pow(r / largest, Dim) * kParts);
-        }
-        ranks.sum(shares_);
-    }
-    std::uint64_t count() const { return total(0); }
-    /// Kolmogorov-Smirnov distance, as exact as the classes are narrow: to 2e-5 for radii that
-    /// are spread evenly.
-    /// @param upTo, below  share of radii <= r and < r, as for `ksDistance`.
-    template <class Share, class ShareBelow>
-    double distance(bool byVolume, const Share& upTo, const ShareBelow& below) const {
-        const std::size_t first = byVolume ? kClasses : 0;
-        const auto all = static_cast<double>(total(first));
-        std::uint64_t sum = 0;
-        double largest = 0;
-        for (std::size_t k = 0; k < kClasses; ++k) {
-            sum += shares_[first + k];
-            const double edge = least_ + static_cast<double>(k + 1) * width_;
-            const double share = static_cast<double>(sum) / all;
-            // A radius of a discrete distribution may lie on an edge.
-            largest = std::max({largest, below(edge * (1 - kRounding)) - share,
-                                share - upTo(edge * (1 + kRounding))});
-        }
-        return largest;
-    }
-
-private:
-    static constexpr std::size_t kClasses = 1 << 16;
-    static constexpr double kRounding = 1e-6, kParts = 0x1p30;
-
-    std::uint64_t total(std::size_t first) const {
-        std::uint64_t sum = 0;
-        for (std::size_t k = 0; k < kClasses; ++k) sum += shares_[first + k];
-        return sum;
-    }
-
-    double least_, width_;
-    std::vector<std::uint64_t> shares_;  // by number, then by volume
-};
-
-template <int Dim>
-RadiusStatistics radiiOver(Ranks& ranks, const std::vector<Sphere<Dim>>& spheres,
-                           std::uint64_t total) {
-    RadiusStatistics all;
-    if (total == 0) return all;
-    const RadiusStatistics own = radiusStatistics(spheres);
-    const auto n = static_cast<double>(spheres.size()), count = static_cast<double>(total);
-    all.min = minOver(&ranks, n > 0 ? own.min : std::numeric_limits<double>::infinity());
-    all.max = maxOver(&ranks, own.max);
-    all.mean = sumOver(&ranks, n * own.mean) / count;
-    const double off = own.mean - all.mean;
-    all.sd = std::sqrt(sumOver(&ranks, n * (own.sd * own.sd + off * off)) / count);
-    return all;
-}
-
-/// A sphere that a check names, and its row.
-template <int Dim>
-struct Named {
-    Sphere<Dim> sphere;
-    std::int64_t row;
-};
-
-/// Finds the worst of all ranks; their spheres are added to `named`.
-template <int Dim>
-void mergeWorst(Ranks& ranks, std::vector<std::pair<double, std::array<Named<Dim>, 2>>> own,
-                std::size_t each, Pack<Dim>& named,
-                const std::function<void(double, std::size_t)>& keep) {
-    struct Finding {
-        double value;
-        Named<Dim> a, b;
-    };
-    std::vector<Finding> found;
-    for (const auto& [value, spheres] : own) found.push_back({value, spheres[0], spheres[1]});
-    std::vector<Finding> all;
-    for (const auto& list : gathered(&ranks, found))
-        all.insert(all.end(), list.begin(), list.end());
-    std::sort(all.begin(), all.end(), [](const Finding& a, const Finding& b) {
-        return std::make_tuple(-a.value, a.a.row, a.b.row) <
-               std::make_tuple(-b.value, b.a.row, b.b.row);
-    });
-    for (std::size_t k = 0; k < std::min(all.size(), kWorstNamed); ++k) {
-        const std::size_t first = named.spheres.size();
-        for (const Named<Dim>* n : {&all[k].a, &all[k].b}) {
-            if (named.spheres.size() - first == each) break;
-            named.spheres.push_back(n->sphere);
-            named.id.push_back(n->row);
-        }
-        keep(all[k].value, first);
-    }
-}
-
-ContactSums sumOver(Ranks& ranks, const ContactSums& own) {
-    std::size_t bins = 0;
-    for (const auto& each : gathered(&ranks, std::vector<std::size_t>{own.histogram.size()}))
-        bins = std::max(bins, each.front());
-    std::vector<std::uint64_t> numbers{own.spheres, own.partners, own.wallContacts, own.few};
-    numbers.insert(numbers.end(), own.fabric.begin(), own.fabric.end());
-    const std::size_t first = numbers.size();
-    numbers.insert(numbers.end(), own.histogram.begin(), own.histogram.end());
-    numbers.resize(first + bins);
-    ranks.sum(numbers);
-    ContactSums all;
-    all.spheres = numbers[0];
-    all.partners = numbers[1];
-    all.wallContacts = numbers[2];
-    all.few = numbers[3];
-    std::copy_n(numbers.begin() + 4, all.fabric.size(), all.fabric.begin());
-    all.histogram.assign(numbers.begin() + static_cast<std::ptrdiff_t>(first), numbers.end());
-    all.smallestGap = minOver(&ranks, own.smallestGap);
-    return all;
-}
-
-}  // namespace
-
-namespace {
-
-/// The same as `checkLocalSizes` of one process.
-template <int Dim>
-void compareLocalSizes(Run<Dim>& run) {
-    Ranks& ranks = *run.settings.ranks;
-    const Pack<Dim>& pack = run.pack;
-    const std::vector<LocalSize> requested = localSizesOf(pack.spheres, run.filled(), *run.local);
-    for (auto g = static_cast<std::uint32_t>(run.local->groups()); g-- > 0;) {
-        const SizeDistribution& own = run.local->sizesOf(g, *run.sizes);
-        Report::LocalGroup group = localGroup(*run.local, g, *run.sizes);
-        double least = std::numeric_limits<double>::infinity(), most = 0;
-        double smallest = own.min() * (1 - kFactorKnown), largest = own.max() * (1 + kFactorKnown);
-        const auto radiusAt = [&](std::size_t i) {
-            const LocalSize& here = requested[i];
-            return i < run.fixed || here.group != g ? 0.0 : pack.spheres[i].radius / here.factor;
-        };
-        for (std::size_t i = 0; i < pack.spheres.size(); ++i) {
-            const double radius = radiusAt(i);
-            if (!(radius > 0)) continue;
-            least = std::min(least, requested[i].factor);
-            most = std::max(most, requested[i].factor);
-            smallest = std::min(smallest, radius);
-            largest = std::max(largest, radius);
-        }
-        const RadiusClasses<Dim> classes(ranks, pack.spheres.size(), minOver(&ranks, smallest),
-                                         maxOver(&ranks, largest), radiusAt);
-        group.factorLeast = minOver(&ranks, least);
-        group.factorMost = maxOver(&ranks, most);
-        group.count = classes.count();
-        if (group.count == 0) continue;
-        const VolumeShares volume(own, Dim);
-        const auto upTo = [&](double r) { return own.cdf(r * (1 + kFactorKnown)); };
-        const auto below = [&](double r) { return own.cdfBelow(r * (1 - kFactorKnown)); };
-        group.ks = classes.distance(false, upTo, below);
-        group.ksByVolume = classes.distance(
-            true, [&](double r) { return volume(upTo(r)); },
-            [&](double r) { return volume(below(r)); });
-        addLocalGroup(std::move(group), run.report);
-    }
-}
-
-}  // namespace
-
-template <int Dim>
-void compareSizes(Run<Dim>& run) {
-    Ranks& ranks = *run.settings.ranks;
-    Report& report = run.report;
-    const Pack<Dim>& pack = run.pack;
-    const SizeDistribution& sizes = *run.sizes;
-    report.requested = sizes.spec();
-    if (run.local) return compareLocalSizes(run);
-    const VolumeShares volume(sizes, Dim);
-    const auto compare = [&](const auto& counts, std::uint64_t& count, double& ks,
-                             double& ksByVolume) {
-        const RadiusClasses<Dim> classes(
-            ranks, pack.spheres.size(), sizes.min(), sizes.max(),
-            [&](std::size_t i) { return counts(i) ? pack.spheres[i].radius : 0.0; });
-        count = classes.count();
-        if (count == 0) return false;
-        ks = classes.distance(
-            false, [&](double r) { return sizes.cdf(r); },
-            [&](double r) { return sizes.cdfBelow(r); });
-        ksByVolume = classes.distance(
-            true, [&](double r) { return volume(sizes.cdf(r)); },
-            [&](double r) { return volume(sizes.cdfBelow(r)); });
-        return true;
-    };
-    Report::WallSizes all, wall;
-    if (compare([&](std::size_t i) { return i >= run.fixed; }, all.count, all.ks, all.ksByVolume)) {
-        report.ks = all.ks;
-        report.ksByVolume = all.ksByVolume;
-    }
-    if (!anyOver(&ranks, !pack.depth.empty())) return;
-    wall.depth = 2 * report.radius.max;
-    const auto isNear = [&](std::size_t i) {
-        return i >= run.fixed && static_cast<double>(pack.depth[i]) <= wall.depth;
-    };
-    if (compare(isNear, wall.count, wall.ks, wall.ksByVolume)) report.wallSizes = wall;
 }
 
 template <int Dim>
@@ -287,133 +56,7 @@ SphereRows rowsOf(const Run<Dim>& run) {
     return all;
 }
 
-template <int Dim>
-void measureOverRanks(Run<Dim>& run) {
-    Ranks& ranks = *run.settings.ranks;
-    Report& report = run.report;
-    Pack<Dim>& pack = run.pack;
-    const auto& spheres = pack.spheres;
-    const Domain<Dim>& domain = run.filled();
-    const double tolerance = run.settings.contactTolerance;
-
-    run.spans = rowSpans(ranks, pack.order, run.fixed, run.pieces);
-    SphereRows mine = rowsOf(run);
-    std::vector<std::int64_t>& rows = mine.rows;
-
-    report.dim = Dim;
-    report.ranks = ranks.count();
-    report.count = sumOver(&ranks, std::uint64_t{spheres.size()});
-    report.hash = sumOver(&ranks, packHash(pack));
-    report.radius = radiiOver(ranks, spheres, report.count);
-    report.contactTolerance = tolerance;
-    report.domain = domain.facts();
-    report.volume = domain.volume();
-    report.area = domain.wallArea();
-
-    // What each rank finds of its own spheres.
-    std::vector<double> distances;
-    ProtrusionCheck protrusion = run.filledSource().protrusion(spheres, &distances);
-    if (run.solid) {
-        const ProtrusionCheck wall = run.source.protrusion(spheres);
-        if (wall.max > protrusion.max) protrusion = wall;
-    }
-    if (!pack.cell.all()) pack.depth = run.filledSource().depths(spheres, domain, distances);
-    distances = {};
-    run.named = {};
-    std::vector<std::pair<double, std::array<Named<Dim>, 2>>> worst;
-    for (const auto& w : protrusion.worst)
-        worst.push_back({w.protrusion, {Named<Dim>{spheres[w.i], rows[w.i]}, {}}});
-    protrusion.worst.clear();
-    mergeWorst<Dim>(ranks, worst, 1, run.named, [&](double value, std::size_t first) {
-        protrusion.worst.push_back({first, value});
-    });
-    protrusion.max = maxOver(&ranks, protrusion.max);
-    protrusion.spheres = sumOver(&ranks, protrusion.spheres);
-    protrusion.centersOutside = sumOver(&ranks, protrusion.centersOutside);
-    report.protrusion = protrusion;
-    report.solidFractionTotal = protrusion.spheres > 0 ? interiorFraction(spheres, domain, 0, mine)
-                                                       : solidFraction(spheres, domain, &ranks);
-    if (const double interior = 3 * report.radius.max; interior <= domain.fieldDepth())
-        report.solidFractionInterior = interiorFraction(spheres, domain, interior, mine);
-
-    // What it takes neighbors for, part by part.
-    const double gap = report.requestedGap;
-    const double slack = std::max(tolerance, report.count > 0 ? 1.01 * gap / report.radius.min : 0);
-    SpaceShares<Dim> shares(ranks, spheres, rows, {slack, 0, pack.cell});
-    JoinedComponents components(ranks);
-    ContactSums sums;
-    OverlapCheck overlap;
-    double smallest = std::numeric_limits<double>::infinity();
-    worst.clear();
-    pack.contacts.assign(spheres.size(), 0);
-    for (std::size_t round = 0; round < shares.rounds(); ++round) {
-        const auto part = shares.part(round);
-        const OverlapCheck here = checkOverlap(part.spheres, part.own);
-        overlap.max = std::max(overlap.max, here.max);
-        overlap.pairs += here.pairs;
-        overlap.complete = overlap.complete && here.complete;
-        for (const auto& w : here.worst)
-            worst.push_back({w.overlap,
-                             {Named<Dim>{part.spheres[w.i], part.rows[w.i]},
-                              Named<Dim>{part.spheres[w.j], part.rows[w.j]}}});
-        const PartContacts contacts = contactsOfPart(part.spheres, part.own, tolerance);
-        sums.add(contacts.sums);
-        components.add(part.own, contacts.component, part.rows, part.shared);
-        shares.handBack(contacts.partners, pack.contacts);
-        if (gap > 0) smallest = std::min(smallest, smallestGap(part.spheres).value_or(smallest));
-    }
-    mergeWorst<Dim>(ranks, worst, 2, run.named, [&](double value, std::size_t first) {
-        overlap.worst.push_back({first, first + 1, value});
-    });
-    overlap.max = maxOver(&ranks, overlap.max);
-    overlap.pairs = sumOver(&ranks, overlap.pairs);
-    overlap.complete = !anyOver(&ranks, !overlap.complete);
-    report.overlap = overlap;
-
-    sums.add(spheres, tolerance, pack.depth, pack.contacts);
-    ContactNetwork contacts = networkOf(sumOver(ranks, sums), Dim);
-    const auto joined = components.join();
-    contacts.components = joined.components;
-    if (report.count > 0) {
-        contacts.largestComponent =
-            static_cast<double>(joined.largest) / static_cast<double>(report.count);
-        report.contacts = contacts;
-    }
-    smallest = minOver(&ranks, std::min(smallest, contacts.smallestGap));
-    if (std::isfinite(smallest) && report.existing == 0) report.smallestGap = smallest;
-    if (run.sizes && !run.cuts()) compareSizes(run);
-    // The index among all names a sphere.
-    if (pack.id.empty()) pack.id = std::move(rows);
-}
-
-template <int Dim>
-std::vector<std::string> writeOverRanks(const std::vector<std::string>& outputs,
-                                        const RunOutputs<Dim>& have, const Run<Dim>& run) {
-    Ranks& ranks = *run.settings.ranks;
-    const PackShare<Dim> share{&ranks, run.pack, run.spans, run.pieces.size() + 1};
-    std::vector<std::string> files;
-    for (const std::string& output : outputs) {
-        run.callbacks.report("write", 0, 0);
-        std::vector<std::string> written{filePart(output)};
-        // All have the level sets and the voids.
-        if (targetOf(output).kind == OutputKind::pack)
-            written = writeShare(share, output, have.options);
-        else if (ranks.isFirst())
-            written = writeOutput(output, have);
-        files.insert(files.end(), written.begin(), written.end());
-    }
-    anyOver(&ranks, false);  // all files are there
-    return files;
-}
-
-#define VDBPACK_INSTANTIATE(Dim)                                                      \
-    template void compareSizes(Run<Dim>&);                                            \
-    template SphereRows rowsOf(const Run<Dim>&);                                      \
-    template void measureOverRanks(Run<Dim>&);                                        \
-    template std::vector<std::string> writeOverRanks(const std::vector<std::string>&, \
-                                                     const RunOutputs<Dim>&, const Run<Dim>&);
-VDBPACK_INSTANTIATE(2)
-VDBPACK_INSTANTIATE(3)
-#undef VDBPACK_INSTANTIATE
+template SphereRows rowsOf(const Run<2>&);
+template SphereRows rowsOf(const Run<3>&);
 
 }  // namespace vdbpack

@@ -2,12 +2,12 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/domain/mesh_domain.h"
+#include "vdbpack/formats/grey_values.h"
 #include "vdbpack/formats/materials.h"
 #include "vdbpack/formats/pack_file.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/size_stage.h"
-#include "vdbpack/run/sphere_density.h"
 #include "vdbpack/run/stages.h"
 
 #include <fmt/format.h>
@@ -29,94 +29,33 @@ const char* const kExisting = "existing";
 
 }  // namespace
 
-std::vector<std::uint64_t> parseSeeds(const std::string& text) {
-    constexpr std::uint64_t kMostSeeds = 1'000'000;
-    const auto fail = [&](const char* why) {
-        throw ParameterError(
-            fmt::format("`seed` '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
-                        "1,4,9",
-                        text, why));
-    };
-    std::vector<std::uint64_t> seeds;
-    const char* at = text.data();
-    const char* const end = at + text.size();
-    const auto number = [&] {
-        std::uint64_t value = 0;
-        const auto [next, failed] = std::from_chars(at, end, value);
-        if (failed != std::errc()) fail("is no seed");
-        at = next;
-        return value;
-    };
-    for (;;) {
-        const std::uint64_t first = number();
-        std::uint64_t last = first;
-        if (end - at >= 2 && at[0] == '.' && at[1] == '.') {
-            at += 2;
-            last = number();
-        }
-        if (last < first) fail("the range ends before it begins");
-        if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
-            fail("has more than a million seeds");
-        for (std::uint64_t s = first;; ++s) {
-            seeds.push_back(s);
-            if (s == last) break;
-        }
-        if (at == end) break;
-        if (*at++ != ',') fail("is no seed");
-    }
-    auto sorted = seeds;
-    std::sort(sorted.begin(), sorted.end());
-    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
-        fail("names a seed twice");
-    return seeds;
-}
-
-std::string withSeed(std::string name, std::uint64_t seed) {
-    const std::string mark = "{seed}";
-    for (std::size_t at = name.find(mark); at != std::string::npos; at = name.find(mark, at))
-        name.replace(at, mark.size(), std::to_string(seed));
-    return name;
-}
-
-void setSeed(RunSettings& settings, std::uint64_t seed) {
-    settings.seed = seed;
-    for (auto& output : settings.outputs) output = withSeed(output, seed);
-    settings.reportFile = withSeed(settings.reportFile, seed);
-    settings.preview.file = withSeed(settings.preview.file, seed);
-}
-
-double parseDensify(const std::string& text) {
-    if (text == "max") return std::numeric_limits<double>::infinity();
-    double fraction = 0;
-    const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), fraction);
-    if (failed != std::errc() || end != text.data() + text.size() ||
-        !(fraction > 0 && fraction < 1))
-        throw ParameterError(
-            "`densify` '" + text +
-            "': must be max or a solid fraction above 0 and below 1, such as 0.64");
-    return fraction;
-}
-
 std::vector<std::string> voidInputs(const VoidRecipe& recipe) {
-    return {listFile(recipe),  recipe.matrix, recipe.orientation.field,
-            recipe.radius,     recipe.aspect, recipe.bvtvField,
-            recipe.shellField, recipe.like,   recipe.likeDomain};
+    std::vector<std::string> inputs{recipe.shellField};
+    if (const auto* listed = recipe.as<ListedVoids>()) inputs.push_back(listed->file);
+    if (const auto* grid = recipe.as<GridVoids>()) inputs.push_back(grid->matrix);
+    if (const VoidShapeRecipe* shape = shapeOf(recipe))
+        inputs.insert(inputs.end(), {shape->orientation.field, shape->radius.spec(),  // table:FILE
+                                     shape->aspect.spec()});
+    if (const BvtvField* field = bvtvFieldOf(recipe)) inputs.push_back(field->file);
+    if (const auto* foam = recipe.as<FoamVoids>())
+        inputs.insert(inputs.end(), {foam->like.file, foam->like.domain});
+    return inputs;
 }
 
 namespace {
 
 /// Refuses what has no meaning where the solid is filled.
 void checkSolidFill(const PackRecipe& recipe) {
-    const VoidMethod method = methodOf(recipe.voids);
-    if (method == VoidMethod::none)
+    const VoidRecipe& voids = recipe.voids;
+    if (voids.empty())
         throw ParameterError(
             "`fill` solid: there are no voids to leave a solid; set `voids`, such as boolean");
-    if (isThinning(method) || needsFront(method))
+    if (voids.as<Thinning>() || voids.as<FrontHoles>())
         throw ParameterError(fmt::format(
             "`fill` solid: `voids` {} are chosen among the spheres of a pack; use voids that are "
             "made before it, such as boolean",
-            recipe.voids.method));
-    if (recipe.voids.cull == Cull::touch)
+            nameOf(voids)));
+    if (voids.cull == Cull::touch)
         throw ParameterError(
             "`fill` solid: no sphere meets a void, so that none is removed; leave `cull` out");
     if (!recipe.domain.slice.empty())
@@ -126,14 +65,14 @@ void checkSolidFill(const PackRecipe& recipe) {
 
 /// Refuses settings of one domain that exclude one another.
 void checkPacking(const PackRecipe& recipe) {
-    if (recipe.densify > 0 && recipe.maxCount > 0)
+    if (recipe.densify.fraction > 0 && recipe.packing.maxCount > 0)
         throw ParameterError("`maxCount` and `densify` cannot be combined; leave one out");
-    if (recipe.densify > 0 && needsFront(methodOf(recipe.voids)))
+    if (recipe.densify.fraction > 0 && recipe.voids.as<FrontHoles>())
         throw ParameterError("`densify` would move the holes among the spheres of `voids` " +
-                             recipe.voids.method +
+                             nameOf(recipe.voids) +
                              "; use voids that are cut afterwards, such as boolean");
-    if (recipe.domain.shellFrom == ShellFrom::outer && needsFront(methodOf(recipe.voids)))
-        throw ParameterError("`shellFrom` outer: `voids` " + recipe.voids.method +
+    if (recipe.domain.shellFrom == ShellFrom::outer && recipe.voids.as<FrontHoles>())
+        throw ParameterError("`shellFrom` outer: `voids` " + nameOf(recipe.voids) +
                              " keep the thickness of the shell from all walls; use voids that are "
                              "cut afterwards, such as boolean");
     if (recipe.voids.fill == Fill::solid) checkSolidFill(recipe);
@@ -192,7 +131,7 @@ void checkRecipe(const PackRecipe& recipe) {
     if (!recipe.existing.empty()) return;
     // A pack has no columns but its part and the samples.
     const std::vector<std::string> columns{kPartColumn};
-    checkGrey(recipe, &columns);
+    checkGrey(recipe.grey, recipe.density, &columns);
     checkPreviewColumn(recipe, columns);
 }
 
@@ -250,10 +189,6 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
         readFactors(recipe)};
     if (!recipe.shellRadius.empty())
         r.shellSizes = SizeDistribution::parse(recipe.shellRadius, dim, recipe.weightBy);
-    if (recipe.radiusFactor != 1) {
-        r.sizes = r.sizes.scaled(recipe.radiusFactor);
-        if (r.shellSizes) r.shellSizes = r.shellSizes->scaled(recipe.radiusFactor);
-    }
     requireRatio(r.sizes, r.sizes);
     if (r.shellSizes) {
         requireRatio(*r.shellSizes, r.sizes);
@@ -270,14 +205,10 @@ RequestedSizes requestedSizes(const PackRecipe& recipe, int dim) {
 }
 
 PackOptions packOptions(const PackRecipe& recipe, const SizeDistribution& sizes) {
-    PackOptions options(sizes);
+    PackOptions options = recipe.packing;
+    options.sizes = sizes;
     options.seed = recipe.seed;
     options.threads = recipe.threads;
-    options.effort = recipe.effort;
-    options.order = recipe.order;
-    options.blockSide = recipe.blockSide;
-    options.gap = recipe.gap;
-    options.maxCount = recipe.maxCount;
     options.ranks = recipe.ranks;
     return options;
 }

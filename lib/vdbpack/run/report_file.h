@@ -8,9 +8,6 @@
 
 namespace vdbpack {
 
-/// Whether a report is a page for the browser, which shows more of a pack than each run measures.
-bool isPage(const std::string& reportFile);
-
 /// What a page shows of a pack beside its report.
 struct PageDetails {
     Structure structure;
@@ -19,10 +16,10 @@ struct PageDetails {
 
 /// Measures a pack for its page. Where the field of `domain` is too shallow for that, another is
 /// made, so that the pack does not depend on how it is reported.
-/// @param fixed  the first spheres of `pack` are those of an input pack.
-/// @param sizes  the requested ones; `pack` and `report` were set by `measurePack`.
+/// @param fixed  the first spheres of `pack` come from an input pack.
+/// @param sizes  the requested sizes; `pack` and `report` were set by `measurePack`.
 /// @param around  whose envelope the shell follows, where `source` is what voids have left of it;
-///                null: that of `source`.
+///                null: the envelope of `source`.
 /// @param rows   where ranks share the pack: called by all of them.
 /// @throws Interrupted
 template <int Dim>

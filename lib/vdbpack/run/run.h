@@ -61,45 +61,13 @@ std::string failures(const RunResult& run);
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
 
-/// A pack from a file of any program, and what to compare it with.
-struct InputPack : RunSettings {
-    std::string pack;  ///< file, any format that readPack supports
-    /// What a program has in memory, mm, in place of the file that `pack` names in messages.
-    std::shared_ptr<const Pack<3>> given;
-    Unit packUnit = Unit::millimeter;
-    std::string packGrid;  ///< point grid in a .vdb; empty: the first
-    DomainRecipe domain;   ///< `source` empty: what needs no domain
-    std::string radius;    ///< SPEC to hold the radii against; empty: none
-    WeightBy weightBy = WeightBy::count;
-};
-
-struct VerifyRecipe : InputPack {
-    double gap = 0;                    ///< least distance that the spheres must keep, mm
-    std::uint64_t vacancySamples = 0;  ///< points at which to search for vacancies; 0: none
-    /// Of a pack of several parts, with its column `part`: the domains that they fill, as those of
-    /// PackRecipe; empty: `domain`, unless its `label` names several.
-    std::vector<PackRecipe> parts;
-    std::string partsFile;  ///< that `parts` were read from; empty: none
-};
-
 /// Checks any pack with code that the packer has no part in: the whole of `vdb_pack verify`.
 RunResult runVerify(const VerifyRecipe& recipe, const Callbacks& callbacks = {});
-
-/// What voids are cut into a pack that exists.
-struct CarveRecipe : InputPack {
-    VoidRecipe voids;
-};
 
 /// Reads a pack, cuts voids into it, measures and writes the remaining spheres: the whole of
 /// `vdb_pack carve`. Overlaps and protrusions of the input pack are reported, and `passed` is true.
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runCarve(const CarveRecipe& recipe, const Callbacks& callbacks = {});
-
-/// A pack that exists, made denser, or freed of its overlaps.
-struct DensifyRecipe : InputPack {
-    double fraction = 0;  ///< solid fraction, as that of DensifyOptions; 0: overlaps alone
-    double gap = 0;       ///< least distance between spheres and to the wall, mm
-};
 
 /// Reads a pack of any program, moves its spheres and adds further ones, of the sizes of `radius`
 /// or of its own; measures and writes it: the whole of `vdb_pack densify`. Ids, columns and radii
@@ -107,30 +75,8 @@ struct DensifyRecipe : InputPack {
 /// @throws ParameterError, InputError, IoError, ResourceError
 RunResult runDensify(const DensifyRecipe& recipe, const Callbacks& callbacks = {});
 
-/// Voids and what they leave of a domain, without a pack.
-struct VoidsRecipe : RunSettings {
-    DomainRecipe domain;
-    VoidRecipe voids;
-};
-
 /// The whole of `vdb_pack voids`. @throws as `runPack`.
 RunResult runVoids(const VoidsRecipe& recipe, const Callbacks& callbacks = {});
-
-struct MeasureRecipe : InputPack {
-    /// What a program has in memory, in place of the solid that `pack` names in messages; at most
-    /// one of them, the level set in mm, the others in `packUnit`.
-    std::shared_ptr<const VdbGrid> solid;
-    std::shared_ptr<const TriangleMesh> solidMesh;
-    std::shared_ptr<const Image> solidImage;
-    double shell =
-        0;  ///< thickness of the layer along the wall that is measured apart, mm; 0: none
-    /// Of a pack: morphometry of the union of its spheres, too, in voxels of `domain.voxelSize` (0:
-    /// a sixth of the mean radius).
-    bool sphereMorphometry = false;
-    /// Added to the radii there, mm, so that contacts become necks; nothing: 5 % of the mean
-    /// radius.
-    std::optional<double> dilation;
-};
 
 /// The spheres of a pack as one solid.
 struct SphereMorphometry {

@@ -4,7 +4,6 @@
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/structure_sample.h"
-#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 
@@ -59,7 +58,7 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
     const double reach = std::max(radius.max, depthForShell(recipe.voids, voxel) / 3);
     Extent extent = extentOf(run.source, detail, reach, voxel);
     extent.count = static_cast<double>(run.pack.spheres.size());
-    extent.voids = planVoids(recipe.voids, extent, radius.max);
+    addVoids(extent, recipe.voids, radius.max);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
@@ -71,7 +70,6 @@ RunResult carve(Run<Dim>& run, const CarveRecipe& recipe) {
 
 RunResult runCarve(const CarveRecipe& asked, const Callbacks& callbacks) {
     CarveRecipe recipe = asked;
-    recipe.voids = withPreset(std::move(recipe.voids));
     checkVoids(recipe.voids, true, false);
     if (recipe.voids.empty() && !recipe.voids.hasShell())
         throw ParameterError(

@@ -2,14 +2,14 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
+#include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/density.h"
 #include "vdbpack/mesh/formats/mesh_io.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/grey_stage.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/run/input_pack.h"
-#include "vdbpack/run/preview_stage.h"
-#include "vdbpack/run/sphere_density.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -28,21 +28,21 @@ template <int Dim>
 void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& result,
                  const Callbacks& callbacks) {
     checkOutputKinds(recipe.outputs, RunKind::convert, {}, Dim);
-    for (const std::string& output : recipe.outputs)
-        if (recipe.domain.source.empty() && isSolidOutput(output) &&
-            (filePart(output) != output || extensionOf(output) == ".stl"))
-            throw ParameterError(output +
+    for (const OutputTarget& output : recipe.outputs)
+        if (recipe.domain.source.empty() && output.isSolid() &&
+            (output.file != output.text || output.extension() == ".stl"))
+            throw ParameterError(output.text +
                                  ": spheres alone have no surface; set their `domain`, or name "
                                  "a level set of a .vdb with `packGrid`");
     if (recipe.domain.source.empty())
-        for (const std::string& output : recipe.outputs) {
-            if (extensionOf(output) != ".vdb" || filePart(output) != output) continue;
-            if (holdsLevelSet(output))
-                throw ParameterError(output +
+        for (const OutputTarget& output : recipe.outputs) {
+            if (output.extension() != ".vdb" || output.file != output.text) continue;
+            if (holdsLevelSet(output.file))
+                throw ParameterError(output.text +
                                      ": holds level sets, which the spheres alone would replace; "
                                      "write to another file, or set `domain`");
             if (extensionOf(recipe.pack) == ".vdb" && holdsLevelSet(recipe.pack))
-                callbacks.warn(output + ": gets the spheres of " + recipe.pack +
+                callbacks.warn(output.text + ": gets the spheres of " + recipe.pack +
                                ", not its level sets; set `domain` for that of the domain");
         }
     RunOutputs<Dim> have;
@@ -88,9 +88,9 @@ void convertPack(const ConvertRecipe& recipe, Pack<Dim> pack, ConvertResult& res
         if (source) {
             sources.push_back(&*source);
             have.labels.solids.push_back(solidTest(built.space));
-            warnOfUnusedSpacing(recipe, *source, callbacks);
+            warnOfUnusedSpacing(recipe.outputs, *source, callbacks);
         }
-        have.labels.grid = labelGridOf(recipe, sources);
+        have.labels.grid = labelGridOf(recipe.outputs, sources, recipe.memoryLimit);
         have.labels.space = recipe.domain.space;
     }
     callbacks.stopIfCancelled();
@@ -130,9 +130,9 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
         mesh = readMesh(recipe.pack, read);
         result.count = mesh->triangles.size();
     }
-    for (const std::string& output : recipe.outputs)
-        if (!isSolidOutput(output))
-            throw ParameterError(output + ": holds spheres, and " + recipe.pack +
+    for (const OutputTarget& output : recipe.outputs)
+        if (!output.isSolid())
+            throw ParameterError(output.text + ": holds spheres, and " + recipe.pack +
                                  " has none; write .stl, .vdb or fog:FILE.vdb");
     const auto levelSet = [&]() -> std::shared_ptr<const VdbGrid> {
         if (!isMesh)
@@ -150,12 +150,12 @@ void convertSolid(const ConvertRecipe& recipe, ConvertResult& result, const Call
             .build(solid.voxelSize, solid.voxelSize, callbacks)
             .mesh->grid();
     };
-    for (const std::string& output : recipe.outputs) {
+    for (const OutputTarget& output : recipe.outputs) {
         callbacks.report("write", 0, 0);
         // A mesh needs no detour over voxels.
-        if (isMesh && extensionOf(output) == ".stl") {
-            writeStl(*mesh, filePart(output), recipe.outUnit, generator);
-            result.files.push_back(filePart(output));
+        if (isMesh && output.extension() == ".stl") {
+            writeStl(*mesh, output.file, recipe.outUnit, generator);
+            result.files.push_back(output.file);
             continue;
         }
         if (have.options.levelSets.empty()) have.options.levelSets = {levelSet()};

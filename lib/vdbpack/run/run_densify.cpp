@@ -21,7 +21,7 @@ constexpr double kOfVoids = Dim == 3 ? 0.45 : 0.65;
 template <int Dim>
 RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     requireRoomToNumber(run.pack, recipe.pack);
-    run.report.requestedGap = recipe.gap;
+    run.report.requestedGap = recipe.densify.gap;
     std::optional<SizeDistribution> sizes;
     if (!recipe.radius.empty())
         sizes = SizeDistribution::parse(recipe.radius, Dim, recipe.weightBy);
@@ -33,7 +33,8 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
         radius.min = std::min(radius.min, sizes->min());
         radius.max = std::max(radius.max, sizes->max());
     }
-    const double detail = fieldDetail(radius.min, radius.mean), reach = radius.max + recipe.gap;
+    const double detail = fieldDetail(radius.min, radius.mean),
+                 reach = radius.max + recipe.densify.gap;
     Extent extent = extentOf(run.source, detail, reach);
     extent.count = static_cast<double>(run.pack.spheres.size());
     extent.densifying = true;
@@ -41,14 +42,14 @@ RunResult densifyInput(Run<Dim>& run, const DensifyRecipe& recipe) {
     domainStage(run, extent, detail, reach);
     warnOfOtherCell(recipe, stated, run.domain(), run.callbacks);
     const double fraction = solidFraction(run.pack.spheres, run.domain());
-    if (fraction < kOfVoids<Dim> && recipe.fraction > fraction)
+    if (fraction < kOfVoids<Dim> && recipe.densify.fraction > fraction)
         run.callbacks.warn(fmt::format(
             "densify: the {} fill {:.2g} of the domain. Spheres are added in its voids as well; to "
             "keep voids, densify first and cut them with carve",
             Measure<Dim>::kSpheres, fraction));
     run.pack.sliceHeight = run.built.sliceHeight;
     run.keepsPack = true;
-    densifyStage(run, recipe.fraction, recipe.gap, false);
+    densifyStage(run, recipe.densify);
     measureStage(run);
     return reported(finishStage(run), recipe);
 }

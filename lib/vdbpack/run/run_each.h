@@ -21,7 +21,4 @@ void packEach(const std::vector<PackRecipe>& recipes, const Callbacks& callbacks
 void voidsEach(const std::vector<VoidsRecipe>& recipes, const Callbacks& callbacks,
                const std::function<bool(RunResult&&)>& done);
 
-/// Packs for one recipe, in its domain as it was read. @throws as runPack; Interrupted.
-RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks);
-
 }  // namespace vdbpack

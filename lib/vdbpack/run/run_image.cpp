@@ -3,12 +3,11 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/image_file.h"
-#include "vdbpack/run/image_domain.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -27,8 +26,8 @@ std::pair<double, double> rangeOf(const Image& image) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const Range numbers = image.visit([&](const auto* at) {
         return tbb::parallel_reduce(
-            tbb::blocked_range<std::size_t>(0, image.values(), 65536), Range{kInfinity, -kInfinity},
-            [&](const tbb::blocked_range<std::size_t>& block, Range range) {
+            IndexRange(0, image.values(), 65536), Range{kInfinity, -kInfinity},
+            [&](const IndexRange& block, Range range) {
                 for (std::size_t i = block.begin(); i < block.end(); ++i) {
                     const auto value = static_cast<double>(at[i]);
                     range.first = std::min(range.first, value);

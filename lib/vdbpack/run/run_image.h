@@ -2,11 +2,11 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_source.h"
 #include "vdbpack/image/image_grid.h"
 #include "vdbpack/image/image_surface.h"
 #include "vdbpack/image/label_relations.h"
-#include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,10 +15,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-struct ImageRecipe : RunSettings {
-    DomainRecipe domain;  ///< source, unit, scale, spacing and space
-};
 
 struct ImageResult {
     std::string source, format, type;

@@ -1,10 +1,10 @@
 // The run that measures any pack or solid: `vdb_pack measure`.
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/field/voxel_image.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/bond_order.h"
-#include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/input_pack.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/solid_stage.h"
@@ -143,7 +143,7 @@ std::shared_ptr<const VdbGrid> gridOfMesh(DomainRecipe solid, const MeasureRecip
 
 MeasureResult measureSolid(const MeasureRecipe& recipe, Report report, const Callbacks& callbacks) {
     if (!recipe.outputs.empty())
-        throw ParameterError(recipe.outputs.front() +
+        throw ParameterError(recipe.outputs.front().text +
                              ": a solid has no contacts to list; measure "
                              "a pack, or leave the output out");
     if (recipe.sphereMorphometry)

@@ -3,9 +3,9 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/mesh/formats/write_stl.h"
-#include "vdbpack/run/outputs.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,9 +13,9 @@
 namespace vdbpack {
 
 MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
-    for (const auto& output : recipe.outputs)
-        if (extensionOf(output) != ".stl")
-            throw ParameterError(output + ": surfaces are written as STL; name it .stl");
+    for (const OutputTarget& output : recipe.outputs)
+        if (output.extension() != ".stl")
+            throw ParameterError(output.text + ": surfaces are written as STL; name it .stl");
     checkFiles(recipe.outputs, {}, domainInputs(recipe.domain));
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     MeshResult result;
@@ -29,9 +29,9 @@ MeshResult runMesh(const MeshRecipe& recipe, const Callbacks& caller) {
         const DomainRecipe& domain = recipe.domain;
         result.fitness = repair ? fitnessOf(mesh, *repair, domain, callbacks)
                                 : fitnessOf(mesh, result.health, domain, callbacks);
-        for (const auto& output : recipe.outputs) {
-            writeStl(mesh, output, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
-            result.files.push_back(output);
+        for (const OutputTarget& output : recipe.outputs) {
+            writeStl(mesh, output.file, Unit::millimeter, "vdb_pack " VDBPACK_VERSION);
+            result.files.push_back(output.file);
         }
     });
     using Verdict = MeshFitness::Verdict;
@@ -60,18 +60,8 @@ std::string row(const char* name, const std::string& value) {
 
 /// What a repair did, or would do.
 std::string repairRows(const RepairReport& r) {
-    std::string text = row("repair", describe(r));
-    if (r.changes && r.changes->before != r.changes->after)
-        text += row("before and after", describe(*r.changes));
-    text +=
-        row("ambiguous volume", fmt::format("{:.4g} mm³, {:.2g} % of the repaired volume",
-                                            r.doubtfulVolume, 100 * r.doubtfulVolume / r.volume));
-    if (r.overlapVolume > 0)
-        text += row("overlapping volume",
-                    fmt::format("{:.4g} mm³, enclosed more than once", r.overlapVolume));
-    if (r.invertedVolume > 0)
-        text +=
-            row("inverted volume", fmt::format("{:.4g} mm³, treated as outside", r.invertedVolume));
+    std::string text;
+    for (const auto& line : repairLines(r)) text += row(text.empty() ? "repair" : "", line);
     return text;
 }
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/domain/mesh_fitness.h"
 #include "vdbpack/mesh/mesh_check.h"
-#include "vdbpack/mesh/repair/mesh_repair.h"
-#include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/mesh_fitness.h"
-#include "vdbpack/run/settings.h"
+#include "vdbpack/options/recipes.h"
+#include "vdbpack/repair/mesh_repair.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,12 +15,6 @@
 #include <vector>
 
 namespace vdbpack {
-
-/// Outputs are .stl, in mm.
-struct MeshRecipe : RunSettings {
-    DomainRecipe domain;  ///< source, unit, scale, and how to repair
-    bool check = false;   ///< a mesh that cannot be packed with these settings fails
-};
 
 struct MeshResult {
     TriangleMesh mesh;                   ///< as it was read, or repaired; mm

@@ -4,12 +4,12 @@
 #include "vdbpack/core/memory.h"
 #include "vdbpack/core/parallel.h"
 #include "vdbpack/pack/pack_to_count.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/measured_pack.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/image_domain.h"
 #include "vdbpack/run/kept_count.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/pack_plan.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/rank_stages.h"
 #include "vdbpack/run/report_file.h"
 #include "vdbpack/run/run_each.h"
@@ -19,7 +19,6 @@
 #include "vdbpack/run/structure_sample.h"
 #include "vdbpack/voids/cull.h"
 #include "vdbpack/voids/shell_field.h"
-#include "vdbpack/voids/trabecular_presets.h"
 
 #include <fmt/format.h>
 
@@ -77,12 +76,8 @@ void prepareExisting(const PackRecipe& recipe, const DomainSource& source, Prepa
 template <int Dim>
 Prepared<Dim> prepare(const PackRecipe& recipe, const DomainSource& source,
                       const Callbacks& callbacks) {
-    requireShell(shellRange(recipe.voids).first, source);
-    requireRepeating(source, recipe.voids);
     PackPlan plan = planPack(recipe, source);
-    Extent share = plan.extent;
-    if (recipe.ranks) share.count /= recipe.ranks->count();
-    requireResources(share, recipe);
+    requireResources(plan.extent, recipe);
     if (Dim == 2 && recipe.voids.fill == Fill::solid)
         throw ParameterError(recipe.domain.source +
                              ": `fill` solid needs a domain of space; leave it out");
@@ -134,27 +129,29 @@ PackResult<Dim> packTarget(Run<Dim>& run, const PackRecipe& recipe, double targe
                            const Prepared<Dim>& prepared, PackOptions& options) {
     const Domain<Dim>& domain = run.filled();
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
-    KeptCount<Dim> kept(run, existing);
+    std::optional<MadeVoids<Dim>> voids;
     CountedSpheres<Dim> counted;
-    if (needsFront(methodOf(recipe.voids)))
+    if (recipe.voids.as<FrontHoles>())
         target /= prepared.radii.share;  // about; `packToKeep` comes nearer
     else
-        counted.count = std::ref(kept);
+        counted.count = [&](const std::vector<Sphere<Dim>>& trial, double largest) {
+            return keptCount(run, existing, trial, largest, voids);
+        };
     if (run.solid)  // spheres of smaller packs would not fit into its walls
         counted.fraction = kThinWalls;
     else if (counted.count)
         counted.share = prepared.radii.share;
     auto result = packToCount(domain, options, target, run.callbacks, existing, counted);
-    if (recipe.densify > 0 && !result.interrupted) {
+    if (recipe.densify.fraction > 0 && !result.interrupted) {
         double front = ballShare(result.pack.spheres, domain.volume(), run.ranks());
         front += ballShare(existing, domain.volume());
-        const double after =
-            std::isfinite(recipe.densify) ? recipe.densify : front + kMostGain<Dim>;
+        const double after = std::isfinite(recipe.densify.fraction) ? recipe.densify.fraction
+                                                                    : front + kMostGain<Dim>;
         if (after > front)  // fewer, larger spheres
             result = packToCount(domain, options, target * front / after, run.callbacks, existing,
                                  counted);
     }
-    if (kept.voids()) run.voids = std::move(*kept.voids());
+    if (voids) run.voids = std::move(*voids);
     return result;
 }
 
@@ -181,7 +178,7 @@ bool packStage(Run<Dim>& run, const PackRecipe& recipe, const Prepared<Dim>& pre
                PackOptions& options) {
     const std::vector<Sphere<Dim>>& existing = prepared.existing.spheres;
     const double target = prepared.requested.targetCount;
-    const bool holes = needsFront(methodOf(recipe.voids));
+    const auto* const holes = recipe.voids.as<FrontHoles>();
     PackResult<Dim> result;
     if (target > 0 && !scaled)
         result = packTarget(run, recipe, target, prepared, options);
@@ -238,7 +235,7 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
     run->shell = prepared.shell;
     run->report.seed = recipe.seed;
     run->report.chosen = prepared.requested.chosen;
-    run->report.requestedGap = recipe.gap;
+    run->report.requestedGap = recipe.packing.gap;
     run->sizes = &options.sizes;
     run->local = options.local.any() ? &options.local : nullptr;
     clock.lap();
@@ -248,7 +245,12 @@ RunPtr<Dim> packAndCut(const PackRecipe& recipe, const DomainSource& source,
             solidStage(*run, prepared.radii.detail, prepared.radii.reach);
         }
     const bool voidsMade = packStage(*run, recipe, prepared, scaled, options);
-    if (recipe.densify > 0) densifyStage(*run, recipe.densify, recipe.gap, true);
+    if (recipe.densify.fraction > 0) {
+        DensifyOptions densify = recipe.densify;
+        densify.gap = recipe.packing.gap;
+        densify.mixSizes = true;
+        densifyStage(*run, std::move(densify));
+    }
     cutStage(*run, voidsMade);
     return run;
 }
@@ -275,9 +277,9 @@ RunPtr<Dim> packToKeep(const PackRecipe& recipe, const DomainSource& source,
     constexpr int kMostRounds = 6;  // the last repeats the nearest of the others
     constexpr double kNear = 0.018;
     const double target = prepared.requested.targetCount;
-    const bool foreseen =
-        !needsFront(methodOf(recipe.voids)) && !(recipe.densify > 0 && recipe.voids.keepConnected);
-    if (!(target > 0) || foreseen || recipe.maxCount > 0)
+    const bool foreseen = !recipe.voids.as<FrontHoles>() &&
+                          !(recipe.densify.fraction > 0 && recipe.voids.keepConnected);
+    if (!(target > 0) || foreseen || recipe.packing.maxCount > 0)
         return packAndCut(recipe, source, prepared, begun, false, clock, callbacks, options);
     const auto holds = std::make_shared<bool>(true);
     Callbacks held = callbacks;
@@ -319,7 +321,7 @@ RunPtr<Dim> packMeasured(const PackRecipe& recipe, const DomainSource& source,
                          const Callbacks& callbacks, PackOptions& options) {
     RunPtr<Dim> run = packToKeep(recipe, source, prepared, begun, clock, callbacks, options);
     measureStage(*run);
-    if (recipe.maxCount == 0) {
+    if (recipe.packing.maxCount == 0) {
         warnOfCount(*run, prepared.requested.targetCount);
         warnOfFewSpheres(*run, options.local.largest(options.sizes));
     }
@@ -401,13 +403,6 @@ PackedPart packPart(const PackRecipe& recipe, const DomainSource& source, const 
 void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
               const std::function<bool(RunResult&&)>& done) {
     std::vector<PackRecipe> recipes = asked;
-    const auto forEachVoids = [&recipes](const auto& work) {
-        for (PackRecipe& r : recipes) {
-            work(r.voids);
-            for (PackRecipe& part : r.parts) work(part.voids);
-        }
-    };
-    forEachVoids([](VoidRecipe& voids) { voids = withPreset(std::move(voids)); });
     const PackRecipe& recipe = recipes.front();
     const Callbacks callbacks = withinMemory(caller, recipe.memoryLimit);
     for (const auto& r : recipes) checkRecipe(r);
@@ -452,13 +447,6 @@ void packEach(const std::vector<PackRecipe>& asked, const Callbacks& caller,
 RunResult runPack(const PackRecipe& recipe, const Callbacks& callbacks) {
     RunResult result;
     packEach({recipe}, callbacks, into(result));
-    return result;
-}
-
-RunResult packIn(const DomainSource& source, const PackRecipe& recipe, const Callbacks& callbacks) {
-    RunResult result;
-    packDomain({recipe}, source, begunReport(recipe, "pack", recipe.domain.source), Clock(),
-               callbacks, into(result));
     return result;
 }
 

@@ -1,16 +1,16 @@
 #include "vdbpack/run/run_parts.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/output_target.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/measure/contacts.h"
 #include "vdbpack/mesh/made_mesh.h"
-#include "vdbpack/run/image_domain.h"
-#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/sphere_density.h"
 #include "vdbpack/verify/overlap.h"
 
 #include <fmt/format.h>
@@ -47,7 +47,7 @@ void checkPartsRecipe(const PackRecipe& recipe) {
                 "{}: is not done for several parts; leave it out, or pack them one by one", what));
     };
     refuse(!recipe.existing.empty(), "`existing`");
-    refuse(recipe.maxCount > 0, "`maxCount`");
+    refuse(recipe.packing.maxCount > 0, "`maxCount`");
     refuse(!recipe.domain.slice.empty(), "`slice`");
     refuse(recipe.ranks != nullptr, "mpirun");
     refuse(isPage(recipe.reportFile), "a report page (a .json is written)");
@@ -254,7 +254,6 @@ public:
         if (!shared_[k] || k == first_ || found_.empty()) return;
         part.radius = found_;
         part.targetCount = 0;
-        part.radiusFactor = 1;
         part.weightBy = WeightBy::count;
     }
     void take(const SizeDistribution& sizes, std::size_t k) {
@@ -361,10 +360,9 @@ private:
 };
 
 /// Whether any of some outputs lists pairs in contact.
-bool listsContacts(const std::vector<std::string>& outputs) {
-    return std::any_of(outputs.begin(), outputs.end(), [](const std::string& output) {
-        return targetOf(output).kind == OutputKind::contacts || startsWith(output, "lammps-bonds:");
-    });
+bool listsContacts(const std::vector<OutputTarget>& outputs) {
+    return std::any_of(outputs.begin(), outputs.end(),
+                       [](const OutputTarget& output) { return output.listsPairs(); });
 }
 
 /// Grids of a part under the part's name.

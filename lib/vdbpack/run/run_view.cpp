@@ -3,11 +3,12 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
+#include "vdbpack/preview/result_picture.h"
 #include "vdbpack/report/markup.h"
 #include "vdbpack/report/page_frame.h"
 #include "vdbpack/run/input_pack.h"
-#include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/report_file.h"
+#include "vdbpack/view/pack_view.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>

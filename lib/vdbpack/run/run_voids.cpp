@@ -6,7 +6,6 @@
 #include "vdbpack/run/run_each.h"
 #include "vdbpack/run/stages.h"
 #include "vdbpack/run/structure_sample.h"
-#include "vdbpack/voids/trabecular_presets.h"
 
 #include <utility>
 
@@ -18,9 +17,8 @@ namespace {
 /// of the voids are known, the field gets the same.
 double detailFor(const VoidRecipe& recipe, double voxel) {
     if (voxel > 0) return voxel / kVoxelPerDetail;
-    return recipe.radius.empty() || scalesVoids(recipe)
-               ? 0
-               : SizeDistribution::parse(recipe.radius, 3).min();
+    const VoidShapeRecipe* const shape = shapeOf(recipe);
+    return !shape || shape->radius.empty() || scalesVoids(recipe) ? 0 : shape->radius.in(3).min();
 }
 
 template <int Dim>
@@ -33,7 +31,7 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
     const double detail = detailFor(recipe.voids, voxel);
     const double reach = depthForShell(recipe.voids, voxel) / 3;
     Extent extent = extentOf(source, detail, reach, voxel);
-    extent.voids = planVoids(recipe.voids, extent, 0);
+    addVoids(extent, recipe.voids, 0);
     domainStage(run, extent, detail, reach, voxel);
     cutStage(run);
     measureStage(run);
@@ -45,7 +43,6 @@ RunResult cutDomain(const VoidsRecipe& recipe, const DomainSource& source, const
 void voidsEach(const std::vector<VoidsRecipe>& asked, const Callbacks& caller,
                const std::function<bool(RunResult&&)>& done) {
     std::vector<VoidsRecipe> recipes = asked;
-    for (VoidsRecipe& r : recipes) r.voids = withPreset(std::move(r.voids));
     const VoidsRecipe& first = recipes.front();
     checkVoids(first.voids, false, false);
     if (first.voids.empty())

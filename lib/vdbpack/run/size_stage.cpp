@@ -1,10 +1,10 @@
 #include "vdbpack/run/size_stage.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_image.h"
 #include "vdbpack/image/ball_means.h"
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/image_domain.h"
 
 #include <fmt/format.h>
 
@@ -77,10 +77,9 @@ void checkLocalSizes(const PackRecipe& recipe) {
             throw ParameterError(
                 "`fill` solid and `shellRadius` cannot be combined; leave one out");
     }
-    if ((!recipe.shellRadius.empty() || !recipe.sizeField.empty()) &&
-        needsFront(methodOf(recipe.voids)))
+    if ((!recipe.shellRadius.empty() || !recipe.sizeField.empty()) && recipe.voids.as<FrontHoles>())
         throw ParameterError(
-            "`voids` " + recipe.voids.method +
+            "`voids` " + nameOf(recipe.voids) +
             " cannot be combined with sizes by place; use voids that are cut afterwards, such as "
             "boolean");
     if (recipe.sizeField.empty()) return;

@@ -4,7 +4,7 @@
 #include "vdbpack/domain/label_voxels.h"
 #include "vdbpack/measure/morphometry/border.h"
 #include "vdbpack/measure/morphometry/sphere_image.h"
-#include "vdbpack/run/memory_estimate.h"
+#include "vdbpack/run/estimate.h"
 
 #include <fmt/format.h>
 

@@ -1,19 +1,22 @@
 #include "vdbpack/run/stages.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/distributed/rank_measures.h"
+#include "vdbpack/distributed/rank_outputs.h"
 #include "vdbpack/domain/intersection_domain.h"
+#include "vdbpack/formats/grey_values.h"
+#include "vdbpack/formats/output_target.h"
+#include "vdbpack/formats/sphere_density.h"
 #include "vdbpack/measure/contacts.h"
+#include "vdbpack/options/recipe_file.h"
+#include "vdbpack/preview/result_picture.h"
+#include "vdbpack/report/measured_pack.h"
 #include "vdbpack/run/densify_stage.h"
-#include "vdbpack/run/grey_stage.h"
 #include "vdbpack/run/image_domain.h"
-#include "vdbpack/run/measure_stage.h"
-#include "vdbpack/run/output_target.h"
 #include "vdbpack/run/pack_warnings.h"
-#include "vdbpack/run/preview_stage.h"
 #include "vdbpack/run/rank_stages.h"
-#include "vdbpack/run/recipe_file.h"
 #include "vdbpack/run/report_file.h"
-#include "vdbpack/run/sphere_density.h"
+#include "vdbpack/view/pack_view.h"
 #include "vdbpack/voids/shell_field.h"
 
 #include <fmt/format.h>
@@ -39,7 +42,10 @@ constexpr double kLeastBvtv = 1e-6;
 void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& voids,
                    const std::vector<std::string>& inputs) {
     auto all = inputs;
-    for (auto& file : checkGrey(settings)) all.push_back(std::move(file));
+    if (settings.ranks && !settings.grey.empty())
+        throw ParameterError(
+            "`samples`: are not taken over several processes; take them from a file");
+    for (auto& file : checkGrey(settings.grey, settings.density)) all.push_back(std::move(file));
     requireVoidFields(voids);
     checkOutputKinds(settings.outputs, kind, voids);
     checkDensity(settings.density);
@@ -51,22 +57,21 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 
 void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings& settings,
              const VoidRecipe& voids, Report& report, const Callbacks& callbacks, bool hasPack) {
-    const bool makesVoids = methodOf(voids) != VoidMethod::none && !isThinning(methodOf(voids));
     for (const DomainSource* source : sources) {
         if (!source->isPeriodic()) continue;
         const std::string& name = source->recipe().source;
         if (sources.size() > 1)
             throw ParameterError(name + ": a periodic cell is packed alone, not as a part");
-        for (const std::string& output : settings.outputs) switch (targetOf(output).kind) {
+        for (const OutputTarget& output : settings.outputs) switch (output.kind) {
                 case OutputKind::labels:
-                    throw ParameterError(output +
+                    throw ParameterError(output.text +
                                          ": label maps of a periodic cell are not available; write "
                                          "the spheres, or fog: of the solid beside voids");
                 case OutputKind::contour:
                 case OutputKind::levelSets:
                 case OutputKind::fog:
-                    if (makesVoids) break;
-                    throw ParameterError(output +
+                    if (voids.makesVoids()) break;
+                    throw ParameterError(output.text +
                                          ": a periodic cell without voids has no surface; write "
                                          "the spheres");
                 default:
@@ -77,14 +82,14 @@ void beginOn(const std::vector<const DomainSource*>& sources, const RunSettings&
                                         [](const DomainSource* s) { return s->isPeriodic(); }))
         throw ParameterError(
             "`images` are those of a periodic cell, and there is none; leave them out");
-    labelGridOf(settings, sources);
-    for (const std::string& output : settings.outputs)
-        if (sources.size() == 1 && !hasPack && targetOf(output).labels == "parts")
-            throw ParameterError(output + ": there is one part alone; leave it out");
+    labelGridOf(settings.outputs, sources, settings.memoryLimit);
+    for (const OutputTarget& output : settings.outputs)
+        if (sources.size() == 1 && !hasPack && output.labels == "parts")
+            throw ParameterError(output.text + ": there is one part alone; leave it out");
     for (const DomainSource* source : sources)
         if (source->imageGrid())
             report.axes = source->recipe().space == ImageSpace::ras ? "RAS" : "LPS";
-    if (sources.size() == 1) warnOfUnusedSpacing(settings, *sources.front(), callbacks);
+    if (sources.size() == 1) warnOfUnusedSpacing(settings.outputs, *sources.front(), callbacks);
 }
 
 Report begunReport(const RunSettings& settings, const char* task, const std::string& subject) {
@@ -131,19 +136,19 @@ void requireRepeating(const DomainSource& source, const VoidRecipe& voids) {
             name +
             ": a shell lies along a wall, which a periodic cell has not on all sides; leave "
             "`shell` out");
-    if (needsFront(methodOf(voids)))
+    if (voids.as<FrontHoles>())
         throw ParameterError(fmt::format(
             "{}: `voids` {} are not available in a periodic cell; use boolean, overlay, "
             "foam, grid or list:FILE",
-            name, voids.method));
+            name, nameOf(voids)));
     if (voids.fill == Fill::solid)
         throw ParameterError(name +
                              ": `fill` solid is not available in a periodic cell; leave it out");
-    if (!voids.bvtvField.empty())
+    if (const BvtvField* field = bvtvFieldOf(voids))
         throw ParameterError(
             fmt::format("{}: BV/TV by place (`bvtvField` {}) does not repeat with a periodic cell; "
                         "leave it out",
-                        name, voids.bvtvField));
+                        name, field->file));
 }
 
 template <int Dim>
@@ -165,12 +170,14 @@ void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reac
 }
 
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront) {
+void densifyStage(Run<Dim>& run, DensifyOptions options) {
     if (!run.goesOn() || sumOver(run.ranks(), std::uint64_t{run.pack.spheres.size()}) == 0) return;
-    densifyPack(run.filled(),
-                {fraction, run.sizes, gap, run.settings.seed, ofFront, run.fixed, run.ranks(),
-                 &run.pieces, run.local},
-                run.pack, run.report, run.callbacks);
+    if (run.sizes) options.sizes = *run.sizes;
+    options.seed = run.settings.seed;
+    options.fixed = run.fixed;
+    options.ranks = run.ranks();
+    options.local = run.local;
+    densifyPack(run.filled(), std::move(options), run.pieces, run.pack, run.report, run.callbacks);
     run.report.seconds.densify += run.clock.lap();
 }
 
@@ -215,12 +222,22 @@ void takeRegionsBack(PackAttributes& pack) {
 
 }  // namespace
 
+namespace {
+
+/// What this rank has of the pack.
+template <int Dim>
+RankPack<Dim> rankPack(Run<Dim>& run) {
+    return {run.ranks(), run.pack, run.filled(), run.fixed};
+}
+
+}  // namespace
+
 template <int Dim>
 void cutStage(Run<Dim>& run, bool made) {
     if (run.cuts()) {
         // Compared with the requested sizes before any sphere is removed.
         if (run.ranks())
-            compareSizes(run);
+            compareSizes(rankPack(run), *run.sizes, run.local, run.report);
         else if (run.hasPack && run.sizes)
             measureSizes(run.pack, *run.sizes, run.report, run.local, &run.filled());
         if (!made) run.unlessInterrupted([&] { run.voids = makeVoids(run.voidSetting()); });
@@ -267,11 +284,17 @@ void measureStage(Run<Dim>& run) {
     }
     if (run.labelled > 0) takeRegionsBack(run.pack);
     if (!run.hasPack) return describeDomain(run.domain(), run.report);
-    if (run.ranks())
-        measureOverRanks(run);
-    else
+    if (run.ranks()) {
+        run.spans = rowSpans(*run.ranks(), run.pack.order, run.fixed, run.pieces);
+        std::vector<const DomainSource*> walls{&run.filledSource()};
+        if (run.solid) walls.push_back(&run.source);
+        run.named = measureOverRanks(rankPack(run), rowsOf(run), walls, tolerance, run.report);
+        if (run.sizes && !run.cuts())
+            compareSizes(rankPack(run), *run.sizes, run.local, run.report);
+    } else {
         measurePack(run.pack, &run.filledSource(), &run.filled(), run.cuts() ? nullptr : run.sizes,
                     tolerance, run.report, run.callbacks, run.local);
+    }
     if (run.solid && !run.ranks()) {
         // The contour of a level set may leave the domain by its error; no sphere does.
         const ProtrusionCheck wall = run.source.protrusion(run.pack.spheres);
@@ -302,7 +325,7 @@ LabelSource labelsOf(const Run<3>& run) {
         sources.push_back(&part->source);
         labels.solids.push_back(solidOf(*part));
     }
-    labels.grid = labelGridOf(run.settings, sources);
+    labels.grid = labelGridOf(run.settings.outputs, sources, run.settings.memoryLimit);
     for (const DomainSource* source : sources)
         if (source->recipe().space == ImageSpace::ras) labels.space = ImageSpace::ras;
     return labels;
@@ -332,7 +355,8 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
     write.levelSets = run.partLevelSets.empty() ? run.voids.levelSets() : run.partLevelSets;
     const auto& outputs = run.settings.outputs;
     if (write.levelSets.empty() && run.built.mesh &&
-        std::any_of(outputs.begin(), outputs.end(), usesLevelSets))
+        std::any_of(outputs.begin(), outputs.end(),
+                    [](const OutputTarget& output) { return output.usesLevelSets(); }))
         write.levelSets = {run.built.mesh->grid()};
     if constexpr (Dim == 2)
         write.frame = run.domain().bounds();
@@ -348,25 +372,24 @@ RunOutputs<Dim> outputsOf(const Run<Dim>& run) {
 
 /// Removes those outputs that an interrupted run has not made: voids and what they leave.
 template <int Dim>
-void leaveOutIncomplete(const Run<Dim>& run, std::vector<std::string>& outputs) {
+void leaveOutIncomplete(const Run<Dim>& run, std::vector<OutputTarget>& outputs) {
     if (!run.partRuns.empty()) {
         // Parts may be missing, and voids of those that are there.
-        outputs.erase(std::remove_if(outputs.begin(), outputs.end(),
-                                     [](const std::string& output) {
-                                         return targetOf(output).labels == "solid";
-                                     }),
-                      outputs.end());
+        outputs.erase(
+            std::remove_if(outputs.begin(), outputs.end(),
+                           [](const OutputTarget& output) { return output.labels == "solid"; }),
+            outputs.end());
         return;
     }
     if (!run.cuts() || !run.voids.levelSets().empty()) return;
-    const auto isMissing = [&](const std::string& output) {
-        const OutputKind kind = targetOf(output).kind;
+    const auto isMissing = [&](const OutputTarget& output) {
+        const OutputKind kind = output.kind;
         const bool missing = kind == OutputKind::contour || kind == OutputKind::levelSets ||
                              kind == OutputKind::fog ||
-                             (kind == OutputKind::labels && targetOf(output).labels == "solid") ||
+                             (kind == OutputKind::labels && output.labels == "solid") ||
                              (kind == OutputKind::voidList && run.voids.list.empty());
         if (missing)
-            run.callbacks.warn(output +
+            run.callbacks.warn(output.text +
                                ": is not written; the run was interrupted before its "
                                "voids were complete");
         return missing;
@@ -380,13 +403,16 @@ void write(Run<Dim>& run) {
     const RunSettings& settings = run.settings;
     Report& report = run.report;
     report.seconds.measure += run.clock.lap();
-    std::vector<std::string> outputs = settings.outputs;
+    std::vector<OutputTarget> outputs = settings.outputs;
     if (report.interrupted) {
         if (report.count == 0) return;
         leaveOutIncomplete(run, outputs);
-        std::transform(outputs.begin(), outputs.end(), outputs.begin(), interruptedName);
+        for (OutputTarget& output : outputs) output = interruptedName(output.text);
     }
-    report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run), run)
+    report.files = run.ranks() ? writeOverRanks(outputs, outputsOf(run),
+                                                PackShare<Dim>{run.ranks(), run.pack, run.spans,
+                                                               run.pieces.size() + 1},
+                                                run.callbacks)
                                : writeOutputs(outputs, outputsOf(run), run.callbacks);
     if (!report.files.empty() && run.isFirst())
         leaveRecipe(settings.optionsText, outputs, report, run.callbacks);
@@ -451,7 +477,7 @@ RunResult finishStage(Run<Dim>& run) {
 
 #define VDBPACK_INSTANTIATE(Dim)                                                 \
     template void domainStage(Run<Dim>&, const Extent&, double, double, double); \
-    template void densifyStage(Run<Dim>&, double, double, bool);                 \
+    template void densifyStage(Run<Dim>&, DensifyOptions);                       \
     template void cutStage(Run<Dim>&, bool);                                     \
     template void measureStage(Run<Dim>&);                                       \
     template RunResult finishStage(Run<Dim>&);

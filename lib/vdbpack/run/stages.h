@@ -13,13 +13,13 @@
 #pragma once
 
 #include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/formats/row_spans.h"
 #include "vdbpack/run/clock.h"
-#include "vdbpack/run/domain_source.h"
-#include "vdbpack/run/memory_estimate.h"
-#include "vdbpack/run/outputs.h"
+#include "vdbpack/run/estimate.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/run/void_stage.h"
+#include "vdbpack/voids/make_voids.h"
 
 #include <cstdint>
 #include <map>
@@ -77,7 +77,7 @@ struct Run {
     const VoidRecipe* voidRecipe = nullptr;       ///< null: none are cut
     double largestRadius = 0;                     ///< of the spheres there are or will be, mm
     std::function<double(const Vec<Dim>&)> bvtv;  ///< by place; empty: the same everywhere
-    ShellThickness shell;                         ///< by place; uniform: that of the recipe
+    ShellThickness shell;                         ///< by place; uniform: thickness of the recipe
     MadeVoids<Dim> voids;
     std::optional<SolidFill<Dim>> solid;  ///< what the spheres fill; nothing: the domain
 
@@ -147,7 +147,7 @@ void checkSettings(const RunSettings& settings, RunKind kind, const VoidRecipe& 
 void requireRepeating(const DomainSource& source, const VoidRecipe& voids);
 
 /// Checks what is to be written against the domains of a run, and records their axes in its report.
-/// @param sources  one, or those of several parts.
+/// @param sources  one, or the sources of several parts.
 /// @param voids    that are cut; only what they leave of a periodic cell has a surface.
 /// @param hasPack  whether spheres are read from a file, with columns of its own.
 /// @throws as `labelGridOf`
@@ -169,15 +169,14 @@ void requireShell(double shell, const DomainSource& source);
 
 /// Builds the field for radii from `detail` to `reach` (mm), if memory and disks suffice for
 /// `extent`, and checks that voids and picture suit the domain.
-/// @param voxelSize  as that of DomainSource::build.
+/// @param voxelSize  as in DomainSource::build.
 template <int Dim>
 void domainStage(Run<Dim>& run, const Extent& extent, double detail, double reach,
                  double voxelSize = 0);
 
-/// @param fraction  to reach, as that of DensifyOptions. @param gap  mm
-/// @param ofFront  whether a front has placed the spheres in this run.
+/// @param options  fraction, gap and mixSizes; the others follow from the run.
 template <int Dim>
-void densifyStage(Run<Dim>& run, double fraction, double gap, bool ofFront);
+void densifyStage(Run<Dim>& run, DensifyOptions options);
 
 /// Makes the voids before there are spheres, and what they leave the domain of the spheres.
 /// @param detail, reach  radii that its field is made for, mm.

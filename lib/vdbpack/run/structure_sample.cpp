@@ -6,11 +6,10 @@
 #include "vdbpack/image/image_file.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/run/run.h"
-#include "vdbpack/voids/trabecular_presets.h"
+#include "vdbpack/voids/structure_fit.h"
 
 #include <fmt/format.h>
 
-#include <optional>
 #include <string>
 
 namespace vdbpack {
@@ -33,71 +32,40 @@ Box<3> solidBounds(const VdbGrid& grid) {
     return {low, low + size * image.voxelSize};
 }
 
-Morphometry measuredSample(const VoidRecipe& r, const Callbacks& callbacks) {
+Morphometry measuredSample(const SpecimenRecipe& r, const Callbacks& callbacks) {
     MeasureRecipe recipe;
-    recipe.pack = r.like;
-    recipe.domain.threshold = r.likeThreshold;
-    recipe.domain.source = r.likeDomain;
-    const std::string extension = extensionOf(r.like);
+    recipe.pack = r.file;
+    recipe.domain.threshold = r.threshold;
+    recipe.domain.source = r.domain;
+    const std::string extension = extensionOf(r.file);
     if (extension == ".vdb") {
         try {
-            recipe.solid = levelSetGrid(r.like, "solid", 1);
+            recipe.solid = levelSetGrid(r.file, "solid", 1);
         } catch (const InputError&) {  // no grid of that name
-            recipe.solid = levelSetGrid(r.like, "", 1);
+            recipe.solid = levelSetGrid(r.file, "", 1);
         }
-        if (r.likeDomain.empty()) recipe.domain.source = boxText(solidBounds(*recipe.solid));
-    } else if (!namesImage(r.like) && r.likeDomain.empty()) {
+        if (r.domain.empty()) recipe.domain.source = boxText(solidBounds(*recipe.solid));
+    } else if (!namesImage(r.file) && r.domain.empty()) {
         DomainRecipe mesh;
-        mesh.source = r.like;
+        mesh.source = r.file;
         recipe.domain.source = boxText(DomainSource(mesh, callbacks).fileBounds());
     }
     const MeasureResult result = runMeasure(recipe, callbacks);
     if (!result.morphometry)
-        throw InputError(r.like +
+        throw InputError(r.file +
                          ": is a pack; `like` needs a solid: an image, a level set, or a "
                          "mesh");
-    const Morphometry& m = *result.morphometry;
-    if (!m.thickness || !m.separation || !m.anisotropy)
-        throw InputError(
-            fmt::format("{}: BV/TV is {:g}, so that there is no structure to be like; check what "
-                        "is solid in it "
-                        "(`likeThreshold`) and its total volume (`likeDomain`)",
-                        r.like, m.solidFraction));
-    return m;
+    return *result.morphometry;
 }
 
 }  // namespace
 
-VoidRecipe withSample(VoidRecipe r, const Callbacks& callbacks) {
-    r = withPreset(std::move(r));
-    if (r.like.empty()) return r;
-    const Morphometry m = measuredSample(r, callbacks);
-    const auto fill = [](std::optional<double>& target, double value) {
-        if (!target) target = value;
-    };
-    fill(r.targetBvtv, m.solidFraction);
-    fill(r.targetTbth, m.thickness->mean);
-    fill(r.targetTbsp, m.separation->mean);
-    fill(r.targetDa, m.anisotropy->degree);
-    if (m.connectivityDensity > 0) {
-        fill(r.targetConnd, m.connectivityDensity);
-    } else {
-        callbacks.warn(fmt::format("{}: Conn.D is {:.3g} /mm³, so that it is no target", r.like,
-                                   m.connectivityDensity));
-    }
-    fill(r.thicknessScatter, m.thickness->sd / m.thickness->mean);
-    fill(r.separationScatter, m.separation->sd / m.separation->mean);
-    r.thicknessQuantiles = m.thickness->quantiles;
-    r.separationQuantiles = m.separation->quantiles;
-    const OrientationRecipe& o = r.orientation;
-    if (o.axis.empty() && o.field.empty() && o.angles.empty()) {
-        const Vec<3>& axis = m.anisotropy->axes[0];
-        r.orientation.axis = fmt::format("{:.6g},{:.6g},{:.6g}", axis[0], axis[1], axis[2]);
-    }
-    r.like.clear();
-    r.likeDomain.clear();
-    r.likeThreshold.reset();
-    return r;
+VoidRecipe withSample(VoidRecipe recipe, const Callbacks& callbacks) {
+    auto* const foam = recipe.as<FoamVoids>();
+    if (!foam || foam->like.file.empty()) return recipe;
+    aimAt(measuredSample(foam->like, callbacks), foam->like.file, *foam, callbacks);
+    foam->like = {};
+    return recipe;
 }
 
 }  // namespace vdbpack

@@ -6,13 +6,12 @@
 
 namespace vdbpack {
 
-/// The recipe with what it asks for indirectly: the numbers of a preset (`withPreset`), and where
-/// `like` names a sample, its BV/TV, Tb.Th, Tb.Sp, DA, Conn.D, the distributions of thickness and
-/// spacing, and its main direction, each unless the recipe has its own.
+/// The recipe with the structure of the specimen that a foam shall be like as its targets
+/// (`aimAt`).
 ///
-/// A sample is an image (with `likeThreshold` of grey values), a level set or a mesh. Its total
-/// volume is the image, or `likeDomain`, or else the bounding box of the solid, taken as cut from a
-/// larger specimen.
+/// A specimen is an image (with a threshold of grey values), a level set or a mesh. Its total
+/// volume is the image, or the domain of the request, or else the bounding box of the solid, taken
+/// as cut from a larger specimen.
 /// @throws as `runMeasure`; InputError for a sample without solid or without pores
 VoidRecipe withSample(VoidRecipe recipe, const Callbacks& callbacks);
 

@@ -1,9 +1,9 @@
 #include "vdbpack/run/study.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/formats/outputs.h"
 #include "vdbpack/io/output_file.h"
 #include "vdbpack/io/text.h"
-#include "vdbpack/run/outputs.h"
 #include "vdbpack/run/run_each.h"
 
 #include <fmt/format.h>
@@ -26,9 +26,9 @@ void requireSeedInNames(const RunSettings& settings) {
     const auto shared = [](const std::string& name) {
         return !name.empty() && withSeed(name, 1) == name;
     };
-    for (const std::string& name : settings.outputs)
-        if (shared(name))
-            throw ParameterError(name + ": each seed would replace it; name it with {seed}");
+    for (const OutputTarget& output : settings.outputs)
+        if (shared(output.text))
+            throw ParameterError(output.text + ": each seed would replace it; name it with {seed}");
     if (shared(settings.reportFile))
         throw ParameterError("`reportFile` " + settings.reportFile +
                              ": each seed would replace it; name it with {seed}, or set "
@@ -87,96 +87,6 @@ StudyResult runsOf(const Recipe& recipe, const std::vector<std::uint64_t>& seeds
     return study;
 }
 
-/// A figure of the runs.
-struct Figure {
-    const char* name;
-    std::function<std::optional<double>(const Report&)> of;
-    const char* form = "{:.10g}";
-};
-
-std::function<std::optional<double>(const Report&)> ofContacts(double ContactNetwork::*value) {
-    return [value](const Report& r) {
-        return r.contacts ? std::make_optional((*r.contacts).*value) : std::nullopt;
-    };
-}
-
-template <class Value>
-std::function<std::optional<double>(const Report&)> ofVoids(Value VoidReport::*value) {
-    return [value](const Report& r) -> std::optional<double> {
-        if (!r.voids) return std::nullopt;
-        if constexpr (std::is_same_v<Value, std::uint64_t>)
-            return static_cast<double>((*r.voids).*value);
-        else
-            return (*r.voids).*value;
-    };
-}
-
-/// A number of a structure that was asked for.
-std::function<std::optional<double>(const Report&)> ofTarget(const std::string& name) {
-    return [name](const Report& r) -> std::optional<double> {
-        if (!r.voids) return std::nullopt;
-        for (const TargetReport& t : r.voids->targets)
-            if (t.name == name) return t.reached;
-        return name == "targetTbth" ? r.voids->thickness : std::nullopt;
-    };
-}
-
-/// Spheres in the shell, or deeper.
-std::function<std::optional<double>(const Report&)> ofRegion(bool inShell) {
-    return [inShell](const Report& r) -> std::optional<double> {
-        if (!r.voids || !(r.voids->shell > 0) || r.task == "voids") return std::nullopt;
-        const std::uint64_t cortical = r.voids->cortical;
-        return static_cast<double>(inShell ? cortical : r.count - cortical);
-    };
-}
-
-const std::vector<Figure>& figures() {
-    using R = const Report&;
-    using Value = std::optional<double>;
-    const auto ofSpheres = [](const std::function<double(R)>& value) {
-        return [value](R r) { return r.task == "voids" ? Value() : Value(value(r)); };
-    };
-    static const std::vector<Figure> all{
-        {"count", ofSpheres([](R r) { return static_cast<double>(r.count); })},
-        {"radius_mean", ofSpheres([](R r) { return r.radius.mean; })},
-        {"ks", [](R r) { return r.ks; }},
-        {"ks_volume", [](R r) { return r.ksByVolume; }},
-        {"solid_total", [](R r) { return r.solidFractionTotal; }},
-        {"solid_interior", [](R r) { return r.solidFractionInterior; }},
-        {"contacts_mean", ofContacts(&ContactNetwork::mean)},
-        {"few_contacts_share", ofContacts(&ContactNetwork::fewShare)},
-        {"largest_component", ofContacts(&ContactNetwork::largestComponent)},
-        {"overlap_max", [](R r) { return r.overlap ? Value(r.overlap->max) : Value(); }},
-        {"overlap_pairs",
-         [](R r) { return r.overlap ? Value(static_cast<double>(r.overlap->pairs)) : Value(); }},
-        {"gap_min", [](R r) { return r.smallestGap; }},
-        {"protrusion_max", [](R r) { return r.protrusion ? Value(r.protrusion->max) : Value(); }},
-        {"protrusion_spheres",
-         [](R r) {
-             return r.protrusion ? Value(static_cast<double>(r.protrusion->spheres)) : Value();
-         }},
-        {"voids", ofVoids(&VoidReport::count)},
-        {"bvtv", ofVoids(&VoidReport::bvtv)},
-        {"tbth", ofTarget("targetTbth")},
-        {"tbsp", ofTarget("targetTbsp")},
-        {"da", ofTarget("targetDa")},
-        {"connd", ofTarget("targetConnd")},
-        {"culled", ofVoids(&VoidReport::culled)},
-        {"cortical", ofRegion(true)},
-        {"trabecular", ofRegion(false)},
-        {"solid_attached", ofVoids(&VoidReport::solidAttached)},
-        {"spheres_attached", ofVoids(&VoidReport::spheresAttached)},
-        {"seconds_pack", ofSpheres([](R r) { return r.seconds.pack; }), "{:.4f}"},
-        {"seconds_total", [](R r) { return r.seconds.total; }, "{:.4f}"}};
-    return all;
-}
-
-std::optional<double> figureOf(const std::string& name, const Report& report) {
-    for (const Figure& figure : figures())
-        if (name == figure.name) return figure.of(report);
-    return std::nullopt;
-}
-
 }  // namespace
 
 StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>& seeds,
@@ -193,102 +103,8 @@ StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>
         [&](const auto& recipes, const Each& done) { voidsEach(recipes, callbacks, done); });
 }
 
-std::string studyTable(const std::vector<Report>& reports) {
-    std::string text = "seed,hash";
-    for (const Figure& figure : figures()) text += std::string(",") + figure.name;
-    text += '\n';
-    for (const Report& r : reports) {
-        text += fmt::format("{},{}", r.seed, r.task == "voids" ? "" : hashText(r.hash));
-        for (const Figure& figure : figures()) {
-            const auto value = figure.of(r);
-            text += ',' + (value ? fmt::format(fmt::runtime(figure.form), *value) : "");
-        }
-        text += '\n';
-    }
-    return text;
-}
-
-namespace {
-
-/// A column of the summary.
-struct SummaryColumn {
-    const char* title;
-    const char* figure;  ///< its name
-    const char* form;
-    int width;
-};
-
-std::vector<SummaryColumn> summaryColumns(const std::vector<Report>& reports) {
-    const auto any = [&](const char* figure) {
-        return std::any_of(reports.begin(), reports.end(),
-                           [&](const Report& r) { return figureOf(figure, r).has_value(); });
-    };
-    const bool spheres = reports.empty() || any("count"), voids = any("bvtv");
-    if (!spheres)
-        return {{"voids", "voids", "{:.0f}", 9},
-                {"BV/TV", "bvtv", "{:.4f}", 8},
-                {"attached", "solid_attached", "{:.4f}", 9},
-                {"total, s", "seconds_total", "{:.2f}", 9}};
-    std::vector<SummaryColumn> columns{{"spheres", "count", "{:.0f}", 9},
-                                       {"solid", "solid_total", "{:.4f}", 7}};
-    if (voids)
-        columns.push_back({"BV/TV", "bvtv", "{:.4f}", 8});
-    else
-        columns.push_back({"interior", "solid_interior", "{:.4f}", 8});
-    if (any("cortical"))
-        columns.push_back({"cortical", "cortical", "{:.0f}", 8});
-    else
-        columns.push_back({"ks", "ks", "{:.5f}", 8});
-    if (voids)
-        columns.push_back({"connected", "largest_component", "{:.4f}", 9});
-    else
-        columns.push_back({"contacts", "contacts_mean", "{:.3f}", 8});
-    columns.push_back({"pack, s", "seconds_pack", "{:.2f}", 7});
-    return columns;
-}
-
-/// Mean and standard deviation, where there is any value.
-std::array<std::optional<double>, 2> spreadOf(const char* figure,
-                                              const std::vector<Report>& reports) {
-    double n = 0, sum = 0, squares = 0;
-    for (const Report& r : reports)
-        if (const auto value = figureOf(figure, r)) {
-            n += 1;
-            sum += *value;
-            squares += *value * *value;
-        }
-    std::array<std::optional<double>, 2> spread;
-    if (n > 0) spread[0] = sum / n;
-    if (n > 1) spread[1] = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)));
-    return spread;
-}
-
-}  // namespace
-
 std::string summary(const StudyResult& study) {
-    const auto columns = summaryColumns(study.reports);
-    const auto cell = [](const SummaryColumn& c, const std::optional<double>& value) {
-        return fmt::format(" {:>{}}", value ? fmt::format(fmt::runtime(c.form), *value) : "-",
-                           c.width);
-    };
-    std::string text = fmt::format("{:>8}", "seed");
-    const bool spheres = columns.front().figure == std::string("count");
-    for (const auto& c : columns) text += fmt::format(" {:>{}}", c.title, c.width);
-    text += spheres ? fmt::format(" {:>17}\n", "hash") : "\n";
-    for (const Report& r : study.reports) {
-        text += fmt::format("{:>8}", r.seed);
-        for (const auto& c : columns) text += cell(c, figureOf(c.figure, r));
-        text += spheres ? fmt::format(" {:>17}\n", hashText(r.hash)) : "\n";
-    }
-    std::string means = fmt::format("{:>8}", "mean"), deviations = fmt::format("{:>8}", "sd");
-    for (const auto& c : columns) {
-        const auto [mean, deviation] = spreadOf(c.figure, study.reports);
-        means += cell(c, mean);
-        deviations += cell(c, deviation);
-    }
-    text += means + '\n' + deviations + '\n';
-    if (study.interrupted) text += fmt::format("interrupted after {} runs\n", study.reports.size());
-    return text;
+    return studySummary(study.reports, study.interrupted);
 }
 
 }  // namespace vdbpack

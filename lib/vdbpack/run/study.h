@@ -1,6 +1,7 @@
 // Runs of one recipe with several seeds, and what they have in common.
 #pragma once
 
+#include "vdbpack/report/study_table.h"
 #include "vdbpack/run/run.h"
 
 #include <cstdint>
@@ -26,8 +27,6 @@ StudyResult runStudy(const PackRecipe& recipe, const std::vector<std::uint64_t>&
 StudyResult runStudy(const VoidsRecipe& recipe, const std::vector<std::uint64_t>& seeds,
                      const std::string& table, const Callbacks& callbacks = {});
 
-/// CSV: a line of names, then a line a report; cells without a value are empty.
-std::string studyTable(const std::vector<Report>& reports);
 /// For people: a line a run, then mean and standard deviation over the runs.
 std::string summary(const StudyResult& study);
 

@@ -1,11 +1,10 @@
 #include "vdbpack/verify/overlap.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/verify/repeated.h"
 #include "vdbpack/verify/sphere_cells.h"
 #include "vdbpack/verify/usable.h"
 #include "vdbpack/verify/worst.h"
-
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <atomic>
@@ -29,7 +28,7 @@ OverlapCheck countOverlaps(const std::vector<Sphere<Dim>>& spheres, const Number
     };
     const std::uint64_t limit = 200 * static_cast<std::uint64_t>(spheres.size()) + 1000000;
     std::atomic<std::uint64_t> shared{0};
-    tbb::enumerable_thread_specific<Found> found;
+    PerThread<Found> found;
     const SphereClasses<Dim> classes(spheres);
     classes.forEachOverlap(
         [&](std::uint32_t i, const Sphere<Dim>& a, std::uint32_t j, const Sphere<Dim>& b,

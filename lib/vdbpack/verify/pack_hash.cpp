@@ -1,9 +1,9 @@
 #include "vdbpack/verify/pack_hash.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/verify/mix.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 
 #include <functional>
@@ -14,8 +14,8 @@ template <int Dim>
 std::uint64_t packHash(const Pack<Dim>& pack) {
     const auto take = [](std::uint64_t h, double v) { return mixedBits(h ^ bitsOfNumber(v)); };
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, pack.spheres.size(), 4096), std::uint64_t{0},
-        [&](const tbb::blocked_range<std::size_t>& block, std::uint64_t sum) {
+        IndexRange(0, pack.spheres.size(), 4096), std::uint64_t{0},
+        [&](const IndexRange& block, std::uint64_t sum) {
             for (std::size_t i = block.begin(); i < block.end(); ++i) {
                 const Sphere<Dim>& s = pack.spheres[i];
                 std::uint64_t h = kHashStart;

@@ -10,7 +10,6 @@
 #include "vdbpack/verify/worst.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
@@ -24,9 +23,7 @@ namespace vdbpack {
 
 namespace {
 
-using Blocks = tbb::blocked_range<std::size_t>;
-
-bool worse(const ProtrudingSphere& a, const ProtrudingSphere& b) {
+bool protrudesMore(const ProtrudingSphere& a, const ProtrudingSphere& b) {
     return std::make_tuple(-a.protrusion, a.i) < std::make_tuple(-b.protrusion, b.i);
 }
 
@@ -36,7 +33,7 @@ void note(ProtrusionCheck& check, std::size_t i, double protrusion) {
     if (!(protrusion > kVerifyTolerance)) return;
     ++check.spheres;
     if (protrusion > 1) ++check.centersOutside;
-    keepWorst(check.worst, ProtrudingSphere{i, protrusion}, worse);
+    keepWorst(check.worst, ProtrudingSphere{i, protrusion}, protrudesMore);
 }
 
 }  // namespace
@@ -46,7 +43,7 @@ ProtrusionCheck joined(ProtrusionCheck a, const ProtrusionCheck& b) {
     a.spheres += b.spheres;
     a.centersOutside += b.centersOutside;
     a.closed = a.closed && b.closed;
-    for (const auto& w : b.worst) keepWorst(a.worst, w, worse);
+    for (const auto& w : b.worst) keepWorst(a.worst, w, protrudesMore);
     return a;
 }
 
@@ -145,8 +142,8 @@ ProtrusionCheck checkPieces(const std::vector<Sphere<Dim>>& spheres,
     // bit.
     constexpr std::size_t kBlock = 64 * WallTree<Dim>::kTogether;
     auto result = tbb::parallel_reduce(
-        Blocks(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
-        [&](const Blocks& blocks, ProtrusionCheck check) {
+        IndexRange(0, (spheres.size() + kBlock - 1) / kBlock, 1), ProtrusionCheck{},
+        [&](const IndexRange& blocks, ProtrusionCheck check) {
             for (std::size_t b = blocks.begin(); b < blocks.end(); ++b) {
                 NearestPieces<Dim> nearest(tree);
                 const std::size_t end = std::min(spheres.size(), (b + 1) * kBlock);
@@ -222,8 +219,8 @@ ProtrusionCheck checkProtrusion(const std::vector<Sphere<Dim>>& spheres,
     requireVerifiable(spheres);
     requirePlanes(wall.clips);
     return tbb::parallel_reduce(
-        Blocks(0, spheres.size(), 4096), ProtrusionCheck{},
-        [&](const Blocks& block, ProtrusionCheck check) {
+        IndexRange(0, spheres.size(), 4096), ProtrusionCheck{},
+        [&](const IndexRange& block, ProtrusionCheck check) {
             for (std::size_t i = block.begin(); i < block.end(); ++i)
                 note(check, i,
                      (spheres[i].radius - wall.innerDistance(spheres[i].center)) /

@@ -1,6 +1,7 @@
 #include "vdbpack/verify/sizes.h"
 
-#include <tbb/blocked_range.h>
+#include "vdbpack/core/parallel.h"
+
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
@@ -53,8 +54,8 @@ double ksDistance(std::vector<double> radii, const std::function<double(double)>
     // The share of radii jumps at each radius and is level between: F is above it by the most
     // just before a jump, below it by the most just after one.
     return tbb::parallel_reduce(
-        tbb::blocked_range<std::size_t>(0, n, 1024), 0.0,
-        [&](const tbb::blocked_range<std::size_t>& block, double largest) {
+        IndexRange(0, n, 1024), 0.0,
+        [&](const IndexRange& block, double largest) {
             for (std::size_t k = block.begin(); k < block.end(); ++k) {
                 const double r = radii[k];
                 if (k == 0 || radii[k - 1] < r)

@@ -3,10 +3,8 @@
 // Independent of core/cell_levels.h, which the packer uses: an error there must not hide itself.
 #pragma once
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/sphere.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -181,7 +179,7 @@ template <int Dim>
 template <typename Visit, typename Stopped>
 void SphereClasses<Dim>::overlapsWithin(const SphereCells<Dim>& cells, const Visit& visit,
                                         const Stopped& stopped) const {
-    const auto work = [&](const tbb::blocked_range<std::size_t>& block) {
+    const auto work = [&](const IndexRange& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             if (stopped()) return;
             // Of two cells the later one, by z, y, x, is searched from the earlier one.
@@ -196,7 +194,7 @@ void SphereClasses<Dim>::overlapsWithin(const SphereCells<Dim>& cells, const Vis
                     search({range.first[0], y, z}, range.last[0]);
         }
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), 64), work);
+    parallelFor(IndexRange(0, cells.size(), 64), work);
 }
 
 template <int Dim>
@@ -210,7 +208,7 @@ void SphereClasses<Dim>::overlapsAcross(const SphereCells<Dim>& coarse,
                             5 * static_cast<double>(fine.size());
     const SphereCells<Dim>& from = fromCoarse ? coarse : fine;
     const SphereCells<Dim>& through = fromCoarse ? fine : coarse;
-    const auto work = [&](const tbb::blocked_range<std::size_t>& block) {
+    const auto work = [&](const IndexRange& block) {
         for (std::size_t i = block.begin(); i < block.end(); ++i) {
             if (stopped()) return;
             const RowSearch<Dim, Visit> search{from, i, through, visit};
@@ -220,7 +218,7 @@ void SphereClasses<Dim>::overlapsAcross(const SphereCells<Dim>& coarse,
                     search({range.first[0], y, z}, range.last[0]);
         }
     };
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, from.size(), 16), work);
+    parallelFor(IndexRange(0, from.size(), 16), work);
 }
 
 }  // namespace vdbpack

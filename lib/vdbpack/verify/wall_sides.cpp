@@ -1,10 +1,9 @@
 #include "vdbpack/verify/wall_sides.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/verify/counting.h"
 #include "vdbpack/verify/mix.h"
 
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_reduce.h>
 
 #include <algorithm>
@@ -63,11 +62,10 @@ std::size_t WallCrossings<Dim>::clampedBin(double x, int i) const {
 template <int Dim>
 template <typename Work>
 void WallCrossings<Dim>::forAllPieces(const Work& work) const {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pieces_.size(), 1024),
-                      [&](const tbb::blocked_range<std::size_t>& block) {
-                          for (std::size_t i = block.begin(); i < block.end(); ++i)
-                              if (!work(i)) return;
-                      });
+    parallelFor(IndexRange(0, pieces_.size(), 1024), [&](const IndexRange& block) {
+        for (std::size_t i = block.begin(); i < block.end(); ++i)
+            if (!work(i)) return;
+    });
 }
 
 template <int Dim>
@@ -220,7 +218,7 @@ typename WallCrossings<Dim>::Count WallCrossings<Dim>::count(const Vec<Dim>& x) 
 template <int Dim>
 WallSides<Dim>::WallSides(const std::vector<WallPiece<Dim>>& pieces) {
     closed_ = tbb::parallel_reduce(
-                  tbb::blocked_range<std::size_t>(0, pieces.size(), 4096), std::uint64_t{0},
+                  IndexRange(0, pieces.size(), 4096), std::uint64_t{0},
                   [&](const auto& block, std::uint64_t h) {
                       for (std::size_t i = block.begin(); i < block.end(); ++i)
                           h ^= rimHash(pieces[i]);

@@ -17,18 +17,17 @@ template <int Dim>
 struct ViewScene {
     const Pack<Dim>* pack = nullptr;
     const TriangleMesh* wall = nullptr;  ///< in space: around the spheres; null: none
+    double wallVoxel = 0;                ///< mm, of a wall that is a coarse contour; 0: it is none
     const PlaneField* field = nullptr;   ///< in the plane: distances to the wall; null: none
     Box<Dim> bounds;                     ///< shown in addition to the spheres, mm; may be empty
 };
 
-struct ViewOptions {
-    PreviewColor color = PreviewColor::radius;  ///< at first
-    std::string column;                         ///< for PreviewColor::column
-    std::optional<PreviewCut> cut;              ///< at first
-    std::size_t mostSpheres = 1'000'000;        ///< of a larger pack, a selection is shown
-    std::size_t mostBytes = 10'800'000;  ///< of compressed numbers; a page has four thirds of it
-    std::size_t mostTriangles = 12'000;  ///< of the wall that is shown
-    bool large = false;                  ///< fills the window
+/// With the colors and the cut of a picture at first.
+struct ViewOptions : PreviewOptions {
+    std::size_t mostSpheres = 1'000'000;  ///< of a larger pack, a random subset is shown
+    std::size_t mostBytes = 14'400'000;   ///< of the spheres' numbers in the page
+    std::size_t mostTriangles = 150'000;  ///< a wall with more is left out
+    bool large = false;                   ///< fills the window
 };
 
 /// Parts of an HTML page, well-formed XML; both empty: no view.
@@ -41,14 +40,13 @@ struct ViewMarkup {
 /// column, a table of the sphere that is clicked. Where WebGL2 is missing, the page shows the
 /// picture before it. Nothing is fetched; the same for the same input.
 ///
-/// Positions are rounded to 1/65535 of the longest side, radii and columns of numbers that are not
-/// whole to 1/65534 of their range. Of a pack of more than `mostSpheres`, those near its surface
-/// and near the cut (without one: near the three middle planes) are shown first, and a share of the
-/// others; the view says so. Columns beyond `mostBytes`, and texts with more than 255 words, are
-/// left out, which it says, too.
+/// Coordinates, radii and columns of numbers that are not whole are rounded to 1/65534 of their
+/// range. The view states the rounding, the share of spheres that a subset has, and what it leaves
+/// out: columns beyond `mostBytes`, a wall beyond `mostTriangles`.
 ///
-/// Cost: about a second for a million spheres on two threads.
-/// @throws ParameterError for an empty pack, or centers and radii that are not finite.
+/// Cost: about a second of processor time for a million spheres.
+/// @throws ParameterError for an empty pack, centers and radii that are not finite, or a cut that
+/// misses the scene.
 template <int Dim>
 ViewMarkup viewOf(const ViewScene<Dim>& scene, const ViewOptions& options = {});
 

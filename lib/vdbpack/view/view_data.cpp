@@ -1,27 +1,25 @@
 #include "vdbpack/view/view_data.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
+#include "vdbpack/core/rng.h"
 #include "vdbpack/preview/scene.h"
 #include "vdbpack/preview/sphere_colors.h"
+#include "vdbpack/report/markup.h"
 #include "vdbpack/report/report.h"
-#include "vdbpack/view/coarse_mesh.h"
-#include "vdbpack/view/contour_lines.h"
-#include "vdbpack/view/packed_arrays.h"
-#include "vdbpack/view/shown_spheres.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
+#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <map>
-#include <optional>
+#include <numeric>
 #include <string_view>
 #include <type_traits>
-#include <utility>
-#include <vector>
 
 namespace vdbpack {
 
@@ -29,321 +27,300 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t kMost = 65534;  // of 16 bits; the last one stands for no number
+constexpr std::uint32_t kMost = 65534;  // of 16 bits; the last one stands for no number
 constexpr double kMostWhole = 4294967295;
-constexpr std::size_t kMostWords = 255;
-constexpr int kCodePlanes = 6;
-constexpr int kRampColors = 65;
+constexpr int kRampColors = 256;
+const std::array<std::string, 4> kColorNames{"radius", "region", "depth", "order"};
 
-/// An array of whole numbers before it is compressed.
-struct Array {
-    std::string name;
-    std::vector<std::uint64_t> numbers;
-    int planes = 1;
-};
-
-/// Compresses arrays and lists them.
-class Store {
-public:
-    explicit Store(ViewData& data) : data_(data) { data_.facts["arrays"] = Json::array(); }
-
-    void add(const std::vector<Array>& arrays) {
-        for (const auto& [array, bytes] : packed(arrays)) append(*array, bytes);
-    }
-    /// Adds those of a pack's columns that stay within `most` bytes; returns which did.
-    std::vector<bool> addWithin(const std::vector<Array>& arrays, std::size_t most) {
-        std::vector<bool> added;
-        for (const auto& [array, bytes] : packed(arrays)) {
-            added.push_back(data_.bytes.size() + bytes.size() <= most);
-            if (added.back()) append(*array, bytes);
+std::string packedWords(const std::vector<std::uint32_t>& numbers) {
+    std::string bytes;
+    const auto append = [&](int shift) {
+        for (const std::uint32_t n : numbers) {
+            bytes += static_cast<char>(n >> shift & 255);
+            bytes += static_cast<char>(n >> (shift + 8) & 255);
         }
-        return added;
-    }
-
-private:
-    using Packed = std::vector<std::pair<const Array*, std::string>>;
-
-    static Packed packed(const std::vector<Array>& arrays) {
-        Packed all(arrays.size());
-        tbb::parallel_for(std::size_t{0}, arrays.size(), [&](std::size_t i) {
-            all[i] = {&arrays[i], packedNumbers(arrays[i].numbers, arrays[i].planes)};
-        });
-        return all;
-    }
-    void append(const Array& array, const std::string& bytes) {
-        data_.facts["arrays"].push_back({{"name", array.name},
-                                         {"bytes", bytes.size()},
-                                         {"count", array.numbers.size()},
-                                         {"planes", array.planes}});
-        data_.bytes += bytes;
-    }
-
-    ViewData& data_;
-};
-
-/// Columns have any names; those of other arrays have no colon.
-std::string arrayOf(const std::string& column) {
-    return ":" + column;
+    };
+    append(0);
+    if (std::any_of(numbers.begin(), numbers.end(), [](auto n) { return n >> 16 != 0; }))
+        append(16);
+    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+    std::string packed(size, '\0');
+    if (compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
+                  reinterpret_cast<const Bytef*>(bytes.data()), static_cast<uLong>(bytes.size()),
+                  Z_DEFAULT_COMPRESSION) != Z_OK)
+        throw ResourceError("a view cannot be compressed: too little memory");
+    packed.resize(size);
+    return base64(packed);
 }
 
-/// A column as the script knows it.
-struct ViewColumn {
-    Json facts;
-    std::optional<Array> array;  ///< nothing: the row of the sphere, or left out
-    bool shown = true;
-};
-
-/// A number is `lo` + `step` times that of the array.
-ViewColumn numberColumn(const std::string& name, const std::vector<double>& values,
-                        const std::vector<std::uint32_t>& rows, const char* unit) {
-    ViewColumn column;
-    column.facts = {{"name", name}, {"unit", unit}};
-    const bool whole = std::all_of(values.begin(), values.end(), [](double v) {
-        return v == std::floor(v) && std::fabs(v) <= 0x1p53;
-    });
-    const auto [lo, hi] = std::minmax_element(values.begin(), values.end());
-    if (whole && !values.empty() && *hi - *lo <= kMostWhole) {
-        if (std::equal(values.begin(), values.end(), rows.begin(), rows.end(),
-                       [](double v, std::uint32_t row) { return v == row; })) {
-            column.facts["isRow"] = true;
-            return column;
-        }
-        column.facts.update({{"lo", *lo}, {"step", 1}, {"whole", true}});
-        Array array{arrayOf(name), {}, planesFor(static_cast<std::uint64_t>(*hi - *lo))};
-        array.numbers.reserve(values.size());
-        for (const double v : values) array.numbers.push_back(static_cast<std::uint64_t>(v - *lo));
-        column.array = std::move(array);
-        return column;
-    }
-    Quantized q = quantized(values, kMost);
-    column.facts.update({{"lo", q.lo}, {"step", q.step}});
-    column.array = Array{arrayOf(name), std::move(q.numbers), 2};
-    return column;
+Vec<3> inSpace(const Vec<3>& x) {
+    return x;
+}
+Vec<3> inSpace(const Vec<2>& x) {
+    return {{x[0], x[1], 0}};
 }
 
-ViewColumn wordColumn(const std::string& name, const std::vector<std::string>& texts,
-                      const std::vector<std::uint32_t>& rows) {
-    ViewColumn column;
-    column.facts = {{"name", name}, {"unit", ""}};
-    std::map<std::string, std::uint64_t> known;
-    Array array{arrayOf(name), {}, 1};
-    for (const std::uint32_t row : rows) {
-        const auto at = known.emplace(texts[row], known.size()).first;
-        if (known.size() > kMostWords) {
-            column.shown = false;
-            return column;
-        }
-        array.numbers.push_back(at->second);
-    }
-    std::vector<std::string> words(known.size());
-    for (const auto& [word, number] : known) words[number] = word;
-    column.facts.update({{"lo", 0}, {"step", 1}, {"whole", true}, {"words", words}});
-    column.array = std::move(array);
-    return column;
+/// Rows of the pack in order: all, or a random subset that is the same each time.
+std::vector<std::uint32_t> shownRows(std::size_t count, std::size_t most) {
+    std::vector<std::uint32_t> rows(count);
+    std::iota(rows.begin(), rows.end(), 0);
+    if (count <= most) return rows;
+    const auto key = [](std::uint32_t row) { return mix64(row + 0x9e3779b97f4a7c15ull); };
+    std::nth_element(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(most), rows.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return key(a) < key(b); });
+    rows.resize(most);
+    std::sort(rows.begin(), rows.end());
+    return rows;
 }
 
-template <int Dim>
-std::vector<ViewColumn> columnsOf(const Pack<Dim>& pack, const std::vector<std::uint32_t>& rows) {
-    std::vector<ViewColumn> columns;
-    const std::size_t count = pack.spheres.size();
-    forEachAttribute(pack, [&](std::string_view name, const auto& values) {
-        if (values.size() != count) return;
-        using Value = typename std::decay_t<decltype(values)>::value_type;
-        if constexpr (std::is_same_v<Value, std::string>) {
-            columns.push_back(wordColumn(std::string(name), values, rows));
-        } else {
-            std::vector<double> numbers;
-            numbers.reserve(rows.size());
-            for (const std::uint32_t row : rows)
-                numbers.push_back(static_cast<double>(values[row]));
-            columns.push_back(numberColumn(std::string(name), numbers, rows,
-                                           std::is_same_v<Value, float> ? "mm" : ""));
-            if (std::is_same_v<Value, double> && areKinds(numbers))
-                columns.back().facts["kinds"] = true;
-        }
-    });
-    // Names are keys of the script.
-    for (std::size_t i = 0; i < columns.size(); ++i)
-        for (std::size_t j = 0; j < i; ++j)
-            if (columns[i].facts["name"] == columns[j].facts["name"]) columns[i].shown = false;
-    return columns;
-}
-
-std::string hexColor(std::uint32_t rgb) {
-    return fmt::format("#{:06x}", rgb);
-}
-
-Json colorsOf() {
-    Json ramp = Json::array(), kinds = Json::array(), regions = Json::array();
-    for (int i = 0; i < kRampColors; ++i) {
-        std::uint8_t c[3];
-        toSrgb(rampColor(static_cast<double>(i) / (kRampColors - 1)), c);
-        ramp.push_back(hexColor(static_cast<std::uint32_t>(c[0] << 16 | c[1] << 8 | c[2])));
-    }
-    for (const std::uint32_t c : kindColors()) kinds.push_back(hexColor(c));
-    for (const std::uint32_t c : regionColors()) regions.push_back(hexColor(c));
-    return {{"ramp", ramp}, {"kinds", kinds}, {"regions", regions}};
-}
-
-Json jsonOf(const Vec<3>& v) {
-    return {v[0], v[1], v[2]};
-}
-
-/// Points on a lattice of their own, as arrays NAME-x, NAME-y, NAME-z.
+/// x, y and z of points.
 template <class Points>
-void addPoints(const std::string& name, const Points& points, const Box<3>& bounds,
-               std::vector<Array>& arrays, Json& facts) {
-    const Lattice lattice(bounds);
-    std::array<Array, 3> parts{{{name + "-x", {}, 2}, {name + "-y", {}, 2}, {name + "-z", {}, 2}}};
-    for (const auto& p : points) {
-        const auto at = lattice.at(inSpace(p));
-        for (std::size_t d = 0; d < 3; ++d) parts[d].numbers.push_back(at[d]);
+Json packedPoints(const Points& points) {
+    Json parts = Json::array();
+    for (int d = 0; d < 3; ++d) {
+        std::vector<double> values;
+        values.reserve(points.size());
+        for (const auto& p : points) values.push_back(inSpace(p)[d]);
+        parts.push_back(packedNumbers(values));
     }
-    facts[name] = {{"lo", jsonOf(lattice.lo)}, {"step", lattice.step}};
-    for (auto& part : parts) arrays.push_back(std::move(part));
+    return parts;
 }
 
-void addWall(const ViewScene<3>& scene, const ViewOptions& options, std::vector<Array>& arrays,
-             Json& facts) {
+/// The spheres' x, y, z and radii; if not all are shown, their rows, each less the last one.
+template <int Dim>
+void addSpheres(const std::vector<Sphere<Dim>>& all, const std::vector<std::uint32_t>& rows,
+                Json& facts, std::string& words) {
+    std::vector<Vec<Dim>> centers;
+    std::vector<double> radii;
+    for (const std::uint32_t row : rows) {
+        centers.push_back(all[row].center);
+        radii.push_back(all[row].radius);
+    }
+    Json parts = packedPoints(centers);
+    double rounding = 0;
+    for (const Json& part : parts)
+        if (!part["whole"]) rounding = std::max(rounding, part["step"].get<double>());
+    if (rounding > 0) words += fmt::format("Positions are rounded to {:.1g} mm. ", rounding);
+    parts.push_back(packedNumbers(radii));
+    facts["spheres"] = std::move(parts);
+    if (rows.size() == all.size()) return;
+    std::vector<double> steps(rows.size());
+    std::adjacent_difference(rows.begin(), rows.end(), steps.begin());
+    facts["rows"] = packedNumbers(steps);
+    words += fmt::format("{} of {} {} are shown, chosen at random. ", grouped(rows.size()),
+                         grouped(all.size()), Measure<Dim>::kSpheres);
+}
+
+/// Red, green and blue of `count` colors, each 0 to 255; from the first again after the last.
+Json bytesOf(const std::vector<std::uint32_t>& colors, std::size_t count) {
+    Json bytes = Json::array();
+    for (std::size_t i = 0; i < count; ++i) {
+        const std::uint32_t c = colors[i % colors.size()];
+        bytes.push_back({c >> 16, c >> 8 & 255, c & 255});
+    }
+    return bytes;
+}
+
+/// Colors from dark to light, for values from the least to the greatest.
+Json ramp() {
+    Json bytes = Json::array();
+    for (int i = 0; i < kRampColors; ++i) {
+        std::array<std::uint8_t, 3> c{};
+        toSrgb(rampColor(static_cast<double>(i) / (kRampColors - 1)), c.data());
+        bytes.push_back(c);
+    }
+    return bytes;
+}
+
+/// A column of numbers. Numbers that differ from the rows by a constant, such as ids, have no data;
+/// regions and small whole numbers have a name and a color each.
+template <class Value>
+Json columnOf(const std::string& name, const std::vector<Value>& all,
+              const std::vector<std::uint32_t>& rows) {
+    std::vector<double> values;
+    for (const std::uint32_t row : rows) values.push_back(static_cast<double>(all[row]));
+    Json column{{"name", name}, {"unit", std::is_same_v<Value, float> ? "mm" : ""}};
+    const double shift = values.front() - rows.front();
+    if (std::equal(values.begin(), values.end(), rows.begin(),
+                   [&](double v, std::uint32_t row) { return v == row + shift; }))
+        column.update({{"lo", shift}, {"step", 1}, {"whole", true}});
+    else
+        column.update(packedNumbers(values));
+    if (name == "region" && *std::max_element(values.begin(), values.end()) <= 1) {
+        column["names"] = {"cortical", "trabecular"};
+        column["colors"] = bytesOf(regionColors(), 2);
+    } else if (std::is_same_v<Value, double> && areKinds(values)) {
+        for (std::size_t k = 0; k < kindColors().size(); ++k)
+            column["names"].push_back(std::to_string(k));
+        column["colors"] = bytesOf(kindColors(), kindColors().size());
+    }
+    return column;
+}
+
+/// A column of texts: their indices in `names`.
+Json columnOf(const std::string& name, const std::vector<std::string>& texts,
+              const std::vector<std::uint32_t>& rows) {
+    std::map<std::string, double> known;
+    std::vector<double> indices;
+    for (const std::uint32_t row : rows)
+        indices.push_back(known.emplace(texts[row], known.size()).first->second);
+    std::vector<std::string> names(known.size());
+    for (const auto& [text, index] : known) names[static_cast<std::size_t>(index)] = text;
+    Json column{{"name", name}, {"unit", ""}};
+    column.update(packedNumbers(indices));
+    column["colors"] = bytesOf(kindColors(), names.size());
+    column["names"] = std::move(names);
+    return column;
+}
+
+/// The columns of the pack as far as there is room.
+template <int Dim>
+void addColumns(const Pack<Dim>& pack, const std::vector<std::uint32_t>& rows, std::size_t most,
+                Json& facts, std::string& words) {
+    std::size_t bytes = facts["spheres"].dump().size();
+    Json& columns = facts["columns"] = Json::array();
+    std::string leftOut;
+    forEachAttribute(pack, [&](std::string_view name, const auto& values) {
+        if (values.size() != pack.spheres.size()) return;
+        Json column = columnOf(std::string(name), values, rows);
+        const std::size_t more = column.dump(-1, ' ', false, Json::error_handler_t::replace).size();
+        if (bytes + more > most) {
+            leftOut += (leftOut.empty() ? "" : ", ") + std::string(name);
+            return;
+        }
+        bytes += more;
+        columns.push_back(std::move(column));
+    });
+    if (!leftOut.empty()) words += "Not in this page, which would be too large: " + leftOut + ". ";
+}
+
+/// The wall as triangles.
+void addWall(const ViewScene<3>& scene, const ViewOptions& options, Json& facts,
+             std::string& words) {
     if (!scene.wall) return;
-    const TriangleMesh mesh = coarsened(*scene.wall, options.mostTriangles);
-    addPoints("wall", mesh.vertices, mesh.bounds(), arrays, facts);
-    facts["wall"]["triangles"] = mesh.triangles.size();
-    facts["wall"]["of"] = scene.wall->triangles.size();
-    const char* const names[] = {"wall-a", "wall-b", "wall-c"};
-    for (std::size_t k = 0; k < 3; ++k) {
-        Array corner{names[k], {}, planesFor(mesh.vertices.size())};
-        for (const auto& t : mesh.triangles) corner.numbers.push_back(t[k]);
-        arrays.push_back(std::move(corner));
+    const TriangleMesh& mesh = *scene.wall;
+    if (mesh.triangles.size() > options.mostTriangles) {
+        words +=
+            fmt::format("The wall, of {} triangles, is left out. ", grouped(mesh.triangles.size()));
+        return;
     }
+    if (scene.wallVoxel > 0)
+        words +=
+            fmt::format("The wall is shown as a contour in voxels of {:.2g} mm. ", scene.wallVoxel);
+    std::vector<double> corners;
+    for (const auto& t : mesh.triangles) corners.insert(corners.end(), t.begin(), t.end());
+    facts["wall"] = {{"points", packedPoints(mesh.vertices)}, {"corners", packedNumbers(corners)}};
 }
 
-void addWall(const ViewScene<2>& scene, const ViewOptions&, std::vector<Array>& arrays,
-             Json& facts) {
+/// The zero line of a field as line segments, two ends each, mm (marching squares).
+std::vector<Vec<2>> contourLines(const PlaneField& field) {
+    std::vector<Vec<2>> ends;
+    const auto distance = [&](std::int64_t i, std::int64_t j) {
+        return static_cast<double>(field.distance[static_cast<std::size_t>(j * field.columns + i)]);
+    };
+    for (std::int64_t j = 0; j + 1 < field.rows; ++j)
+        for (std::int64_t i = 0; i + 1 < field.columns; ++i) {
+            // The corners of a cell in turn around it.
+            const std::array<std::array<std::int64_t, 2>, 4> corners{
+                {{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j + 1}}};
+            std::array<Vec<2>, 4> crossings;
+            std::size_t n = 0;
+            for (std::size_t k = 0; k < 4; ++k) {
+                const auto &a = corners[k], &b = corners[(k + 1) % 4];
+                const double da = distance(a[0], a[1]), db = distance(b[0], b[1]);
+                if ((da < 0) == (db < 0)) continue;
+                const double t = da / (da - db);
+                const auto along = [&](std::size_t d) {
+                    return (static_cast<double>(a[d]) + t * static_cast<double>(b[d] - a[d])) *
+                           field.step;
+                };
+                crossings[n++] = field.origin + Vec<2>{{along(0), along(1)}};
+            }
+            // Of four crossings, each line joins two that follow one another.
+            for (std::size_t k = 0; k + 1 < n; k += 2) {
+                ends.push_back(crossings[k]);
+                ends.push_back(crossings[k + 1]);
+            }
+        }
+    return ends;
+}
+
+/// The wall as ends of line segments.
+void addWall(const ViewScene<2>& scene, const ViewOptions&, Json& facts, std::string&) {
     if (!scene.field) return;
     const std::vector<Vec<2>> ends = contourLines(*scene.field);
-    Box<3> bounds;
-    for (const auto& p : ends) bounds.add(inSpace(p));
-    if (!bounds.empty()) addPoints("outline", ends, bounds, arrays, facts);
+    if (!ends.empty()) facts["wall"] = {{"points", packedPoints(ends)}};
 }
 
-/// The camera of a picture of 4 by 3.
-void addCamera(const ViewScene<3>& scene, const ViewOptions& options, Json& facts) {
-    SpacePreview space;
-    space.pack = scene.pack;
-    space.wall = scene.wall;
-    PreviewOptions preview;
-    preview.width = 800;
-    preview.height = 600;
-    preview.cut = options.cut;
-    const PreviewCamera camera = previewCamera(space, preview);
-    facts["camera"] = {{"position", jsonOf(camera.position)},
-                       {"toward", jsonOf(camera.toward)},
-                       {"target", camera.target},
-                       {"tangent", camera.tanX}};
-    if (options.cut)
-        facts["cut"] = {{"axis", std::string(1, "xyz"[options.cut->axis])},
-                        {"at", options.cut->at}};
-}
-
-void addCamera(const ViewScene<2>&, const ViewOptions&, Json&) {}
-
-std::string colorName(const ViewOptions& options) {
-    switch (options.color) {
-        case PreviewColor::region:
-            return "region";
-        case PreviewColor::depth:
-            return "depth";
-        case PreviewColor::order:
-            return "order";
-        case PreviewColor::column:
-            return options.column;
-        default:
-            return "radius";
-    }
-}
-
-/// Facts on the columns; adds their arrays as far as there is room.
-void addColumns(std::vector<ViewColumn> columns, const ViewOptions& options, Store& store,
-                Json& facts) {
-    std::vector<Array> arrays;
-    for (auto& column : columns)
-        if (column.shown && column.array) arrays.push_back(std::move(*column.array));
-    const std::vector<bool> added = store.addWithin(arrays, options.mostBytes);
-    Json shown = Json::array();
-    std::string leftOut;
-    std::size_t next = 0;
-    for (const auto& column : columns) {
-        if (column.shown && (!column.array || added[next++]))
-            shown.push_back(column.facts);
-        else
-            leftOut += (leftOut.empty() ? "" : ", ") + column.facts["name"].get<std::string>();
-    }
-    facts["columns"] = std::move(shown);
-    if (!leftOut.empty()) facts["leftOut"] = leftOut;
-}
-
-}  // namespace
-
+/// Around all that is shown.
 template <int Dim>
-ViewData viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
-    const Pack<Dim>& pack = *scene.pack;
-    if (pack.spheres.empty())
-        throw ParameterError("view: the pack is empty; give one with spheres");
-    Box<3> centers, bounds;
-    for (const Box<Dim>& box : {boundsOf(pack), scene.bounds})
+Box<3> boundsOf(const ViewScene<Dim>& scene) {
+    Box<3> bounds;
+    for (const Box<Dim>& box : {boundsOf(*scene.pack), scene.bounds})
         if (!box.empty()) {
             bounds.add(inSpace(box.lo));
             bounds.add(inSpace(box.hi));
         }
-    for (const auto& s : pack.spheres) centers.add(inSpace(s.center));
-    const Lattice lattice(centers);
-    const ShownSpheres shown = shownSpheres(pack.spheres, lattice, options);
-
-    ViewData data;
-    Json& facts = data.facts;
-    facts = {{"dim", Dim},
-             {"things", Measure<Dim>::kSpheres},
-             {"count", shown.rows.size()},
-             {"outer", shown.outer},
-             {"inner", shown.inner},
-             {"of", pack.spheres.size()},
-             {"lo", jsonOf(lattice.lo)},
-             {"step", lattice.step},
-             {"bounds", {jsonOf(bounds.lo), jsonOf(bounds.hi)}},
-             {"depth", shown.depth},
-             {"color", colorName(options)}};
-    if (!shown.words.empty()) facts["words"] = shown.words;
-    if (Dim == 2) facts["height"] = pack.sliceHeight;
-    facts["colors"] = colorsOf();
-    Store store(data);
-
-    std::vector<Array> arrays;
-    Array codes{"code", {}, kCodePlanes}, rows{"row", {}, planesFor(pack.spheres.size())};
-    std::uint64_t last = 0;
-    for (std::size_t i = 0; i < shown.rows.size(); ++i) {
-        // The curve starts again with each kind of sphere.
-        const bool starts = i == 0 || i == shown.outer || i == shown.outer + shown.inner;
-        codes.numbers.push_back(shown.codes[i] - (starts ? 0 : last));
-        last = shown.codes[i];
-        rows.numbers.push_back(shown.rows[i]);
-    }
-    std::vector<double> radii;
-    radii.reserve(shown.rows.size());
-    for (const std::uint32_t row : shown.rows) radii.push_back(pack.spheres[row].radius);
-    Quantized radius = quantized(radii, kMost);
-    facts["radius"] = {{"lo", radius.lo}, {"step", radius.step}};
-    arrays.push_back(std::move(codes));
-    arrays.push_back(std::move(rows));
-    arrays.push_back({"radius", std::move(radius.numbers), 2});
-    addWall(scene, options, arrays, facts);
-    store.add(arrays);
-    addCamera(scene, options, facts);
-    addColumns(columnsOf(pack, shown.rows), options, store, facts);
-    return data;
+    if (scene.wall)
+        for (const Vec<3>& v : scene.wall->vertices) bounds.add(v);
+    return bounds;
 }
 
-template ViewData viewData<2>(const ViewScene<2>&, const ViewOptions&);
-template ViewData viewData<3>(const ViewScene<3>&, const ViewOptions&);
+}  // namespace
+
+Json packedNumbers(const std::vector<double>& values) {
+    double lo = std::numeric_limits<double>::infinity(), hi = -lo;
+    bool whole = true;
+    for (const double v : values) {
+        whole = whole && std::isfinite(v) && v == std::floor(v);
+        if (!std::isfinite(v)) continue;
+        lo = std::min(lo, v);
+        hi = std::max(hi, v);
+    }
+    if (!(lo <= hi)) lo = hi = 0;
+    whole = whole && hi - lo <= kMostWhole;
+    const double step = whole ? 1 : (hi - lo) / kMost;
+    std::vector<std::uint32_t> numbers;
+    numbers.reserve(values.size());
+    for (const double v : values)
+        numbers.push_back(!std::isfinite(v) ? kMost + 1
+                          : step > 0 ? static_cast<std::uint32_t>(std::llround((v - lo) / step))
+                                     : 0);
+    return {{"lo", lo},
+            {"step", step},
+            {"whole", whole},
+            {"count", values.size()},
+            {"data", packedWords(numbers)}};
+}
+
+template <int Dim>
+Json viewData(const ViewScene<Dim>& scene, const ViewOptions& options) {
+    const Pack<Dim>& pack = *scene.pack;
+    if (pack.spheres.empty())
+        throw ParameterError("view: the pack is empty; give one with spheres");
+    const Box<3> bounds = boundsOf(scene);
+    std::string words;
+    Json facts{{"plane", Dim == 2},
+               {"middle", bounds.center().c},
+               {"half", (bounds.size() * 0.5).c},
+               {"color", options.color == PreviewColor::column
+                             ? options.column
+                             : kColorNames[static_cast<std::size_t>(options.color)]},
+               {"ramp", ramp()}};
+    if (Dim == 3 && options.cut) {
+        checkPreviewCut(*options.cut, bounds);
+        facts["cut"] = {{"axis", std::string(1, "xyz"[options.cut->axis])},
+                        {"at", options.cut->at}};
+    }
+    const std::vector<std::uint32_t> rows = shownRows(pack.spheres.size(), options.mostSpheres);
+    addSpheres(pack.spheres, rows, facts, words);
+    addWall(scene, options, facts, words);
+    addColumns(pack, rows, options.mostBytes, facts, words);
+    facts["words"] = words;
+    return facts;
+}
+
+template Json viewData<2>(const ViewScene<2>&, const ViewOptions&);
+template Json viewData<3>(const ViewScene<3>&, const ViewOptions&);
 
 }  // namespace vdbpack

@@ -5,19 +5,18 @@
 
 #include <nlohmann/json.hpp>
 
-#include <string>
+#include <vector>
 
 namespace vdbpack {
 
-/// A view as facts and arrays.
-struct ViewData {
-    /// Facts for the script: `arrays` lists the zlib streams of `bytes` by name, length and
-    /// numbers.
-    nlohmann::ordered_json facts;
-    std::string bytes;
-};
-
+/// What a view shows, as the script reads it; `words` states what is rounded and left out.
 template <int Dim>
-ViewData viewData(const ViewScene<Dim>& scene, const ViewOptions& options);
+nlohmann::ordered_json viewData(const ViewScene<Dim>& scene, const ViewOptions& options);
+
+/// Numbers for the script: each value is `lo` + `step` times a whole number. `data` holds these
+/// numbers as 16-bit words, lowest byte first, deflated, in base 64: the low words of all numbers,
+/// then their high words if any is needed. Whole values in a range of 32 bits are exact (`whole`);
+/// others have 65534 steps, and 65535 stands for values that are not finite.
+nlohmann::ordered_json packedNumbers(const std::vector<double>& values);
 
 }  // namespace vdbpack

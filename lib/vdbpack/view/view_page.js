@@ -2,22 +2,13 @@ const REST = 150;             // ms without change before a picture in full qual
 const SLOW = 80, FAST = 25;   // ms of a frame: fewer or more spheres are drawn
 const CLICK = 5;              // pixels that a click may move
 const MOST_PIXELS = 2048;     // along a side of the canvas
-const CHOSEN = [255, 45, 110];
-const DEGREE = Math.PI / 180;
-
-function rgbOf(color) {
-  const number = parseInt(color.slice(1), 16);
-  return [number >> 16, number >> 8 & 255, number & 255];
-}
+// Where pictures look from, as azimuth and rise: without a cut, at a cut, and on the plane.
+const DIRECTIONS = {'': [-55, 22], view: [-55, 22], x: [-28, 20], y: [-62, 20], z: [-62, 62],
+  plane: [-90, 90]};
 
 /** A color of the page's style, as shares. */
-function styleColor(element, name) {
-  const probe = document.createElement('i');
-  probe.style.color = `var(${name})`;
-  element.append(probe);
-  const parts = getComputedStyle(probe).color.match(/[\d.]+/g).map(Number);
-  probe.remove();
-  return parts.slice(0, 3).map(c => c / 255);
+function sharesOf(color) {
+  return color.match(/[\d.]+/g).slice(0, 3).map(c => c / 255);
 }
 
 /** 1, 2 or 5 times a power of ten, at most `most`. */
@@ -26,137 +17,92 @@ function roundLength(most) {
   return [5, 2, 1].find(k => k * power <= most) * power;
 }
 
-/** What there is to draw, around its middle. */
-function sceneOf(facts, arrays) {
-  const [lo, hi] = facts.bounds;
-  const middle = lo.map((c, d) => (c + hi[d]) / 2);
-  const spheres = spheresOf(facts, arrays, middle);
-  let smallest = Infinity, squares = 0, cubes = 0;
-  for (let i = 3; i < spheres.length; i += 4) {
-    const r = spheres[i];
-    if (r < smallest) smallest = r;
-    squares += r * r;
-    cubes += r * r * r;
-  }
-  return {
-    plane: facts.dim === 2, count: facts.count, outer: facts.outer, inner: facts.inner,
-    outlines: facts.outer || facts.count, spheres, middle, smallest, optical: cubes / squares,
-    depth: facts.depth, lo: lo.map((c, d) => c - middle[d]), hi: hi.map((c, d) => c - middle[d]),
-    size: Math.hypot(...lo.map((c, d) => hi[d] - c)) / 2,
-    wall: wallOf(facts, arrays, middle),
-    outline: facts.outline ? pointsOf('outline', facts.outline, arrays, middle) : null
-  };
-}
-
 /** A plane that can be moved; keeps the side that the pictures keep, or the other. */
 class Cut {
-  constructor(scene) {
+  constructor(scene, camera, first) {
     this.scene = scene;
-    this.axis = '';
-    this.at = {x: 0, y: 0, z: 0, view: 0};  // from the middle, mm
+    this.camera = camera;
+    this.axis = first?.axis ?? '';
+    this.at = {x: 0, y: 0, z: 0, view: scene.size};  // from the middle, or from the front, mm
+    if (first) this.at[first.axis] = first.at - scene.middle['xyz'.indexOf(first.axis)];
     this.other = false;
   }
   /** Normal and offset: what is kept has n · x + offset >= 0; null: all is kept. */
-  plane(camera) {
-    if (!this.axis) return null;
-    const at = this.at[this.axis];
-    if (this.axis === 'view') {
-      const {toward} = camera.frame(1, 1);
-      const way = this.other ? 1 : -1;
-      return {normal: toward.map(c => way * c), offset: -way * at};
-    }
-    const d = 'xyz'.indexOf(this.axis), way = (this.axis === 'y' ? 1 : -1) * (this.other ? -1 : 1);
-    return {normal: [0, 1, 2].map(k => k === d ? way : 0), offset: -way * at};
+  plane() {
+    const {axis, other, at} = this;
+    if (this.scene.plane) return {normal: [0, 0, -1], offset: 0};
+    if (!axis) return null;
+    const way = (axis === 'y' ? 1 : -1) * (other ? -1 : 1);
+    if (axis !== 'view')
+      return {normal: ['x', 'y', 'z'].map(name => name === axis ? way : 0), offset: -way * at[axis]};
+    const {toward} = this.camera.frame();
+    return {normal: toward.map(c => way * c), offset: way * (at.view - this.interval()[1] / 2)};
   }
   /** The interval in which it meets the scene. */
-  interval(camera) {
-    const {lo, hi} = this.scene;
-    if (this.axis !== 'view') return [lo['xyz'.indexOf(this.axis)], hi['xyz'.indexOf(this.axis)]];
-    const {toward} = camera.frame(1, 1);
-    const half = toward.reduce((sum, c, d) => sum + Math.abs(c) * (hi[d] - lo[d]) / 2, 0);
-    return [half, -half];  // the slider goes into the scene
+  interval() {
+    const {half} = this.scene, d = 'xyz'.indexOf(this.axis);
+    if (this.axis !== 'view') return [-half[d], half[d]];
+    return [0, 2 * this.camera.frame().toward.reduce((sum, c, k) => sum + Math.abs(c) * half[k], 0)];
   }
-  share(camera) {
-    const [from, to] = this.interval(camera);
-    return (this.at[this.axis] - from) / (to - from);
+  move(at) { this.at[this.axis] = clamp(at, ...this.interval()); }
+  text() {
+    const {axis, scene} = this, digits = clamp(2 - Math.floor(Math.log10(scene.size)), 0, 9);
+    return ((scene.middle['xyz'.indexOf(axis)] ?? 0) + this.at[axis]).toFixed(digits) +
+      (axis === 'view' ? ' mm deep' : ' mm');
   }
-  setShare(share, camera) {
-    const [from, to] = this.interval(camera);
-    this.at[this.axis] = from + clamp(share, 0, 1) * (to - from);
-  }
-  text(camera) {
-    const [from] = this.interval(camera), at = this.at[this.axis];
-    const digits = clamp(2 - Math.floor(Math.log10(this.scene.size)), 0, 9);
-    if (this.axis === 'view') return `${(from - at).toFixed(digits)} mm deep`;
-    return `${(at + this.scene.middle['xyz'.indexOf(this.axis)]).toFixed(digits)} mm`;
-  }
-  /** Where a picture looks at it from: azimuth and rise. */
-  direction() {
-    let turned = {x: {azimuth: -28 * DEGREE, rise: 20 * DEGREE},
-      y: {azimuth: -62 * DEGREE, rise: 20 * DEGREE},
-      z: {azimuth: -62 * DEGREE, rise: 62 * DEGREE}}[this.axis];
-    if (!turned) return START;
-    if (this.other) turned = {azimuth: turned.azimuth + Math.PI, rise: -turned.rise};
-    return turned;
+  /** Turns the camera to where pictures look at it from. */
+  face() {
+    const degree = Math.PI / 180, {axis, other, camera} = this;
+    const [azimuth, rise] = DIRECTIONS[this.scene.plane ? 'plane' : axis];
+    const isBehind = other && axis && axis !== 'view';
+    camera.azimuth = (azimuth + (isBehind ? 180 : 0)) * degree;
+    camera.rise = (isBehind ? -rise : rise) * degree;
   }
 }
 
 /** The view in a figure: its controls, and when what is drawn. */
 class View {
-  constructor(figure, facts, arrays) {
+  constructor(figure, facts, {rows, properties}, scene) {
     this.figure = figure;
     this.root = figure.querySelector('.view');
-    this.facts = facts;
     this.canvas = this.part('canvas');
-    this.scene = sceneOf(facts, arrays);
-    this.rows = arrays.get('row');
-    this.properties = propertiesOf(facts, arrays);
-    const gl = this.canvas.getContext('webgl2',
-                                      {antialias: false, alpha: false, preserveDrawingBuffer: true,
-                                       powerPreference: 'high-performance'});
-    if (!gl) throw new Error('WebGL2 is not available');
-    this.gl = gl;
-    this.drawing = new Drawing(gl, this.scene);
-    this.camera = this.scene.plane ? new PlaneCamera(this.scene)
-      : new SpaceCamera(this.scene, facts.camera.tangent);
-    this.cut = new Cut(this.scene);
-    this.ramp = this.rampOf(facts.colors.ramp);
+    this.facts = facts;
+    this.rows = rows;
+    this.all = properties;
+    this.properties = properties.slice(3);  // that give colors
+    this.scene = scene;
+    this.gl = this.canvas.getContext('webgl2', {antialias: false, alpha: false,
+      preserveDrawingBuffer: true, powerPreference: 'high-performance'});
+    if (!this.gl) throw new Error('WebGL2 is not available');
+    this.drawing = new Drawing(this.gl, scene);
+    this.camera = new Camera(scene, this.canvas);
+    this.cut = new Cut(scene, this.camera, facts.cut);
     this.chosen = -1;
-    this.budget = 300000;
-    this.isDirty = true;
-    this.changed = 0;
-    this.fence = null;
-    this.frameTimes = [];
-  }
-  part(name) { return this.root.querySelector(name); }
-
-  start() {
-    const {facts} = this;
-    if (facts.cut) {
-      this.cut.axis = facts.cut.axis;
-      this.cut.at[facts.cut.axis] = facts.cut.at - this.scene.middle['xyz'.indexOf(facts.cut.axis)];
-    }
-    this.figure.classList.add('viewing');
+    this.budget = 100000;
+    this.down = new Map();  // fingers on the canvas, and where they were last
+    figure.classList.add('viewing');
     this.root.hidden = false;
-    this.fillControls();
-    this.color = Math.max(0, this.properties.findIndex(p => p.name === facts.color));
-    this.setColor(this.color);
+    this.part('.view-color').replaceChildren(...this.properties.map(p => new Option(p.name)));
+    this.part('.view-words').textContent = facts.words;
+    this.part('.view-wall').classList.toggle('none', !scene.wall);
+    this.cut.face();
     this.resize();
     this.home();
-    this.showCut();
+    this.setColor(Math.max(0, this.properties.findIndex(p => p.name === facts.color)));
     this.listen();
     this.tick();
   }
+  part(name) { return this.root.querySelector(name); }
 
   // What is drawn
 
   look() {
-    const {width, height} = this.canvas;
-    return {frame: this.camera.frame(width, height), cut: this.cut.plane(this.camera),
+    return {frame: this.camera.frame(), cut: this.cut.plane(), chosen: this.chosen,
       wall: this.part('.view-wall input').checked, paper: this.paper, ink: this.ink};
   }
   /** To be called after anything that is seen has changed. */
   change() {
+    this.showCut();
     this.isDirty = true;
     this.changed = performance.now();
     this.drawing.work = null;
@@ -166,42 +112,38 @@ class View {
   tick() {
     requestAnimationFrame(() => this.tick());
     if (this.gl.isContextLost() || this.isBusy()) return;
-    if (this.isDirty) {
+    const isFrame = this.isDirty;
+    if (isFrame)
       this.drawNow();
-      this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-      this.begun = performance.now();
-    } else if (this.root.dataset.state === 'moving' && performance.now() - this.changed > REST) {
-      if (!this.drawing.work) this.drawing.startBest(this.look());
-      if (this.drawing.stepBest()) this.root.dataset.state = 'still';
-      this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
-      this.begun = null;
-    }
+    else if (this.root.dataset.state === 'still' || performance.now() - this.changed < REST)
+      return;
+    else if (this.drawing.stepBest(this.look()))
+      this.root.dataset.state = 'still';
+    this.begun = isFrame ? performance.now() : null;
+    this.fence = this.gl.fenceSync(this.gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     this.gl.flush();
   }
+  /** Whether the last work is not done. Where frames are slow, fewer spheres are drawn in them. */
   isBusy() {
-    const {gl} = this;
-    if (!this.fence) return false;
-    if (gl.clientWaitSync(this.fence, 0, 0) === gl.TIMEOUT_EXPIRED) return true;
-    gl.deleteSync(this.fence);
+    const {gl, fence, begun} = this;
+    if (!fence) return false;
+    if (gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED) return true;
+    gl.deleteSync(fence);
     this.fence = null;
-    if (this.begun) this.adapt(performance.now() - this.begun);
+    const time = performance.now() - begun;
+    if (begun && time > SLOW && this.budget > 20000) this.budget *= 0.7;
+    if (begun && time < FAST && this.budget < 4e6) this.budget *= 1.3;
     return false;
-  }
-  /** Draws fewer spheres while the camera moves where that is slow. */
-  adapt(time) {
-    if (time > SLOW && this.budget > 20000) this.budget *= 0.7;
-    if (time < FAST && this.budget < 4e6) this.budget *= 1.3;
   }
   drawNow() {
     this.isDirty = false;
-    this.seen = this.drawing.draw(this.look(), this.budget);
+    this.drawing.draw(this.look(), this.budget);
     this.showScale();
   }
   /** Completes the picture in full quality. */
   drawBest() {
     if (this.isDirty) this.drawNow();
-    this.drawing.startBest(this.look());
-    while (!this.drawing.stepBest());
+    while (!this.drawing.stepBest(this.look()));
     this.root.dataset.state = 'still';
   }
   resize() {
@@ -210,203 +152,118 @@ class View {
     const ratio = Math.min(window.devicePixelRatio || 1, MOST_PIXELS / longer);
     const width = Math.max(1, Math.round(box.width * ratio));
     const height = Math.max(1, Math.round(box.height * ratio));
-    this.paper = styleColor(this.root, '--card');
-    this.ink = styleColor(this.root, '--ink');
+    const style = getComputedStyle(this.figure);
+    this.paper = sharesOf(style.backgroundColor);
+    this.ink = sharesOf(style.color);
     if (this.canvas.width !== width || this.canvas.height !== height)
       Object.assign(this.canvas, {width, height});
     this.change();
   }
-  /** Shows all; as the picture does where the canvas has its sides. */
+  /** Shows all, as pictures do. */
   home() {
-    const {width, height} = this.canvas, {facts, camera, cut} = this;
-    const isFirst = cut.axis === (facts.cut?.axis ?? '') && !cut.other &&
-      (!facts.cut || this.scene.middle['xyz'.indexOf(cut.axis)] + cut.at[cut.axis] === facts.cut.at);
-    if (facts.camera && isFirst && Math.abs(3 * width / (4 * height) - 1) < 0.01) {
-      camera.use(facts.camera, this.scene.middle);
-    } else {
-      Object.assign(camera, cut.direction());
-      const plane = cut.axis === 'view' ? null : cut.plane(camera);
-      camera.fit(width, height, plane && (x => dot(plane.normal, x) + plane.offset));
-    }
+    const {cut} = this;
+    cut.face();
+    this.camera.fit(cut.axis === 'view' ? null : cut.plane());
     this.change();
   }
   showScale() {
-    const scale = this.camera.scale(this.canvas.width, this.canvas.height) *
-      this.canvas.clientWidth / this.canvas.width;
-    const length = roundLength(this.canvas.clientWidth / 5 / scale);
+    const {width, clientWidth} = this.canvas, scale = this.camera.scale() * clientWidth / width;
+    const length = roundLength(clientWidth / 5 / scale);
     this.part('.view-scale i').style.width = `${length * scale}px`;
     this.part('.view-scale span').textContent = `${Number(length.toPrecision(1))} mm`;
   }
 
   // Colors
 
-  rampOf(colors) {
-    const stops = colors.map(rgbOf), ramp = new Uint8Array(3 * 256);
-    for (let i = 0; i < 256; ++i) {
-      const at = i / 255 * (stops.length - 1), low = Math.min(Math.floor(at), stops.length - 2);
-      for (let d = 0; d < 3; ++d)
-        ramp[3 * i + d] = Math.round(stops[low][d] + (at - low) * (stops[low + 1][d] - stops[low][d]));
-    }
-    return ramp;
-  }
-  /** Colors of kinds, for properties that have few values; null: a ramp. */
-  kindsOf(property) {
-    const {kinds, regions} = this.facts.colors;
-    if (property.name === 'region' && property.whole && property.lo + property.most <= 1)
-      return {colors: regions, names: ['cortical', 'trabecular']};
-    if (property.words) return {colors: property.words.map((word, i) => kinds[i % kinds.length]),
-      names: property.words};
-    if (property.kinds) return {colors: kinds, names: kinds.map((color, i) => String(i))};
-    return null;
-  }
   setColor(index) {
     this.color = index;
     this.part('.view-color').selectedIndex = index;
-    const property = this.properties[index], kinds = this.kindsOf(property);
-    const {numbers, none, least, most} = property;
-    const colors = this.colors = new Uint8Array(4 * numbers.length);
-    const table = kinds && kinds.colors.map(rgbOf);
-    const first = kinds ? property.lo : 0;
-    for (let i = 0; i < numbers.length; ++i) {
-      const n = numbers[i];
-      if (table) {
-        colors.set(table[n + first], 4 * i);
-      } else {
-        const share = most > least ? (n === none ? 0 : (n - least) / (most - least)) : 0.5;
-        const at = 3 * Math.round(255 * share);
-        colors[4 * i] = this.ramp[at];
-        colors[4 * i + 1] = this.ramp[at + 1];
-        colors[4 * i + 2] = this.ramp[at + 2];
-      }
-    }
-    this.drawing.setColors(this.withChosen());
-    this.showLegend(property, kinds);
+    const property = this.properties[index], {colors, numbers, lo, none, least, most} = property;
+    const {ramp} = this.facts, end = ramp.length - 1;
+    const shadeOf = n => Math.round(most > least ? n === none ? 0 : end * (n - least) / (most - least)
+      : end / 2);
+    this.colors = new Uint8Array(4 * numbers.length);
+    for (let i = 0; i < numbers.length; ++i)
+      this.colors.set(colors ? colors[lo + numbers[i]] : ramp[shadeOf(numbers[i])], 4 * i);
+    this.drawing.setColors(this.colors);
+    this.showLegend(property);
     this.change();
   }
-  withChosen() {
-    if (this.chosen < 0) return this.colors;
-    const colors = this.colors.slice();
-    colors.set(CHOSEN, 4 * this.chosen);
-    return colors;
-  }
-  showLegend(property, kinds) {
-    const legend = this.part('.view-legend');
-    const bar = background => {
+  showLegend({colors, names, lo, least, most, unit, step, whole}) {
+    const bar = (background, kind = '') => {
       const i = document.createElement('i');
+      i.className = kind;
       i.style.background = background;
       return i;
     };
-    if (kinds) {
-      const used = kinds.names.map((name, n) => n).filter(
-        n => n >= property.lo + property.least && n <= property.lo + property.most);
-      legend.replaceChildren(...used.slice(0, 8).flatMap(n => {
-        const i = bar(kinds.colors[n]);
-        i.className = 'kind';
-        return [i, kinds.names[n]];
-      }));
-      return;
-    }
-    const text = n => property.whole || property.isRow ? property.format(property.valueOf(n))
-      : String(Number(property.valueOf(n).toPrecision(4)));
-    const unit = property.unit ? ' ' + property.unit : '';
-    legend.replaceChildren(...property.most > property.least
-      ? [text(property.least), bar(`linear-gradient(to right, ${this.facts.colors.ramp.join(', ')})`),
-         text(property.most) + unit]
-      : [property.least <= property.most ? text(property.least) + unit : '–']);
+    const ramp = this.facts.ramp.map(color => `rgb(${color})`);
+    const text = n => String(whole ? lo + n : Number((lo + step * n).toPrecision(4)));
+    const range = most > least
+      ? [text(least), bar(`linear-gradient(to right, ${ramp})`), `${text(most)} ${unit}`]
+      : [least <= most ? `${text(least)} ${unit}` : '–'];
+    this.part('.view-legend').replaceChildren(...!colors ? range : colors.flatMap((color, k) =>
+      k < lo + least || k > lo + most ? [] : [bar(`rgb(${color})`, 'kind'), names[k]]).slice(0, 16));
   }
 
   // The sphere that is chosen
 
   choose(index) {
     this.chosen = index;
-    this.drawing.setColors(this.withChosen());
     this.change();
-    const panel = this.part('.view-row');
-    panel.replaceChildren();
-    if (index < 0) return;
-    const table = document.createElement('table');
-    for (const [name, value] of this.rowOf(index)) {
-      const row = table.insertRow(), head = document.createElement('th');
-      head.textContent = name;
-      row.append(head);
-      row.insertCell().textContent = value;
-    }
-    panel.append(table);
+    this.part('.view-row').replaceChildren(...index < 0 ? [] : [this.tableOf(index)]);
   }
-  /** Names and values of what is known of a sphere. */
-  rowOf(index) {
-    const {facts, scene, rows} = this;
-    const digits = clamp(-Math.floor(Math.log10(facts.step)), 0, 12);
-    const position = ['x', 'y', 'z'].slice(0, facts.dim).map((axis, d) => [
-      axis, (scene.spheres[4 * index + d] + scene.middle[d]).toFixed(digits) + ' mm']);
-    return [['row, from 0', String(rows[index])], ...position,
-      ...this.properties.map(property => [property.name, property.textOf(index)])];
+  /** What is known of a sphere. */
+  tableOf(index) {
+    const table = document.createElement('table');
+    const shown = this.all.filter((property, k) => k !== 2 || !this.scene.plane);
+    for (const texts of [['row, from 0', this.rows[index]],
+                         ...shown.map(p => [p.name, p.textOf(index)])]) {
+      const row = table.insertRow();
+      for (const text of texts) row.insertCell().textContent = text;
+    }
+    return table;
   }
   /** The sphere at a point of the canvas, CSS pixels from its upper left; -1: none. */
   at(x, y) {
-    const {clientWidth, clientHeight, width, height} = this.canvas;
-    const ray = this.camera.ray(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight, width, height);
-    return this.drawing.pick(ray, this.cut.plane(this.camera));
+    const {clientWidth, clientHeight} = this.canvas;
+    const ray = this.camera.ray(2 * x / clientWidth - 1, 1 - 2 * y / clientHeight);
+    return this.drawing.pick(ray, this.cut.plane());
   }
 
-  // The cut
+  // Controls
 
-  setCut(axis) {
-    this.cut.axis = axis;
-    this.showCut();
-    this.change();
-  }
-  moveCut(share) {
-    this.cut.setShare(share, this.camera);
-    this.showCut();
-    this.change();
-  }
   showCut() {
-    if (this.scene.plane) return;
-    const {cut, camera} = this;
+    const {cut} = this, slider = this.part('.view-at');
     this.part('.view-axis').value = cut.axis;
     this.part('.view-other').checked = cut.other;
     for (const name of ['.view-where', '.view-flip'])
       this.part(name).classList.toggle('none', !cut.axis);
     if (!cut.axis) return;
-    this.part('.view-at').value = Math.round(1000 * cut.share(camera));
-    this.part('.view-position').textContent = cut.text(camera);
-  }
-
-  // Controls
-
-  fillControls() {
-    const {facts} = this;
-    this.part('.view-color').replaceChildren(
-      ...this.properties.map(property => new Option(property.name)));
-    this.part('.view-wall').classList.toggle('none', !facts.wall && !facts.outline);
-    const words = [];
-    if (facts.words) words.push(facts.words);
-    if (facts.leftOut) words.push(`Not in this page, which would be too large: ${facts.leftOut}`);
-    if (facts.wall && facts.wall.triangles < facts.wall.of)
-      words.push(`The wall is shown with ${facts.wall.triangles.toLocaleString('en')} of ` +
-                 `${facts.wall.of.toLocaleString('en')} triangles`);
-    words.push(`Positions are rounded to ${facts.step.toPrecision(1)} mm`);
-    this.part('.view-words').textContent = words.join('. ') + '.';
+    [slider.min, slider.max] = cut.interval();
+    slider.value = cut.at[cut.axis];
+    this.part('.view-position').textContent = cut.text();
   }
   listen() {
-    const {canvas} = this;
-    const on = (name, event, use) => this.part(name)?.addEventListener(event, use);
-    on('.view-color', 'change', event => this.setColor(event.target.selectedIndex));
-    on('.view-wall input', 'change', () => this.change());
-    on('.view-all', 'click', () => this.home());
-    on('.view-save', 'click', () => this.save());
-    on('.view-axis', 'change', event => this.setCut(event.target.value));
-    on('.view-at', 'input', event => this.moveCut(event.target.value / 1000));
-    on('.view-other', 'change', event => {
-      this.cut.other = event.target.checked;
+    const {canvas, cut} = this;
+    const on = (name, event, use) => this.part(name).addEventListener(event, ({target}) => {
+      use(target);
       this.change();
     });
-    canvas.addEventListener('keydown', event => this.key(event));
-    canvas.addEventListener('wheel', event => this.wheel(event), {passive: false});
-    canvas.addEventListener('contextmenu', event => event.preventDefault());
-    canvas.addEventListener('webglcontextlost', () => this.leave('the graphics device was lost'));
-    new Fingers(this);
+    on('.view-color', 'change', list => this.setColor(list.selectedIndex));
+    on('.view-wall input', 'change', () => {});
+    on('.view-all', 'click', () => this.home());
+    on('.view-save', 'click', () => this.save());
+    on('.view-axis', 'change', list => { cut.axis = list.value; });
+    on('.view-at', 'input', slider => cut.move(Number(slider.value)));
+    on('.view-other', 'change', box => { cut.other = box.checked; });
+    const listeners = {
+      keydown: this.key, wheel: this.wheel, pointerdown: this.press, pointermove: this.drag,
+      pointerup: this.release, pointercancel: this.release,
+      contextmenu: event => event.preventDefault(),
+      webglcontextlost: () => giveWay(this.figure, 'the graphics device was lost')
+    };
+    for (const [name, use] of Object.entries(listeners))
+      canvas.addEventListener(name, event => use.call(this, event), {passive: false});
     new ResizeObserver(() => this.resize()).observe(canvas);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.resize());
   }
@@ -424,55 +281,46 @@ class View {
     this.zoom(Math.exp(-clamp(pixels, -400, 400) / 500), ...this.shares(event));
   }
   zoom(factor, x = 0, y = 0) {
-    this.camera.zoom(factor, x, y, this.canvas.width, this.canvas.height);
+    this.camera.zoom(factor, x, y);
     this.change();
   }
+  /** Turns by angles, or moves on the plane. */
   turn(dx, dy) {
+    if (this.scene.plane) return this.move(dx, dy);
     this.camera.turn(dx, dy);
-    this.showCut();
     this.change();
   }
   move(dx, dy) {
-    this.camera.move(dx, dy, this.canvas.width, this.canvas.height);
+    this.camera.move(dx, dy);
     this.change();
   }
   key(event) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const {cut, scene} = this;
-    const arrows = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
+    const arrow = (x, y) => () => event.shiftKey ? this.move(x, y) : this.turn(x, y);
     const keys = {
+      ArrowLeft: arrow(0.1, 0), ArrowRight: arrow(-0.1, 0), ArrowUp: arrow(0, 0.1),
+      ArrowDown: arrow(0, -0.1),
       '+': () => this.zoom(1.25), '=': () => this.zoom(1.25), '-': () => this.zoom(0.8),
       c: () => this.setColor((this.color + 1) % this.properties.length),
-      w: () => {
-        const box = this.part('.view-wall input');
-        box.checked = !box.checked;
-        this.change();
-      },
+      w: () => this.part('.view-wall input').click(),
       r: () => this.home(), Home: () => this.home(), p: () => this.save(),
       Escape: () => this.choose(-1)
     };
-    if (!scene.plane) {
+    if (!scene.plane)
       for (const [name, axis] of [['x', 'x'], ['y', 'y'], ['z', 'z'], ['v', 'view']])
-        keys[name] = () => this.setCut(cut.axis === axis ? '' : axis);
-      if (cut.axis)
-        Object.assign(keys, {
-          '[': () => this.moveCut(cut.share(this.camera) - 0.01),
-          ']': () => this.moveCut(cut.share(this.camera) + 0.01),
-          o: () => {
-            cut.other = !cut.other;
-            this.showCut();
-            this.change();
-          }
-        });
+        keys[name] = () => { cut.axis = cut.axis === axis ? '' : axis; };
+    if (cut.axis) {
+      const [from, to] = cut.interval(), step = (to - from) / 100, at = cut.at[cut.axis];
+      keys['['] = () => cut.move(at - step);
+      keys[']'] = () => cut.move(at + step);
+      keys.o = () => { cut.other = !cut.other; };
     }
-    const arrow = arrows[event.key];
-    const act = arrow
-      ? () => event.shiftKey || scene.plane ? this.move(-0.1 * arrow[0], -0.1 * arrow[1])
-        : this.turn(-0.1 * arrow[0], -0.1 * arrow[1])
-      : keys[event.key] ?? keys[event.key.toLowerCase()];
+    const act = keys[event.key] ?? keys[event.key.toLowerCase()];
     if (!act) return;
     event.preventDefault();
     act();
+    this.change();
   }
   save() {
     this.drawBest();
@@ -484,70 +332,53 @@ class View {
       setTimeout(() => URL.revokeObjectURL(link.href), 1000);
     });
   }
-  /** Gives way to the picture. */
-  leave(reason) {
-    this.root.hidden = true;
-    this.figure.classList.remove('viewing');
-    explain(this.figure, reason);
-  }
-}
 
-/** Mouse, pen and fingers on the canvas: one turns or moves, two move and zoom, a click chooses. */
-class Fingers {
-  constructor(view) {
-    this.view = view;
-    this.down = new Map();
-    const {canvas} = view;
-    canvas.addEventListener('pointerdown', event => this.press(event));
-    canvas.addEventListener('pointermove', event => this.drag(event));
-    for (const end of ['pointerup', 'pointercancel'])
-      canvas.addEventListener(end, event => this.release(event));
-  }
+  // Mouse, pen and fingers on the canvas: one turns or moves, two move and zoom, a click chooses
+
   press(event) {
-    this.view.canvas.focus({preventScroll: true});
-    this.view.canvas.setPointerCapture(event.pointerId);
+    this.canvas.focus({preventScroll: true});
+    this.canvas.setPointerCapture(event.pointerId);
     this.down.set(event.pointerId, [event.clientX, event.clientY]);
-    if (this.down.size === 1) this.start = [event.clientX, event.clientY];
+    this.pressed = [event.clientX, event.clientY];
     this.isClick = this.down.size === 1 && event.button === 0;
     event.preventDefault();
   }
+  /** The distance between two fingers. */
+  spread() {
+    const [a, b] = [...this.down.values()];
+    return Math.hypot(a[0] - b[0], a[1] - b[1]);
+  }
   drag(event) {
-    const last = this.down.get(event.pointerId);
+    const {canvas, down, pressed} = this, last = down.get(event.pointerId);
     if (!last) return;
-    const {view} = this, {clientWidth, clientHeight} = view.canvas;
-    const half = Math.max(clientWidth, clientHeight) / 2;
-    const dx = event.clientX - last[0], dy = event.clientY - last[1];
-    const spread = () => {
-      const [a, b] = [...this.down.values()];
-      return Math.hypot(a[0] - b[0], a[1] - b[1]);
-    };
-    if (Math.hypot(event.clientX - this.start[0], event.clientY - this.start[1]) > CLICK)
+    if (Math.hypot(event.clientX - pressed[0], event.clientY - pressed[1]) > CLICK)
       this.isClick = false;
     if (this.isClick) return;
-    if (this.down.size >= 2) {
-      const before = spread();
-      this.down.set(event.pointerId, [event.clientX, event.clientY]);
-      view.move(dx / half / 2, dy / half / 2);
-      if (before > 0) view.zoom(spread() / before, ...view.shares(event));
-      return;
+    const half = Math.max(canvas.clientWidth, canvas.clientHeight) / 2;
+    const dx = (event.clientX - last[0]) / half, dy = (event.clientY - last[1]) / half;
+    const before = down.size > 1 ? this.spread() : 0;
+    down.set(event.pointerId, [event.clientX, event.clientY]);
+    if (before > 0) {
+      this.move(dx / 2, dy / 2);
+      this.zoom(this.spread() / before, ...this.shares(event));
+    } else if (this.scene.plane || event.shiftKey || (event.buttons & 6) !== 0) {
+      this.move(dx, dy);
+    } else {
+      this.turn(Math.PI / 2 * dx, Math.PI / 2 * dy);
     }
-    this.down.set(event.pointerId, [event.clientX, event.clientY]);
-    if (view.scene.plane || event.shiftKey || (event.buttons & 6) !== 0)
-      view.move(dx / half, dy / half);
-    else
-      view.turn(Math.PI * dx / (2 * half), Math.PI * dy / (2 * half));
   }
   release(event) {
-    if (!this.down.delete(event.pointerId)) return;
-    if (!this.isClick || event.type !== 'pointerup') return;
-    const box = this.view.canvas.getBoundingClientRect();
-    this.view.choose(this.view.at(event.clientX - box.left, event.clientY - box.top));
+    if (!this.down.delete(event.pointerId) || !this.isClick || event.type !== 'pointerup') return;
+    const box = this.canvas.getBoundingClientRect();
+    this.choose(this.at(event.clientX - box.left, event.clientY - box.top));
     this.isClick = false;
   }
 }
 
-/** Says why there is no view. */
-function explain(figure, reason) {
+/** Shows the picture in place of the view, and says why. */
+function giveWay(figure, reason) {
+  figure.querySelector('.view').hidden = true;
+  figure.classList.remove('viewing');
   const words = document.createElement('p');
   words.className = 'words';
   words.textContent = `This browser shows no view that can be turned: ${reason}.`;
@@ -555,16 +386,14 @@ function explain(figure, reason) {
 }
 
 async function startView(figure) {
-  const text = name => figure.querySelector(name).textContent;
   try {
     if (typeof DecompressionStream === 'undefined')
       throw new Error('it cannot inflate data (DecompressionStream)');
-    const facts = JSON.parse(text('.view-facts'));
-    const arrays = await arraysOf(facts, bytesOf(text('.view-bytes')));
-    figure.view = new View(figure, facts, arrays);
-    figure.view.start();
+    const facts = JSON.parse(figure.querySelector('.view-facts').textContent);
+    const data = await propertiesOf(facts);
+    figure.view = new View(figure, facts, data, await sceneOf(facts, data.properties));
   } catch (error) {
-    explain(figure, error.message);
+    giveWay(figure, error.message);
   }
 }
 

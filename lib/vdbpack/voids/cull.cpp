@@ -1,9 +1,7 @@
 #include "vdbpack/voids/cull.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/shell_test.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <cmath>
 #include <string_view>
@@ -15,7 +13,7 @@ namespace {
 
 template <class Body>
 void forRanges(std::size_t n, const Body& body) {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, n, 2048), body);
+    parallelFor(IndexRange(0, n, 2048), body);
 }
 
 template <class T>
@@ -36,7 +34,7 @@ template <int Dim>
 std::vector<std::uint8_t> spheresOutside(const std::vector<Sphere<Dim>>& spheres,
                                          const StampedVoids<Dim>& voids, Cull cull) {
     std::vector<std::uint8_t> keep(spheres.size());
-    forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+    forRanges(spheres.size(), [&](const IndexRange& range) {
         typename StampedVoids<Dim>::Sampler distance(voids);
         for (std::size_t i = range.begin(); i < range.end(); ++i)
             keep[i] =
@@ -52,7 +50,7 @@ std::vector<std::uint8_t> centersOutside(const std::vector<Sphere<Dim>>& spheres
                                          const std::vector<std::int32_t>& deep) {
     const double close = stamped.voxelSize();
     std::vector<std::uint8_t> keep(spheres.size());
-    forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+    forRanges(spheres.size(), [&](const IndexRange& range) {
         typename StampedVoids<Dim>::Sampler distanceAt(stamped);
         for (std::size_t i = range.begin(); i < range.end(); ++i) {
             const double distance = distanceAt(spheres[i].center);
@@ -69,7 +67,7 @@ std::vector<std::int32_t> deeperThan(const std::vector<Sphere<Dim>>& spheres,
                                      const Domain<Dim>& domain, const ShellThickness& shell) {
     std::vector<std::int32_t> deep(spheres.size(), 1);
     if (!shell.any()) return deep;
-    forRanges(spheres.size(), [&](const tbb::blocked_range<std::size_t>& range) {
+    forRanges(spheres.size(), [&](const IndexRange& range) {
         ShellTest<Dim> test(domain, shell);
         for (std::size_t i = range.begin(); i < range.end(); ++i)
             deep[i] = test.isDeeper(spheres[i].center);

@@ -1,11 +1,8 @@
 #include "vdbpack/voids/local_dilation.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/voids/dilated_pack.h"
-
-#include <tbb/blocked_range.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -20,7 +17,7 @@ namespace {
 
 /// Side of the cube in which the relation is measured, and of the windows, in mean cells.
 constexpr double kSampleSide = 6, kWindow = 3;
-constexpr int kRounds = 3;
+constexpr int kDilationRounds = 3;
 /// Voxels along a mean cell, in the plane and in space, in which BV/TV by place is measured; larger
 /// ones stay.
 constexpr std::array<double, 2> kMeasuredVoxels{60, 10};
@@ -99,10 +96,10 @@ struct Tally {
 
 /// Cells over the box around a domain, in which BV/TV is measured by points.
 template <int Dim>
-class Cells {
+class BvtvCells {
 public:
-    Cells(const VoidRegion<Dim>& region, double cell,
-          const std::function<double(const Vec<Dim>&)>& wanted)
+    BvtvCells(const VoidRegion<Dim>& region, double cell,
+              const std::function<double(const Vec<Dim>&)>& wanted)
         : region_(region), cell_(cell), box_(region.domain.bounds()) {
         std::size_t all = 1;
         for (int d = 0; d < Dim; ++d) {
@@ -127,7 +124,7 @@ public:
 
     void measure(const StampedVoids<Dim>& voids) {
         using Sampler = typename StampedVoids<Dim>::Sampler;
-        tbb::enumerable_thread_specific<Sampler> samplers([&] { return Sampler(voids); });
+        PerThread<Sampler> samplers([&] { return Sampler(voids); });
         forEachCell([&](std::size_t i, const auto& isInside) {
             Sampler& distance = samplers.local();
             Tally tally;
@@ -206,19 +203,16 @@ private:
     /// Calls `visit(cell, whether a point lies in the part that may have voids)` in parallel.
     template <class Visit>
     void forEachCell(const Visit& visit) const {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, wanted_.size(), 16),
-                          [&](const auto& range) {
-                              const Domain<Dim>& envelope = region_.domain.envelope();
-                              const auto outer = envelope.sampler();
-                              const auto inner =
-                                  &envelope == &region_.domain ? nullptr : region_.domain.sampler();
-                              const auto isInside = [&](const Vec<Dim>& x) {
-                                  return region_.shell.isDeeper(x, -outer->signedDistance(x)) &&
-                                         (!inner || inner->signedDistance(x) < 0);
-                              };
-                              for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  visit(i, isInside);
-                          });
+        parallelFor(IndexRange(0, wanted_.size(), 16), [&](const auto& range) {
+            const Domain<Dim>& envelope = region_.domain.envelope();
+            const auto outer = envelope.sampler();
+            const auto inner = &envelope == &region_.domain ? nullptr : region_.domain.sampler();
+            const auto isInside = [&](const Vec<Dim>& x) {
+                return region_.shell.isDeeper(x, -outer->signedDistance(x)) &&
+                       (!inner || inner->signedDistance(x) < 0);
+            };
+            for (std::size_t i = range.begin(); i < range.end(); ++i) visit(i, isInside);
+        });
     }
 
     const VoidRegion<Dim>& region_;
@@ -248,19 +242,19 @@ std::vector<double> localDilation(const VoidRegion<Dim>& region,
     StampOptions<Dim> stamp = fine;
     stamp.voxelSize = std::max(fine.voxelSize, cell / kMeasuredVoxels[Dim - 2]);
     const Relation relation = measuredRelation(region.domain.bounds(), cell, voids, stamp, quiet);
-    Cells<Dim> cells(region, cell, wanted);
+    BvtvCells<Dim> cells(region, cell, wanted);
     callbacks.stopIfCancelled();
     // What is aimed at, as a logit, so that solid and voids are alike.
     std::vector<double> aims(voids.size()), factors(voids.size());
     const auto forVoids = [&](const auto& visit) {
-        tbb::parallel_for(std::size_t{0}, voids.size(), [&](std::size_t i) {
+        parallelFor(std::size_t{0}, voids.size(), [&](std::size_t i) {
             visit(i);
             const double factor = relation.factorFor(1 / (1 + std::exp(-aims[i])));
             factors[i] = factor < kLeastFactor ? 0 : factor;
         });
     };
     forVoids([&](std::size_t i) { aims[i] = logit(wanted(voids[i].center)); });
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kDilationRounds; ++round) {
         cells.measure(*stampVoids(dilated(region, voids, 1, factors), region.domain, stamp, quiet));
         callbacks.stopIfCancelled();
         forVoids([&](std::size_t i) {

@@ -197,7 +197,7 @@ std::shared_ptr<const Orientation<Dim>> makeOrientation(const OrientationRecipe&
     if (fixed)
         return std::make_shared<AboutAxis<Dim>>(std::move(scatter), parseAxis<Dim>(recipe.axis));
     if (!varying) return std::make_shared<Free<Dim>>(std::move(scatter));
-    auto field = readDirectionField(recipe.field, recipe.fieldScale);
+    auto field = readDirectionField(recipe.field);
     requireCovered(recipe.field + ": the direction field", field->bounds(), bounds, sliceHeight);
     return std::make_shared<AboutField<Dim>>(std::move(scatter), std::move(field), sliceHeight);
 }

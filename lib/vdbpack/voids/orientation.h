@@ -21,7 +21,9 @@ struct OrientationRecipe {
     std::string axis;
     /// A file that `readDirectionField` reads; empty: none.
     std::string field;
-    double fieldScale = 1;  ///< mm in one unit of the field's file
+
+    /// Whether a direction is requested.
+    bool any() const { return !angles.empty() || !axis.empty() || !field.empty(); }
 };
 
 /// Draws the axes of voids.

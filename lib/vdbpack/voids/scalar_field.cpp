@@ -1,7 +1,7 @@
 #include "vdbpack/voids/scalar_field.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/field/scalar_grid.h"
+#include "vdbpack/field/field_grids.h"
 #include "vdbpack/io/number_table.h"
 #include "vdbpack/io/text.h"
 #include "vdbpack/voids/field_points.h"

@@ -17,8 +17,8 @@ public:
     virtual ~ScalarField() = default;
     /// The box that the field covers, mm; infinite along z for a field of the plane.
     virtual Box<3> bounds() const = 0;
-    /// The value at `x` (mm), between `least()` and `most()`. Beyond the data, that of the nearest
-    /// data. Thread-safe.
+    /// The value at `x` (mm), between `least()` and `most()`. Beyond the data, the value of the
+    /// nearest data. Thread-safe.
     virtual double at(const Vec<3>& x) const = 0;
     /// A point of the data, mm, and a step that resolves them, mm: for a copy on a lattice.
     virtual std::pair<Vec<3>, double> lattice() const = 0;

@@ -16,8 +16,8 @@ constexpr int kMaxRounds = 16;
 [[noreturn]] void outOfReach(const VoidRecipe& r, const char* bound, double bvtv,
                              const std::string& remedy) {
     throw ParameterError(
-        fmt::format("`targetBvtv` {}: not reachable with `voids` {}, {} is {:.4f}{}", *r.targetBvtv,
-                    r.method, bound, bvtv, remedy));
+        fmt::format("`targetBvtv` {}: not reachable with `voids` {}, {} is {:.4f}{}",
+                    *targetBvtvOf(r), nameOf(r), bound, bvtv, remedy));
 }
 
 }  // namespace
@@ -25,7 +25,7 @@ constexpr int kMaxRounds = 16;
 double solveForBvtv(const VoidRecipe& r, double lo, double guess, double hi, double tolerance,
                     const std::string& remedy, const std::function<double(double)>& bvtvAt,
                     double steepness) {
-    const double target = *r.targetBvtv;
+    const double target = *targetBvtvOf(r);
     double low = lo, high = hi, atLow = std::numeric_limits<double>::quiet_NaN(), atHigh = atLow;
     double best = guess, off = std::numeric_limits<double>::infinity(), last = guess;
     double x = guess;

@@ -10,7 +10,7 @@ namespace vdbpack {
 
 /// Finds the amount in [lo, hi] at which BV/TV, which decreases with the amount, is the target: by
 /// false position on the logarithm of BV/TV, which is nearly linear, within the bracket so far.
-/// @param r          has `targetBvtv`.
+/// @param r          has a target BV/TV.
 /// @param guess      the first amount tried.
 /// @param tolerance  of BV/TV; after 16 tries the best amount is taken.
 /// @param remedy     end of the message if the target is not reachable.

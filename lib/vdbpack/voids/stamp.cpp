@@ -2,19 +2,18 @@
 
 #include "vdbpack/core/count.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/domain/analytic_domain.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/level_set_builder.h"
+#include "vdbpack/voids/core_distance.h"
 #include "vdbpack/voids/tile.h"
+#include "vdbpack/voids/tile_entries.h"
 #include "vdbpack/voids/tile_lattice.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_for_each.h>
 
 #include <algorithm>
-#include <atomic>
 #include <bitset>
 #include <cmath>
 #include <limits>
@@ -27,132 +26,6 @@ namespace vdbpack {
 namespace {
 
 static_assert(LevelSetTile::kSide == kTileSide);
-
-/// Mean number of entries that are sorted together.
-constexpr std::size_t kEntriesPerPart = 64;
-
-/// A void and a tile that it reaches: sorted by tile, then the nearest void first, after which most
-/// others can be skipped.
-struct Entry {
-    std::uint64_t tile;
-    float lower;
-    std::uint32_t ellipsoid;
-
-    friend bool operator<(const Entry& a, const Entry& b) {
-        if (a.tile != b.tile) return a.tile < b.tile;
-        return a.lower != b.lower ? a.lower < b.lower : a.ellipsoid < b.ellipsoid;
-    }
-};
-
-/// Distances to the part of the domain deeper than the shell (the core), as accurate as voids need.
-template <int Dim>
-class Core {
-public:
-    Core(const Domain<Dim>& domain, const StampOptions<Dim>& options)
-        : sampler_((options.shell.any() ? domain.envelope() : domain).sampler()),
-          domain_(options.shell.any() && &domain.envelope() != &domain ? domain.sampler()
-                                                                       : nullptr),
-          shell_(options.shell),
-          h_(options.voxelSize),
-          reach_(std::max(kStampBand * options.voxelSize, options.reach)),
-          error_(domain.facts().voxelSize),
-          deepest_(-domain.fieldDepth() * (1 - 1e-9)) {}
-
-    /// Locates the ball of `radius` about `middle` relative to the core.
-    /// @param inside   no void is cut deeper than this inside the core, mm.
-    /// @param outside  distances farther outside of the core are not needed, mm.
-    /// @param apart    set to whether the ball lies farther outside.
-    /// @param cut      set to whether the boundary of the core may meet the ball.
-    void look(const Vec<Dim>& middle, double radius, double inside, double outside, bool& apart,
-              bool& cut) {
-        const double field = sampler_->signedDistance(middle);
-        const bool deep = field <= deepest_;
-        apart = !deep && field + shell_.least() - radius - error_ > outside;
-        // Below the field, ask the wall.
-        cut = deep ? sampler_->isWallCloser(middle, shell_.most() + radius + inside)
-                   : field + shell_.most() + radius + error_ > -inside;
-        if (domain_) cut |= domain_->signedDistance(middle) + radius + error_ > 0;
-    }
-    /// Whether a point that the shell encloses is in the domain, and not in one of its cavities.
-    bool inDomain(const Vec<Dim>& x) { return !domain_ || domain_->signedDistance(x) < 0; }
-    /// Distance to the core, negative inside; by the exact distance to the wall below the field,
-    /// and where a void may come closer to the wall than the field can resolve.
-    double operator()(const Vec<Dim>& x, double toVoid) {
-        const double field = sampler_->signedDistance(x);
-        // Where the core's boundary is too far away to matter, any thickness does.
-        const bool far =
-            field + shell_.most() + error_ < toVoid || field + shell_.least() - error_ > reach_;
-        const double shell = far ? shell_.most() : shell_.at(x);
-        const double outside = field + shell;
-        if (!(shell > 0 && error_ > 0 && toVoid < h_)) return outside;
-        WallPoint<Dim> wall;
-        if (field <= deepest_) {
-            const double reach = shell + kStampBand * h_;
-            return shell - (sampler_->nearestWall(x, reach, wall) ? wall.distance : reach);
-        }
-        // Where the field's lattice is that of the voids, this is the distance itself.
-        const DepthRange depth = sampler_->depthRange(x);
-        if (depth.least > shell || depth.most < shell)
-            return std::clamp(outside, shell - depth.most, shell - depth.least);
-        if (std::fabs(outside) < error_ && field < 0 &&
-            sampler_->nearestWall(x, shell + error_, wall))
-            return shell - wall.distance;
-        return outside;
-    }
-
-private:
-    std::unique_ptr<DomainSampler<Dim>> sampler_;  // of what the shell is measured in
-    std::unique_ptr<DomainSampler<Dim>> domain_;   // null: the same
-    ShellThickness shell_;
-    double h_, reach_, error_, deepest_;
-};
-
-/// All pairs of voids and tiles that they reach, sorted.
-template <int Dim>
-std::vector<Entry> listEntries(const std::vector<Ellipsoid<Dim>>& voids,
-                               const TileLattice<Dim>& lattice, double outside) {
-    tbb::enumerable_thread_specific<std::vector<Entry>> found;
-    const double radius = lattice.radius();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), 64), [&](const auto& range) {
-        auto& mine = found.local();
-        for (std::size_t i = range.begin(); i < range.end(); ++i)
-            lattice.forEach(
-                voids[i].bounds().grown(outside), [&](std::uint64_t tile, const Vec<Dim>& middle) {
-                    const double lower = boundsAt(voids[i], middle, radius).lower;
-                    if (lower < outside)
-                        mine.push_back(
-                            {tile, static_cast<float>(lower), static_cast<std::uint32_t>(i)});
-                });
-    });
-    // Distributes entries to parts of the lattice, in any order, and sorts each part.
-    std::size_t count = 0;
-    for (const auto& part : found) count += part.size();
-    const std::size_t parts = count / kEntriesPerPart + 1;
-    std::vector<std::atomic<std::size_t>> next(parts + 1);
-    const auto forEachFound = [&](const auto& visit) {
-        tbb::parallel_for_each(found.begin(), found.end(), [&](const std::vector<Entry>& mine) {
-            for (const Entry& e : mine) visit(e, next[lattice.partOf(e.tile, parts)]);
-        });
-    };
-    forEachFound([](const Entry&, std::atomic<std::size_t>& at) {
-        at.fetch_add(1, std::memory_order_relaxed);
-    });
-    std::size_t before = 0;
-    for (auto& at : next) before += at.exchange(before);
-    std::vector<Entry> all(count);
-    forEachFound([&](const Entry& e, std::atomic<std::size_t>& at) {
-        all[at.fetch_add(1, std::memory_order_relaxed)] = e;
-    });
-    // next[part] is now the end of the part.
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, parts), [&](const auto& range) {
-        for (std::size_t part = range.begin(); part < range.end(); ++part) {
-            const auto from = static_cast<std::ptrdiff_t>(part == 0 ? 0 : next[part - 1].load());
-            const auto to = static_cast<std::ptrdiff_t>(next[part].load());
-            std::sort(all.begin() + from, all.begin() + to);
-        }
-    });
-    return all;
-}
 
 /// The result of stamping one tile.
 struct Stamped {
@@ -177,7 +50,7 @@ LevelSetTile makeLeaf(const VoxelIndex& at, const Tile<Dim>& tile, float outside
 /// Counts the voxels in voids and in the core; `takeOut` removes from the voids what the core's
 /// boundary cuts off.
 template <int Dim>
-std::uint32_t cutAtCore(Tile<Dim>& tile, Core<Dim>& core, bool takeOut) {
+std::uint32_t cutAtCore(Tile<Dim>& tile, CoreDistance<Dim>& core, bool takeOut) {
     std::uint32_t voxels = 0;
     for (std::size_t i = 0; i < kTileVoxels<Dim>; ++i) {
         float& v = tile.values()[i];
@@ -222,7 +95,7 @@ std::vector<Ellipsoid<Dim>> repeatedVoids(const std::vector<Ellipsoid<Dim>>& voi
 
 /// Whether struts may lie in a tile whose points are no farther than `upper` from one of its voids.
 template <int Dim>
-bool hasStrut(const Entry* entries, std::size_t count, double upper,
+bool hasStrut(const TileEntry* entries, std::size_t count, double upper,
               const StampOptions<Dim>& options) {
     return options.join.strut > 0 && count >= Dim &&
            static_cast<double>(entries[Dim - 1].lower) <
@@ -232,8 +105,8 @@ bool hasStrut(const Entry* entries, std::size_t count, double upper,
 /// Stamps one tile with the voids of its entries.
 /// @param near  a buffer.
 template <int Dim>
-Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const Entry* entries, std::size_t count,
-                  const TileLattice<Dim>& lattice, Core<Dim>& core,
+Stamped stampTile(const std::vector<Ellipsoid<Dim>>& voids, const TileEntry* entries,
+                  std::size_t count, const TileLattice<Dim>& lattice, CoreDistance<Dim>& core,
                   const StampOptions<Dim>& options, std::vector<NearVoid<Dim>>& near) {
     const double inside = kStampBand * options.voxelSize, outside = outsideOf(options);
     const double radius = lattice.radius();
@@ -311,6 +184,21 @@ struct StampedVoids<Dim>::Impl {
     std::vector<std::uint64_t> tiles;  // tiles that voids reach into, sorted
     std::vector<std::size_t> starts;   // start of each in `ellipsoids`, and the end
     std::vector<std::uint32_t> ellipsoids;
+
+    /// Lists the voids near each tile. @param begins  of the entries of each tile, and the end
+    void keepNear(const std::vector<TileEntry>& entries, const std::vector<std::size_t>& begins) {
+        // A point may lie half a voxel beyond the centers of its tile.
+        const double near = std::max(voxelSize, join.reach(voxelSize));
+        starts.push_back(0);
+        for (std::size_t n = 0; n + 1 < begins.size(); ++n) {
+            for (std::size_t i = begins[n]; i < begins[n + 1]; ++i)
+                if (static_cast<double>(entries[i].lower) < near)
+                    ellipsoids.push_back(entries[i].ellipsoid);
+            if (ellipsoids.size() == starts.back()) continue;
+            tiles.push_back(entries[begins[n]].tile);
+            starts.push_back(ellipsoids.size());
+        }
+    }
 };
 
 template <int Dim>
@@ -353,24 +241,19 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     }
     const auto& voids = box ? impl.repeated : given;
     const Domain<Dim>& domain = box ? *box : outer;
-    const auto inside = static_cast<float>(impl.inside), outside = static_cast<float>(impl.outside);
-
     const TileLattice<Dim> lattice(domain.bounds(), options.voxelSize, options.origin);
     callbacks.report("voids", 0, 0);
     StopRequest request(callbacks.cancelled);
     request.stop();
-    const std::vector<Entry> entries = listEntries(voids, lattice, reachOf(options));
-    std::vector<std::size_t> starts;
-    for (std::size_t i = 0; i < entries.size(); ++i)
-        if (i == 0 || entries[i].tile != entries[i - 1].tile) starts.push_back(i);
-    const std::size_t tiles = starts.size();
-    starts.push_back(entries.size());
+    const std::vector<TileEntry> entries = listEntries(voids, lattice, reachOf(options));
+    const std::vector<std::size_t> starts = startsOfTiles(entries);
+    const std::size_t tiles = starts.size() - 1;
 
     std::vector<Stamped> made(tiles);
-    tbb::enumerable_thread_specific<Core<Dim>> cores([&] { return Core<Dim>(domain, options); });
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, tiles, 8), [&](const auto& range) {
+    PerThread<CoreDistance<Dim>> cores([&] { return CoreDistance<Dim>(domain, options); });
+    parallelFor(IndexRange(0, tiles, 8), [&](const auto& range) {
         request.stop();
-        Core<Dim>& core = cores.local();
+        CoreDistance<Dim>& core = cores.local();
         std::vector<NearVoid<Dim>> near;
         for (std::size_t n = range.begin(); n < range.end(); ++n)
             made[n] = stampTile(voids, &entries[starts[n]], starts[n + 1] - starts[n], lattice,
@@ -378,18 +261,8 @@ std::shared_ptr<const StampedVoids<Dim>> stampVoids(const std::vector<Ellipsoid<
     });
 
     impl.lattice.emplace(lattice);
-    impl.starts.push_back(0);
-    for (std::size_t n = 0; n < tiles; ++n) {
-        // A point may lie half a voxel beyond the centers of its tile.
-        for (std::size_t i = starts[n]; i < starts[n + 1]; ++i)
-            if (static_cast<double>(entries[i].lower) < std::max(h, options.join.reach(h)))
-                impl.ellipsoids.push_back(entries[i].ellipsoid);
-        if (impl.ellipsoids.size() == impl.starts.back()) continue;
-        impl.tiles.push_back(entries[starts[n]].tile);
-        impl.starts.push_back(impl.ellipsoids.size());
-    }
-
-    LevelSetBuilder builder(inside, outside);
+    impl.keepNear(entries, starts);
+    LevelSetBuilder builder(static_cast<float>(impl.inside), static_cast<float>(impl.outside));
     std::uint64_t voxels = 0;
     for (std::size_t n = 0; n < tiles; ++n) {
         voxels += made[n].voxels;

@@ -32,8 +32,8 @@ struct StampOptions {
 /// The distance to joined voids at a point, negative inside, mm.
 ///
 /// Blended, it is c (1 - (sum of max(0, 1 - d / c)^4)^(1/4)), where d are the distances to each
-/// void and c is four times the blend; to one void alone, that to this. A strut takes away all that
-/// is nearer to its line than its radius.
+/// void and c is four times the blend; for one void alone it is the distance to that void. A strut
+/// takes away all that is nearer to its line than its radius.
 ///
 /// Source of the blend: the union by p-norms of Ricci (1973), "A constructive geometry for computer
 /// graphics", The Computer Journal 16 (2), 157-160, doi:10.1093/comjnl/16.2.157, of a function that

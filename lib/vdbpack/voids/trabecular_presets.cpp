@@ -77,24 +77,4 @@ std::string presetTable() {
     return text;
 }
 
-VoidRecipe withPreset(VoidRecipe r) {
-    if (r.like.empty() && (r.likeThreshold || !r.likeDomain.empty()))
-        throw ParameterError(fmt::format("`{}` is given without a sample; set `like`",
-                                         r.likeThreshold ? "likeThreshold" : "likeDomain"));
-    if (!r.trabecular.empty()) {
-        const TrabecularPreset& p = trabecularPreset(r.trabecular);
-        const auto fill = [](std::optional<double>& target, const std::optional<double>& value) {
-            if (!target) target = value;
-        };
-        fill(r.targetBvtv, p.bvtv);
-        fill(r.targetTbth, p.tbth);
-        fill(r.targetTbsp, p.tbsp);
-        fill(r.targetDa, p.da);
-        fill(r.targetConnd, p.connd);
-    }
-    const bool shaped = r.targetTbsp || r.targetDa || r.targetConnd || r.targetTbth;
-    if (r.method.empty() && (shaped || !r.like.empty())) r.method = "foam";
-    return r;
-}
-
 }  // namespace vdbpack

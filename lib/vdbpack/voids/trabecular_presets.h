@@ -1,8 +1,6 @@
 // Published figures of trabecular bone.
 #pragma once
 
-#include "vdbpack/voids/void_recipe.h"
-
 #include <optional>
 #include <string>
 #include <vector>
@@ -27,10 +25,5 @@ const TrabecularPreset& trabecularPreset(const std::string& name);
 
 /// All of them as a table of lines of at most 100 columns.
 std::string presetTable();
-
-/// The recipe with the numbers of `recipe.trabecular` as targets where it has none, and with the
-/// method that targets need if it names none.
-/// @throws ParameterError as `trabecularPreset`
-VoidRecipe withPreset(VoidRecipe recipe);
 
 }  // namespace vdbpack

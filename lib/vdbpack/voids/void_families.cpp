@@ -30,6 +30,13 @@ constexpr double kDefaultHole[2] = {1.5, 2.5};
 /// Radii of large spheres pending at a time: a share of those that fit, within limits.
 constexpr double kPendingShare = 0.1, kPendingVoids[2] = {4, 64};
 
+/// So that the text of a default gives the same voids.
+double sixDigits(double x) {
+    if (!(x > 0)) return x;
+    const double scale = std::pow(10, 5 - std::floor(std::log10(x)));
+    return std::round(x * scale) / scale;
+}
+
 }  // namespace
 
 template <int Dim>
@@ -49,53 +56,54 @@ VoidRegion<Dim> regionOf(const VoidSetting<Dim>& s) {
     return {s.domain, shellOf(s)};
 }
 
-std::string defaultVoidRadius(double largestSphere) {
-    return fmt::format("uniform:{:.6g},{:.6g}", kDefaultHole[0] * largestSphere,
-                       kDefaultHole[1] * largestSphere);
+SizeDistribution defaultVoidRadius(double largestSphere) {
+    return SizeDistribution::uniform(sixDigits(kDefaultHole[0] * largestSphere),
+                                     sixDigits(kDefaultHole[1] * largestSphere));
 }
 
 template <int Dim>
-std::string voidRadiusSpec(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    if (!s.recipe.radius.empty()) return s.recipe.radius;
-    const std::string spec = defaultVoidRadius(s.largestRadius);
+SizeDistribution voidRadii(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+    const SizeRequest& asked = shapeOf(s.recipe)->radius;
+    if (!asked.empty()) return asked.in(Dim);
+    const SizeDistribution radii = defaultVoidRadius(s.largestRadius);
     if (chosen)
         chosen->push_back(
-            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", spec));
-    return spec;
+            fmt::format("void radii {} mm, 1.5 to 2.5 times the largest sphere", radii.spec()));
+    return radii;
 }
 
 template <int Dim>
 VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
-    const VoidMethod method = methodOf(s.recipe);
-    const OrientationRecipe& asked = s.recipe.orientation;
-    const bool directed = !asked.axis.empty() || !asked.field.empty() || !asked.angles.empty();
+    const VoidShapeRecipe& asked = *shapeOf(s.recipe);
+    const bool foam = std::holds_alternative<FoamVoids>(s.recipe.method);
+    const auto* holes = std::get_if<FrontHoles>(&s.recipe.method);
+    const bool directed = asked.orientation.any();
     // A foam without a direction has none.
-    const bool ball = method == VoidMethod::mixed ||
-                      (method == VoidMethod::foam && !directed && s.recipe.aspect.empty());
-    OrientationRecipe orientation = s.recipe.orientation;
+    const bool ball = (holes && holes->as == FrontHoles::As::spheres) ||
+                      (foam && !directed && asked.aspect.empty());
+    OrientationRecipe orientation = asked.orientation;
     if (!directed) {
-        const bool isotropic = method == VoidMethod::boolean || method == VoidMethod::foam;
+        const bool isotropic = foam || std::holds_alternative<BooleanVoids>(s.recipe.method);
         orientation.angles = isotropic || ball ? "isotropic" : Dim == 3 ? kPaperCone : kPaperTilt;
         if (chosen && !ball)
             chosen->push_back(fmt::format("void directions {}", orientation.angles));
     }
-    std::string aspect = s.recipe.aspect;
-    if (ball) aspect = "constant:1";
+    SizeRequest aspect = asked.aspect;
+    if (ball) aspect = SizeDistribution::constant(1);
     if (aspect.empty()) {
-        aspect = method == VoidMethod::foam ? "constant:1.4" : "constant:2";
+        aspect = SizeDistribution::constant(foam ? 1.4 : 2);
         if (chosen)
-            chosen->push_back(method == VoidMethod::foam ? "voids 1.4 times as long as wide"
-                                                         : "voids twice as long as wide");
+            chosen->push_back(foam ? "voids 1.4 times as long as wide"
+                                   : "voids twice as long as wide");
     }
-    return {SizeDistribution::parse(voidRadiusSpec(s, chosen), Dim).scaled(s.recipe.radiusScale),
-            SizeDistribution::parse(aspect, Dim),
+    return {voidRadii(s, chosen).scaled(asked.radiusFactor), aspect.in(Dim),
             makeOrientation<Dim>(orientation, s.domain.bounds(), s.sliceHeight)};
 }
 
 namespace {
 
 /// Where less is wanted, voids are as many as leave this share.
-constexpr double kLeastBvtv = 0.005;
+constexpr double kSparsestBvtv = 0.005;
 constexpr double kFoamJitter = 0.25;
 /// Points for the mean of a field.
 constexpr int kFieldPoints = 200'000;
@@ -113,9 +121,10 @@ VoidFamily<Dim> booleanFamily(const VoidSetting<Dim>& s, double target,
     std::function<double(const Vec<Dim>&)> share;
     if (s.bvtv) {
         // Voids of density d leave the share exp(-d v).
-        family.guess = -std::log(kLeastBvtv) / shape.meanMeasure();
+        family.guess = -std::log(kSparsestBvtv) / shape.meanMeasure();
         share = [&setting](const Vec<Dim>& x) {
-            return std::log(std::clamp(setting.bvtv(x), kLeastBvtv, 1.0)) / std::log(kLeastBvtv);
+            return std::log(std::clamp(setting.bvtv(x), kSparsestBvtv, 1.0)) /
+                   std::log(kSparsestBvtv);
         };
     }
     family.list = [&setting, shape, share](double density) {
@@ -162,25 +171,24 @@ VoidFamily<Dim> overlayFamily(const VoidSetting<Dim>& s, std::vector<std::string
 /// The direction of all voids, if there is one.
 template <int Dim>
 std::optional<Vec<Dim>> commonAxis(const VoidSetting<Dim>& s) {
-    if (s.recipe.orientation.axis.empty()) return std::nullopt;
     OrientationRecipe exact;
-    exact.axis = s.recipe.orientation.axis;
+    exact.axis = shapeOf(s.recipe)->orientation.axis;
+    if (exact.axis.empty()) return std::nullopt;
     RandomStream unused(s.seed, 0);
     return makeOrientation<Dim>(exact, s.domain.bounds())->axis({}, unused);
 }
 
 template <int Dim>
-VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
+VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, const FoamVoids& foam, double target,
                            std::vector<std::string>* chosen) {
     const VoidShape<Dim> shape = voidShapeOf(s, chosen);
     const PeriodicCell<Dim> cell = s.domain.cell();
     const FoamOptions<Dim> options{compressible(commonAxis(s), cell),
-                                   s.recipe.jitter.value_or(kFoamJitter), s.seed};
+                                   foam.jitter.value_or(kFoamJitter), s.seed};
     FoamPacks<Dim> own;
     FoamPacks<Dim>& packs = s.packs ? *s.packs : own;
-    const auto pack =
-        packs.get(SizeDistribution::parse(voidRadiusSpec(s, nullptr), Dim),
-                  foamExtent(regionOf(s), shape, options), cell.wraps, s.seed, s.callbacks);
+    const auto pack = packs.get(voidRadii(s, nullptr), foamExtent(regionOf(s), shape, options),
+                                cell.wraps, s.seed, s.callbacks);
     const auto voids = foamVoids(regionOf(s), pack->pack, shape, options);
     VoidFamily<Dim> family;
     family.most = kMostDilation;
@@ -211,17 +219,16 @@ VoidFamily<Dim> foamFamily(const VoidSetting<Dim>& s, double target,
 }
 
 template <int Dim>
-VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s, std::vector<std::string>* chosen) {
+VoidFamily<Dim> gridFamily(const VoidSetting<Dim>& s, const GridVoids& grid,
+                           std::vector<std::string>* chosen) {
     std::shared_ptr<const VoidMatrix> matrix;
-    if (!s.recipe.matrix.empty())
-        matrix = std::make_shared<VoidMatrix>(readVoidMatrix(s.recipe.matrix));
+    if (!grid.matrix.empty()) matrix = std::make_shared<VoidMatrix>(readVoidMatrix(grid.matrix));
     if (Dim == 2 && matrix && matrix->size[2] > 1)
         throw InputError(fmt::format("{}: has {} layers, but the domain is a plane; keep one layer",
-                                     s.recipe.matrix, matrix->size[2]));
+                                     grid.matrix, matrix->size[2]));
     const PeriodicCell<Dim> cell = s.domain.cell();
-    const auto lattice =
-        voidLattice<Dim>(s.domain.bounds(), s.recipe.cell, matrix.get(), cell.wraps);
-    if (cell.any() && !s.recipe.cell.empty() && chosen) {
+    const auto lattice = voidLattice<Dim>(s.domain.bounds(), grid.cell, matrix.get(), cell.wraps);
+    if (cell.any() && !grid.cell.empty() && chosen) {
         std::string sides;
         for (int d = 0; d < Dim; ++d)
             sides += fmt::format("{}{:.6g}", d > 0 ? " by " : "", lattice.cell[d]);
@@ -266,31 +273,21 @@ double meanBvtv(const VoidSetting<Dim>& s) {
 template <int Dim>
 VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& s, double bvtv,
                            std::vector<std::string>* chosen) {
-    switch (methodOf(s.recipe)) {
-        case VoidMethod::boolean:
-            return booleanFamily(s, bvtv, chosen);
-        case VoidMethod::overlay:
-            return overlayFamily(s, chosen);
-        case VoidMethod::foam:
-            return foamFamily(s, bvtv, chosen);
-        case VoidMethod::grid:
-            return gridFamily(s, chosen);
-        case VoidMethod::none:
-        case VoidMethod::concentric:
-        case VoidMethod::threshold:
-        case VoidMethod::mixed:
-        case VoidMethod::ellipses:
-        case VoidMethod::list:
-            break;
-    }
-    throw ParameterError("`voids` " + s.recipe.method + ": is no family of voids at random");
+    if (std::holds_alternative<BooleanVoids>(s.recipe.method))
+        return booleanFamily(s, bvtv, chosen);
+    if (std::holds_alternative<OverlayVoids>(s.recipe.method)) return overlayFamily(s, chosen);
+    if (const auto* foam = std::get_if<FoamVoids>(&s.recipe.method))
+        return foamFamily(s, *foam, bvtv, chosen);
+    if (const auto* grid = std::get_if<GridVoids>(&s.recipe.method))
+        return gridFamily(s, *grid, chosen);
+    throw ParameterError("`voids` " + nameOf(s.recipe) + ": is no family of voids at random");
 }
 
 #define VDBPACK_INSTANTIATE(Dim)                                                             \
     template struct FoamPacks<Dim>;                                                          \
     template VoidRegion<Dim> regionOf(const VoidSetting<Dim>&);                              \
     template double meanBvtv(const VoidSetting<Dim>&);                                       \
-    template std::string voidRadiusSpec(const VoidSetting<Dim>&, std::vector<std::string>*); \
+    template SizeDistribution voidRadii(const VoidSetting<Dim>&, std::vector<std::string>*); \
     template VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>&, std::vector<std::string>*); \
     template VoidFamily<Dim> voidFamily(const VoidSetting<Dim>&, double, std::vector<std::string>*);
 VDBPACK_INSTANTIATE(2)

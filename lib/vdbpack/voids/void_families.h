@@ -29,7 +29,8 @@ struct FoamPacks {
     std::vector<std::shared_ptr<const Entry>> entries;
     double dilation = 0;  ///< of the last foam; 0: unknown
 
-    /// One of those that there are, or a further one. @throws as `foamPack`
+    /// The stored dense pack for these arguments, or a new one, which is then stored. @throws as
+    /// `foamPack`
     std::shared_ptr<const Entry> get(const SizeDistribution& sizes, const Vec<Dim>& half,
                                      const std::array<bool, Dim>& wraps, std::uint64_t seed,
                                      const Callbacks& callbacks);
@@ -47,7 +48,7 @@ struct VoidSetting {
     Ranks* ranks = nullptr;  ///< that share the spheres; null: none do
     /// BV/TV by place, from 0 to 1; empty: it is the same everywhere.
     std::function<double(const Vec<Dim>&)> bvtv{};
-    /// Thickness by place, where the recipe has a field of it; uniform: that of the recipe.
+    /// Thickness by place, where the recipe has a field of it; uniform: thickness of the recipe.
     ShellThickness localShell{};
     FoamPacks<Dim>* packs = nullptr;  ///< kept for further foams; null: they are not
 };
@@ -69,15 +70,17 @@ ShellThickness shellOf(const VoidSetting<Dim>& s) {
 template <int Dim>
 VoidRegion<Dim> regionOf(const VoidSetting<Dim>& setting);
 
-/// SPEC of holes of 1.5 to 2.5 largest spheres (radius in mm).
-std::string defaultVoidRadius(double largestSphere);
+/// Holes of 1.5 to 2.5 largest spheres (radius in mm), to six digits.
+SizeDistribution defaultVoidRadius(double largestSphere);
 
-/// SPEC of the shorter half-axis b: that of the recipe, or holes of 1.5 to 2.5 largest spheres.
+/// The shorter half-axis b without the factor of the recipe: as requested, or holes of 1.5 to 2.5
+/// largest spheres.
 /// @param chosen  receives a sentence on each default; may be null.
 template <int Dim>
-std::string voidRadiusSpec(const VoidSetting<Dim>& setting, std::vector<std::string>* chosen);
+SizeDistribution voidRadii(const VoidSetting<Dim>& setting,
+                           std::vector<std::string>* chosen = nullptr);
 
-/// Sizes and directions of the voids. @param chosen  as for `voidRadiusSpec`.
+/// Sizes and directions of the voids. @param chosen  as for `voidRadii`.
 template <int Dim>
 VoidShape<Dim> voidShapeOf(const VoidSetting<Dim>& setting,
                            std::vector<std::string>* chosen = nullptr);
@@ -93,7 +96,7 @@ template <int Dim>
 struct VoidFamily {
     double most = 0;       ///< the largest amount
     double guess = 0;      ///< amount for the target, estimated
-    double steepness = 0;  ///< as that of `solveForBvtv`
+    double steepness = 0;  ///< as in `solveForBvtv`
     std::string remedy;
     double leastHalfAxis = 0;
     std::function<std::vector<Ellipsoid<Dim>>(double amount)> list;
@@ -104,7 +107,7 @@ struct VoidFamily {
 
 /// @param setting  must outlive the family.
 /// @param bvtv     the target, for the first guess.
-/// @param chosen   as for `voidRadiusSpec`.
+/// @param chosen   as for `voidRadii`.
 /// @throws ParameterError, InputError, Interrupted
 template <int Dim>
 VoidFamily<Dim> voidFamily(const VoidSetting<Dim>& setting, double bvtv,

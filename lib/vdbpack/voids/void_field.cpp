@@ -1,12 +1,10 @@
 #include "vdbpack/voids/void_field.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/rng.h"
-#include "vdbpack/io/numbers.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -35,21 +33,20 @@ void keepMarked(const std::vector<std::uint8_t>& marked, std::vector<Ellipsoid<D
 template <int Dim>
 void keepReaching(const VoidRegion<Dim>& region, std::vector<Ellipsoid<Dim>>& voids) {
     std::vector<std::uint8_t> reaches(voids.size());
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, voids.size(), kBatch),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                          const auto sampler = region.domain.envelope().sampler();
-                          const double error = region.domain.facts().voxelSize;
-                          WallPoint<Dim> wall;
-                          for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                              const auto& e = voids[i];
-                              const double reach = std::max(e.a, e.b) - region.shell.least();
-                              const double outside = sampler->signedDistance(e.center);
-                              reaches[i] = outside < reach;
-                              // A field ends close to the wall: farther out, ask the wall.
-                              if (reaches[i] && outside > error && error > 0)
-                                  reaches[i] = sampler->nearestWall(e.center, reach, wall);
-                          }
-                      });
+    parallelFor(IndexRange(0, voids.size(), kBatch), [&](const IndexRange& range) {
+        const auto sampler = region.domain.envelope().sampler();
+        const double error = region.domain.facts().voxelSize;
+        WallPoint<Dim> wall;
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+            const auto& e = voids[i];
+            const double reach = std::max(e.a, e.b) - region.shell.least();
+            const double outside = sampler->signedDistance(e.center);
+            reaches[i] = outside < reach;
+            // A field ends close to the wall: farther out, ask the wall.
+            if (reaches[i] && outside > error && error > 0)
+                reaches[i] = sampler->nearestWall(e.center, reach, wall);
+        }
+    });
     keepMarked(reaches, voids);
 }
 
@@ -77,21 +74,19 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
     // In parts, since most of the box around a bone is empty.
     for (std::size_t first = 0; first < drawn; first += 256 * kBatch) {
         batch.resize(std::min<std::size_t>(256 * kBatch, drawn - first));
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, batch.size(), kBatch),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i < range.end(); ++i) {
-                                  RandomStream random(seed, kCenters + first + i);
-                                  Ellipsoid<Dim>& e = batch[i];
-                                  for (int d = 0; d < Dim; ++d)
-                                      e.center[d] =
-                                          window.lo[d] + random.uniform() * window.size()[d];
-                                  e.b = shape.radius.quantile(random.uniform());
-                                  e.a = e.b * shape.aspect.quantile(random.uniform());
-                                  e.axis = shape.orientation->axis(e.center, random);
-                                  e.id = static_cast<std::uint32_t>(first + i);
-                                  if (share) kept[i] = random.uniform() < share(e.center);
-                              }
-                          });
+        parallelFor(IndexRange(0, batch.size(), kBatch), [&](const IndexRange& range) {
+            for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                RandomStream random(seed, kCenters + first + i);
+                Ellipsoid<Dim>& e = batch[i];
+                for (int d = 0; d < Dim; ++d)
+                    e.center[d] = window.lo[d] + random.uniform() * window.size()[d];
+                e.b = shape.radius.quantile(random.uniform());
+                e.a = e.b * shape.aspect.quantile(random.uniform());
+                e.axis = shape.orientation->axis(e.center, random);
+                e.id = static_cast<std::uint32_t>(first + i);
+                if (share) kept[i] = random.uniform() < share(e.center);
+            }
+        });
         if (share) keepMarked(kept, batch);
         keepReaching(region, batch);
         voids.insert(voids.end(), batch.begin(), batch.end());
@@ -100,7 +95,7 @@ std::vector<Ellipsoid<Dim>> booleanVoids(const VoidRegion<Dim>& region, const Vo
 }
 
 template <int Dim>
-VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
+VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::vector<double>& cell,
                              const VoidMatrix* matrix, const std::array<bool, Dim>& wraps) {
     VoidLattice<Dim> lattice;
     const Vec<Dim> size = bounds.size();
@@ -120,14 +115,14 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         }
         return lattice;
     }
-    auto sides = parseNumberList(cell).value_or(std::vector<double>{});
-    if (sides.empty() || *std::min_element(sides.begin(), sides.end()) <= 0)
-        throw ParameterError(fmt::format("`cell` {}: write the side of a box in mm, or {} in mm",
-                                         cell, Dim == 3 ? "X,Y,Z" : "X,Y"));
-    if (sides.size() == 1) sides.assign(Dim, sides[0]);
-    if (sides.size() != Dim)
-        throw ParameterError(
-            fmt::format("`cell` {}: has {} sides; write one or {}", cell, sides.size(), Dim));
+    const auto given = fmt::format("`cell` {}", fmt::join(cell, ","));
+    const bool good = std::all_of(cell.begin(), cell.end(),
+                                  [](double side) { return side > 0 && std::isfinite(side); });
+    if (!good || (cell.size() != 1 && cell.size() != Dim))
+        throw ParameterError(fmt::format("{}: write the side of a box in mm, or {} in mm", given,
+                                         Dim == 3 ? "X,Y,Z" : "X,Y"));
+    std::vector<double> sides = cell;
+    if (sides.size() == 1) sides.assign(Dim, cell[0]);
     double boxes = 1;
     for (int d = 0; d < Dim; ++d) {
         const auto i = static_cast<std::size_t>(d);
@@ -137,8 +132,7 @@ VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
         if (wraps[i]) sides[i] = size[d] / n;
         boxes *= n;
         if (!(boxes < 4e9))
-            throw ResourceError(
-                fmt::format("`cell` {}: makes more than 4e9 boxes; choose larger ones", cell));
+            throw ResourceError(given + ": makes more than 4e9 boxes; choose larger ones");
         lattice.count[i] = static_cast<std::int64_t>(n);
         lattice.cell[d] = sides[i];
         lattice.origin[d] = bounds.center()[d] - 0.5 * n * sides[i];
@@ -226,7 +220,7 @@ void shuffle(std::vector<Ellipsoid<Dim>>& voids, std::uint64_t seed) {
     template std::vector<Ellipsoid<Dim>> booleanVoids(                                            \
         const VoidRegion<Dim>&, const VoidShape<Dim>&, std::uint64_t, double,                     \
         const std::function<double(const Vec<Dim>&)>&);                                           \
-    template VoidLattice<Dim> voidLattice<Dim>(const Box<Dim>&, const std::string&,               \
+    template VoidLattice<Dim> voidLattice<Dim>(const Box<Dim>&, const std::vector<double>&,       \
                                                const VoidMatrix*, const std::array<bool, Dim>&);  \
     template std::vector<Ellipsoid<Dim>> latticeVoids(const VoidRegion<Dim>&,                     \
                                                       const VoidLattice<Dim>&, const VoidMatrix*, \

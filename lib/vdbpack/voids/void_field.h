@@ -66,9 +66,10 @@ struct VoidLattice {
 /// many boxes as the matrix has cells.
 /// @param wraps  axes along which the domain repeats: there the sides are those next to the given
 ///               ones of which a whole number makes its length.
-/// @throws ParameterError if `cell` is malformed.
+/// @param cell   one side, or one for each direction, mm.
+/// @throws ParameterError if a side is not positive, or their number is another.
 template <int Dim>
-VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::string& cell,
+VoidLattice<Dim> voidLattice(const Box<Dim>& bounds, const std::vector<double>& cell,
                              const VoidMatrix* matrix, const std::array<bool, Dim>& wraps = {});
 
 /// The largest ellipsoid of revolution in each selected box, its axes along the sides.

@@ -18,7 +18,7 @@ namespace vdbpack {
 
 namespace {
 
-constexpr const char* kColumns = "x,y,z,a,b,theta_z,theta_x,ux,uy,uz,id";
+constexpr const char* kListColumns = "x,y,z,a,b,theta_z,theta_x,ux,uy,uz,id";
 constexpr double kAngleTolerance = 1e-3;  ///< rad; the precision of tables with four digits
 
 /// The columns that define the axis.
@@ -130,7 +130,7 @@ template <int Dim>
 std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) {
     if (!(scale > 0) || !std::isfinite(scale))
         throw ParameterError(fmt::format("{}: scale {} must be positive and finite", file, scale));
-    NumberTable table(file, kColumns);
+    NumberTable table(file, kListColumns);
     std::vector<std::size_t> center{table.require({"x"}), table.require({"y"})};
     if (Dim == 3) center.push_back(table.require({"z"}));
     const std::size_t a = table.require({"a"}), b = table.require({"b"});
@@ -165,7 +165,7 @@ std::vector<Ellipsoid<Dim>> readVoidList(const std::string& file, double scale) 
 
 template <int Dim>
 std::string voidListText(const std::vector<Ellipsoid<Dim>>& voids, Unit unit, double sliceHeight) {
-    std::string text = std::string(kColumns) + '\n';
+    std::string text = std::string(kListColumns) + '\n';
     for (const auto& e : voids) appendRow(text, e, millimetersPer(unit), sliceHeight);
     return text;
 }

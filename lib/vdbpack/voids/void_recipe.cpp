@@ -1,279 +1,238 @@
 #include "vdbpack/voids/void_recipe.h"
 
 #include "vdbpack/core/error.h"
-#include "vdbpack/io/numbers.h"
 #include "vdbpack/voids/scalar_field.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
-#include <vector>
+#include <type_traits>
 
 namespace vdbpack {
 
 namespace {
 
-constexpr std::array<std::pair<const char*, VoidMethod>, 8> kMethods{
-    {{"grid", VoidMethod::grid},
-     {"overlay", VoidMethod::overlay},
-     {"concentric", VoidMethod::concentric},
-     {"threshold", VoidMethod::threshold},
-     {"mixed", VoidMethod::mixed},
-     {"ellipses", VoidMethod::ellipses},
-     {"boolean", VoidMethod::boolean},
-     {"foam", VoidMethod::foam}}};
+using Value = std::optional<double>;
 
-bool isOneOf(VoidMethod method, const std::vector<VoidMethod>& methods) {
-    return std::find(methods.begin(), methods.end(), method) != methods.end();
+void require(const char* name, const Value& value, bool good, const std::string& what) {
+    if (value && !good) throw ParameterError(fmt::format("`{}` {}: must {}", name, *value, what));
 }
 
-void requireShare(const char* name, const std::optional<double>& value, const char* range,
-                  bool zero, bool one) {
-    if (!value) return;
-    if (!(zero ? *value >= 0 : *value > 0) || !(one ? *value <= 1 : *value < 1))
-        throw ParameterError(fmt::format("`{}` {}: must lie in {}", name, *value, range));
+/// From 0 to 1, with or without these.
+void requireShare(const char* name, const Value& v, bool zero, bool one) {
+    require(name, v, v && (zero ? *v >= 0 : *v > 0) && (one ? *v <= 1 : *v < 1),
+            fmt::format("lie in {}0, 1{}", zero ? '[' : '(', one ? ']' : ')'));
 }
 
-void requireLength(const char* name, double value) {
-    if (!(value > 0) || !std::isfinite(value))
-        throw ParameterError(fmt::format("`{}` {}: must be a positive length in mm", name, value));
+void requireLength(const char* name, const Value& v) {
+    require(name, v, v && *v > 0 && std::isfinite(*v), "be a positive length in mm");
 }
 
-/// A parameter, whether it is given, and the methods that use it.
-struct Use {
-    const char* name;
-    bool given;
-    std::vector<VoidMethod> methods;
-};
-
-std::vector<Use> usesOf(const VoidRecipe& r) {
-    using M = VoidMethod;
-    const std::vector<M> all{M::grid,     M::overlay, M::concentric, M::threshold, M::mixed,
-                             M::ellipses, M::boolean, M::foam,       M::list};
-    const std::vector<M> stamped{M::grid,    M::overlay, M::mixed, M::ellipses,
-                                 M::boolean, M::foam,    M::list};
-    const std::vector<M> shaped{M::overlay, M::ellipses, M::boolean, M::foam};
-    return {{"voids.radius",
-             !r.radius.empty(),
-             {M::overlay, M::mixed, M::ellipses, M::boolean, M::foam}},
-            {"voids.blend", r.blend.has_value(), stamped},
-            {"voids.strut", r.strut.has_value(), stamped},
-            {"voids.strutShare", r.strutShare.has_value(), stamped},
-            {"voids.jitter", r.jitter.has_value(), {M::foam}},
-            {"voids.aspect", !r.aspect.empty(), shaped},
-            {"voids.count", r.count.has_value(), {M::overlay, M::boolean}},
-            {"voids.probability", r.probability.has_value(), {M::grid, M::mixed, M::ellipses}},
-            {"deleteFraction", r.deleteFraction.has_value(), {M::concentric, M::threshold}},
-            {"matrix", !r.matrix.empty(), {M::grid}},
-            {"cell", !r.cell.empty(), {M::grid}},
-            {"orientation.angles", !r.orientation.angles.empty(), shaped},
-            {"orientation.axis", !r.orientation.axis.empty(), shaped},
-            {"orientation.field", !r.orientation.field.empty(), shaped},
-            {"voids.voxelSize", r.voxelSize > 0, stamped},
-            {"like", !r.like.empty(), {M::foam}},
-            {"trabecular", !r.trabecular.empty(), {M::foam}},
-            {"targetBvtv",
-             r.targetBvtv.has_value(),
-             {M::grid, M::overlay, M::concentric, M::threshold, M::mixed, M::ellipses, M::boolean,
-              M::foam}},
-            {"bvtvField", !r.bvtvField.empty(), {M::boolean, M::foam}},
-            {"bvtvRange", !r.bvtvRange.empty(), {M::boolean, M::foam}},
-            {"targetTbth", r.targetTbth.has_value(), {M::boolean, M::foam}},
-            {"targetTbsp", r.targetTbsp.has_value(), {M::foam}},
-            {"targetDa", r.targetDa.has_value(), {M::foam}},
-            {"targetConnd", r.targetConnd.has_value(), {M::foam}},
-            {"keepConnected", r.keepConnected, all},
-            {"cull",
-             r.cull == Cull::touch,
-             {M::grid, M::overlay, M::ellipses, M::boolean, M::foam, M::list}}};
+void requireNotNegative(const char* name, const Value& v) {
+    require(name, v, v && *v >= 0 && std::isfinite(*v), "be a length in mm, 0 or more");
 }
 
-/// Refuses parameters that the method does not use.
-void requireUse(const VoidRecipe& r, VoidMethod method) {
-    for (const Use& use : usesOf(r)) {
-        if (!use.given || isOneOf(method, use.methods)) continue;
-        if (method == VoidMethod::none)
-            throw ParameterError(fmt::format(
-                "`{}` is given, but no voids are requested; choose how they are made with "
-                "`voids` (foam, boolean, grid, overlay, ...)",
-                use.name));
-        std::string others;
-        for (const auto& [name, m] : kMethods)
-            if (isOneOf(m, use.methods)) others += (others.empty() ? "" : ", ") + std::string(name);
-        throw ParameterError(fmt::format("`{}` is not used by `voids` {}; it is used by {}",
-                                         use.name, r.method, others));
-    }
-}
-
-/// Refuses a method that the run cannot perform.
-void requireInput(const VoidRecipe& r, VoidMethod method, bool hasSpheres, bool hasFront) {
-    if (needsFront(method) && !hasFront)
-        throw ParameterError(
-            fmt::format("`voids` {} makes its voids during packing, and this run packs nothing; "
-                        "choose overlay or boolean here",
-                        r.method));
-    if (isThinning(method) && !hasSpheres)
-        throw ParameterError(
-            fmt::format("`voids` {} removes spheres, and this run has none; choose grid, "
-                        "overlay or boolean here",
-                        r.method));
-}
-
-/// Refuses values out of range.
-void requireRanges(const VoidRecipe& r, VoidMethod method) {
-    requireShare("voids.probability", r.probability, needsFront(method) ? "[0, 1)" : "[0, 1]", true,
-                 !needsFront(method));
-    requireShare("deleteFraction", r.deleteFraction, "(0, 1]", false, true);
-    requireShare("targetBvtv", r.targetBvtv, "(0, 1)", false, false);
-    if (r.targetTbth) requireLength("targetTbth", *r.targetTbth);
-    if (r.targetTbsp) requireLength("targetTbsp", *r.targetTbsp);
-    if (r.targetConnd && !(*r.targetConnd > 0 && std::isfinite(*r.targetConnd)))
-        throw ParameterError(
-            fmt::format("`targetConnd` {}: must be above 0, in 1/mm³", *r.targetConnd));
-    if (r.targetDa && !(*r.targetDa >= 0 && *r.targetDa < 1))
+/// Refuses a second parameter that determines the amount of voids.
+void requireOneAmount(const char* name, bool given, const char* other, bool otherGiven) {
+    if (given && otherGiven)
         throw ParameterError(fmt::format(
-            "`targetDa` {}: must lie in [0, 1): 1 - (short / long)² of the mean intercept lengths. "
-            "From a ratio R = long / short of other programs it is 1 - 1 / R²",
-            *r.targetDa));
-    if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
-    requireShare("voids.jitter", r.jitter, "[0, 1]", true, true);
-    requireShare("voids.strutShare", r.strutShare, "[0, 1]", true, true);
-    if (r.strut && !(*r.strut >= 0 && std::isfinite(*r.strut)))
+            "`{}` and `{}` both determine the amount of voids; give one of them", name, other));
+}
+void requireOneAmount(const char* name, bool given, const Value& targetBvtv) {
+    requireOneAmount(name, given, "targetBvtv", targetBvtv.has_value());
+}
+
+void checkField(const BvtvField& field) {
+    const std::string range =
+        field.range ? fmt::format("`bvtvRange` {},{}: ", field.range->first, field.range->second)
+                    : "";
+    if (field.empty() && field.range)
+        throw ParameterError(range + "gives the meaning of grey values; set `bvtvField`");
+    if (field.range && field.range->first == field.range->second)
+        throw ParameterError(range + "the values of marrow and bone must differ");
+    if (!field.empty() && !field.range && !namesScalarField(field.file))
         throw ParameterError(
-            fmt::format("`voids.strut` {}: must be a thickness in mm, 0 or more", *r.strut));
-    if (r.blend && !(*r.blend >= 0 && std::isfinite(*r.blend)))
-        throw ParameterError(
-            fmt::format("`voids.blend` {}: must be a length in mm, 0 or more", *r.blend));
-    if (r.count && !(*r.count >= 1 && *r.count < 4e9))
-        throw ParameterError(
-            fmt::format("`voids.count` {}: must be a number of voids from 1 to 4e9", *r.count));
+            "`bvtvField` " + field.file +
+            ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
 }
 
 /// BV/TV of plates, and of rods that are as thin as those of a cubic lattice, as shares of what
-/// Tb.Th and Tb.Sp say: bounds with room to spare. Foams of BV/TV 0.47 have 1.4 of the first.
+/// Tb.Th and Tb.Sp give: bounds with room to spare. Foams of BV/TV 0.47 have 1.4 of the first.
 constexpr double kMostOfPlates = 1.6, kLeastOfRods = 0.6;
 
 /// Refuses a thickness, spacing and BV/TV that no structure has together.
-void requireConsistent(const VoidRecipe& r) {
-    if (!(r.targetBvtv && r.targetTbth && r.targetTbsp)) return;
-    const double share = *r.targetTbth / (*r.targetTbth + *r.targetTbsp);
+void requireConsistent(const FoamVoids& foam) {
+    const FoamTargets& t = foam.targets;
+    if (!(foam.targetBvtv && t.tbth && t.tbsp)) return;
+    const double share = *t.tbth / (*t.tbth + *t.tbsp);
     const double most = kMostOfPlates * share, least = kLeastOfRods * share * share;
-    if (*r.targetBvtv <= most && *r.targetBvtv >= least) return;
+    if (*foam.targetBvtv <= most && *foam.targetBvtv >= least) return;
     throw ParameterError(fmt::format(
         "`targetBvtv` {:g} contradicts `targetTbth` {:g} and `targetTbsp` {:g}: rods of that "
         "thickness and spacing have at least {:.2g}, plates at most {:.2g}; change one of them",
-        *r.targetBvtv, *r.targetTbth, *r.targetTbsp, least, std::min(most, 1.0)));
+        *foam.targetBvtv, *t.tbth, *t.tbsp, least, std::min(most, 1.0)));
 }
 
-/// Refuses two parameters that both determine the amount of voids, or none.
-void requireOneAmount(const VoidRecipe& r, VoidMethod method, bool hasSpheres) {
-    if (r.bvtvField.empty() && !r.bvtvRange.empty())
-        throw ParameterError("`bvtvRange` " + r.bvtvRange +
-                             ": says what grey values mean; set `bvtvField`");
-    if (!r.bvtvField.empty() && r.bvtvRange.empty() && !namesScalarField(r.bvtvField))
-        throw ParameterError(
-            "`bvtvField` " + r.bvtvField +
-            ": set `bvtvRange` to the grey values of marrow and of bone, such as 0,1200");
-    if (!r.bvtvRange.empty()) parseBvtvRange(r.bvtvRange);
-    if (!r.bvtvField.empty() && r.count)
-        throw ParameterError(
-            "`voids.count` and `bvtvField` both determine the amount of voids; give one of them");
-    if (r.targetTbth && !r.targetBvtv && method != VoidMethod::foam)
-        throw ParameterError(
-            "`targetTbth` fixes the thickness at a given BV/TV; give `targetBvtv` as well");
-    const std::pair<bool, const char*> amounts[] = {
-        {r.count.has_value(), "voids.count"},
-        {r.probability.has_value(), "voids.probability"},
-        {r.deleteFraction.has_value(), "deleteFraction"},
-        {!r.matrix.empty(), "matrix"}};
-    for (const auto& [given, name] : amounts)
-        if (given && r.targetBvtv)
-            throw ParameterError(fmt::format(
-                "`{}` and `targetBvtv` both determine the amount of voids; give one of them",
-                name));
-    if (isThinning(method) && !r.deleteFraction && !r.targetBvtv)
-        throw ParameterError(
-            fmt::format("`voids` {} needs `deleteFraction` or `targetBvtv`", r.method));
-    if (method == VoidMethod::grid && r.matrix.empty() && r.cell.empty())
-        throw ParameterError("`voids` grid needs `matrix` or `cell`");
-    const bool sized =
-        isOneOf(method, {VoidMethod::overlay, VoidMethod::boolean, VoidMethod::foam});
-    const bool scaled = method == VoidMethod::foam &&
-                        (r.targetTbth || r.targetTbsp || r.targetConnd || !r.like.empty());
-    if (sized && r.radius.empty() && !hasSpheres && !scaled)
-        throw ParameterError(
-            method == VoidMethod::foam
-                ? "the size of a foam is not given; add `targetTbth`, `targetTbsp`, `targetConnd`, "
-                  "or `voids.radius`, the shorter half-axis of its voids in mm"
-                : fmt::format("`voids` {} needs `voids.radius`, the shorter half-axis in mm",
-                              r.method));
+/// The rules of each method.
+struct MethodCheck {
+    std::string name;
+    bool hasSpheres, hasFront;
+
+    void operator()(std::monostate) const {}
+    void operator()(const ListedVoids&) const {}
+    void operator()(const GridVoids& m) const {
+        requireShare("voids.probability", m.probability, true, true);
+        requireOneAmount("voids.probability", m.probability.has_value(), m.targetBvtv);
+        requireOneAmount("matrix", !m.matrix.empty(), m.targetBvtv);
+        if (m.matrix.empty() && m.cell.empty())
+            throw ParameterError("`voids` grid needs `matrix` or `cell`");
+    }
+    void operator()(const OverlayVoids& m) const { checkAmount(m); }
+    void operator()(const BooleanVoids& m) const {
+        requireOneAmount("voids.count", m.count.has_value(), "bvtvField", !m.bvtvField.empty());
+        checkField(m.bvtvField);
+        requireLength("targetTbth", m.targetTbth);
+        if (m.targetTbth && !m.targetBvtv)
+            throw ParameterError(
+                "`targetTbth` fixes the thickness at a given BV/TV; give `targetBvtv` as well");
+        checkAmount(m);
+    }
+    void operator()(const FoamVoids& m) const {
+        const FoamTargets& t = m.targets;
+        requireShare("voids.jitter", m.jitter, true, true);
+        checkField(m.bvtvField);
+        requireLength("targetTbth", t.tbth);
+        requireLength("targetTbsp", t.tbsp);
+        require("targetConnd", t.connd, t.connd && *t.connd > 0 && std::isfinite(*t.connd),
+                "be above 0, in 1/mm³");
+        require("targetDa", t.da, t.da && *t.da >= 0 && *t.da < 1,
+                "lie in [0, 1): 1 - (short / long)² of the mean intercept lengths. From a ratio "
+                "R = long / short of other programs it is 1 - 1 / R²");
+        requireConsistent(m);
+        if (m.shape.radius.empty() && !hasSpheres && !t.scale() && m.like.file.empty())
+            throw ParameterError(
+                "the size of a foam is not given; add `targetTbth`, `targetTbsp`, `targetConnd`, "
+                "or `voids.radius`, the shorter half-axis of its voids in mm");
+    }
+    void operator()(const Thinning& m) const {
+        if (!hasSpheres)
+            fail(
+                "removes spheres, and this run has none; choose grid, overlay or "
+                "boolean here");
+        requireShare("deleteFraction", m.fraction, false, true);
+        requireOneAmount("deleteFraction", m.fraction.has_value(), m.targetBvtv);
+        if (!m.fraction && !m.targetBvtv) fail("needs `deleteFraction` or `targetBvtv`");
+    }
+    void operator()(const FrontHoles& m) const {
+        if (!hasFront)
+            fail(
+                "makes its voids during packing, and this run packs nothing; choose "
+                "overlay or boolean here");
+        requireShare("voids.probability", m.probability, true, false);
+        requireOneAmount("voids.probability", m.probability.has_value(), m.targetBvtv);
+    }
+
+private:
+    [[noreturn]] void fail(const char* why) const {
+        throw ParameterError(fmt::format("`voids` {} {}", name, why));
+    }
+    template <class Method>
+    void checkAmount(const Method& m) const {
+        require("voids.count", m.count, m.count && *m.count >= 1 && *m.count < 4e9,
+                "be a number of voids from 1 to 4e9");
+        requireOneAmount("voids.count", m.count.has_value(), m.targetBvtv);
+        if (m.shape.radius.empty() && !hasSpheres)
+            fail("needs `voids.radius`, the shorter half-axis in mm");
+    }
+};
+
+/// A member that some methods have: `get` of the method, or `none`.
+template <class Result, class Method, class Get>
+Result ifAny(Method& method, Result none, const Get& get) {
+    return std::visit(
+        [&](auto& m) -> Result {
+            if constexpr (std::is_invocable_v<Get, decltype(m)>)
+                return get(m);
+            else
+                return none;
+        },
+        method);
 }
 
 }  // namespace
 
-std::pair<double, double> parseBvtvRange(const std::string& text) {
-    const auto numbers = parseNumberList(text);
-    if (!numbers || numbers->size() != 2 || (*numbers)[0] == (*numbers)[1])
-        throw ParameterError("`bvtvRange` '" + text +
-                             "': write MARROW,BONE, the grey values at BV/TV 0 and 1, such as "
-                             "0,1200");
-    return {(*numbers)[0], (*numbers)[1]};
+std::string nameOf(const VoidRecipe& recipe) {
+    if (const auto* listed = recipe.as<ListedVoids>()) return "list:" + listed->file;
+    if (const auto* thinning = recipe.as<Thinning>())
+        return thinning->by == Thinning::By::concentric ? "concentric" : "threshold";
+    if (const auto* holes = recipe.as<FrontHoles>())
+        return holes->as == FrontHoles::As::spheres ? "mixed" : "ellipses";
+    // In the order of the variant.
+    constexpr const char* kNames[] = {"", "grid", "overlay", "boolean", "foam"};
+    return kNames[recipe.method.index()];
 }
 
-VoidMethod methodOf(const VoidRecipe& recipe) {
-    if (recipe.method.empty()) return VoidMethod::none;
-    for (const auto& [name, method] : kMethods)
-        if (recipe.method == name) return method;
-    if (recipe.method.rfind("list:", 0) == 0 && recipe.method.size() > 5) return VoidMethod::list;
-    std::string names;
-    for (const auto& [name, method] : kMethods) names += std::string(name) + ", ";
-    throw ParameterError(
-        fmt::format("`voids` {}: must be one of {}list:FILE", recipe.method, names));
+const VoidShapeRecipe* shapeOf(const VoidRecipe& recipe) {
+    return ifAny<const VoidShapeRecipe*>(
+        recipe.method, nullptr, [](const auto& m) -> decltype(&m.shape) { return &m.shape; });
 }
 
-std::string listFile(const VoidRecipe& recipe) {
-    return methodOf(recipe) == VoidMethod::list ? recipe.method.substr(5) : std::string();
+VoidShapeRecipe* shapeOf(VoidRecipe& recipe) {
+    return const_cast<VoidShapeRecipe*>(shapeOf(static_cast<const VoidRecipe&>(recipe)));
 }
 
-bool hasStructureTargets(const VoidRecipe& r) {
-    return methodOf(r) == VoidMethod::foam &&
-           (r.targetTbth || r.targetTbsp || r.targetDa || r.targetConnd);
+const BvtvField* bvtvFieldOf(const VoidRecipe& recipe) {
+    return ifAny<const BvtvField*>(recipe.method, nullptr,
+                                   [](const auto& m) -> decltype(&m.bvtvField) {
+                                       return m.bvtvField.empty() ? nullptr : &m.bvtvField;
+                                   });
 }
 
-bool scalesVoids(const VoidRecipe& r) {
-    return r.targetTbth || (hasStructureTargets(r) && (r.targetTbsp || r.targetConnd));
+std::optional<double> targetBvtvOf(const VoidRecipe& recipe) {
+    return ifAny<Value>(recipe.method, {},
+                        [](const auto& m) -> decltype(m.targetBvtv) { return m.targetBvtv; });
 }
 
-bool isThinning(VoidMethod method) {
-    return method == VoidMethod::concentric || method == VoidMethod::threshold;
+std::optional<double> targetTbthOf(const VoidRecipe& recipe) {
+    if (const auto* boolean = recipe.as<BooleanVoids>()) return boolean->targetTbth;
+    if (const auto* foam = recipe.as<FoamVoids>()) return foam->targets.tbth;
+    return std::nullopt;
 }
 
-bool needsFront(VoidMethod method) {
-    return method == VoidMethod::mixed || method == VoidMethod::ellipses;
+void setTargetBvtv(VoidRecipe& recipe, double bvtv) {
+    ifAny<bool>(recipe.method, false, [bvtv](auto& m) -> decltype(m.targetBvtv.has_value()) {
+        m.targetBvtv = bvtv;
+        return true;
+    });
+}
+
+bool hasStructureTargets(const VoidRecipe& recipe) {
+    const auto* foam = recipe.as<FoamVoids>();
+    return foam && foam->targets.any();
+}
+
+bool scalesVoids(const VoidRecipe& recipe) {
+    const auto* foam = recipe.as<FoamVoids>();
+    return targetTbthOf(recipe) || (foam && foam->targets.scale());
 }
 
 void checkVoids(const VoidRecipe& r, bool hasSpheres, bool hasFront) {
-    const VoidMethod method = methodOf(r);
-    if (!(r.shell >= 0) || !std::isfinite(r.shell))
-        throw ParameterError(
-            fmt::format("`voids.shell` {}: must be a thickness in mm, 0 or more", r.shell));
+    requireNotNegative("voids.shell", r.shell);
     if (!r.shellField.empty() && r.shell > 0)
         throw ParameterError(
             "`voids.shell` and `shellField` both set the thickness of the shell; "
             "give one of them");
-    if (!r.shellField.empty() && (method == VoidMethod::overlay || needsFront(method)))
-        throw ParameterError("`shellField`: `voids` " + r.method +
+    if (!r.shellField.empty() && (r.as<OverlayVoids>() || r.as<FrontHoles>()))
+        throw ParameterError("`shellField`: `voids` " + nameOf(r) +
                              " need a shell of one thickness; use `shell`, or voids that are cut "
                              "afterwards, such as boolean");
-    if (method != VoidMethod::none) requireInput(r, method, hasSpheres, hasFront);
-    requireUse(r, method);
-    if (method == VoidMethod::none) return;
-    requireRanges(r, method);
-    requireConsistent(r);
-    requireOneAmount(r, method, hasSpheres);
+    requireShare("targetBvtv", targetBvtvOf(r), false, false);
+    if (r.voxelSize != 0) requireLength("voids.voxelSize", r.voxelSize);
+    requireShare("voids.strutShare", r.strutShare, true, true);
+    requireNotNegative("voids.strut", r.strut);
+    requireNotNegative("voids.blend", r.blend);
+    std::visit(MethodCheck{nameOf(r), hasSpheres, hasFront}, r.method);
 }
 
 }  // namespace vdbpack

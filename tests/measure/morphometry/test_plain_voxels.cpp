@@ -7,6 +7,7 @@
 
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <functional>
 #include <limits>

@@ -22,46 +22,25 @@ std::string written(const TemporaryFolder& folder, const std::string& name,
     return folder.file(name);
 }
 
-/// A prism with concave ends: polygons of six and of four corners.
-void prism(std::vector<Vec<3>>& vertices, Polygons& faces) {
-    const std::vector<std::array<double, 2>> outline{{0, 0},   {30, 0},  {30, 10},
-                                                     {10, 10}, {10, 40}, {0, 40}};
-    for (const double z : {0.0, 20.0})
-        for (const auto& p : outline) vertices.push_back({{p[0], p[1], z}});
-    faces = {{5, 4, 3, 2, 1, 0}, {6, 7, 8, 9, 10, 11}};
-    for (std::uint32_t k = 0; k < 6; ++k) faces.push_back({k, (k + 1) % 6, (k + 1) % 6 + 6, k + 6});
-}
-
-void requirePrism(const std::string& file) {
-    MeshFileFacts facts;
-    const MeshHealth health = checkMesh(readMesh(file, {}, &facts));
-    CHECK(facts.faces == 8);
-    CHECK(health.isWatertight());
-    CHECK(health.area == Approx(4000));
-    CHECK(health.signedVolume == Approx(12000));
-}
-
 TEST_CASE("a .vtp of polygons is a mesh in every encoding", "[mesh][vtk]") {
     const TemporaryFolder folder;
-    std::vector<Vec<3>> vertices;
-    Polygons faces;
-    prism(vertices, faces);
+    const Prism prism;
     const auto format = GENERATE(as<std::string>{}, "ascii", "binary", "raw");
     const bool zlib = GENERATE(false, true);
     CAPTURE(format, zlib);
-    requirePrism(written(folder, "a.vtp", vtpText(vertices, faces, format, zlib)));
+    requirePrism(
+        readMesh(written(folder, "a.vtp", vtpText(prism.vertices, prism.faces, format, zlib))));
 }
 
 TEST_CASE("a legacy .vtk of polygons or of flat cells is a mesh in every encoding", "[mesh][vtk]") {
     const TemporaryFolder folder;
-    std::vector<Vec<3>> vertices;
-    Polygons faces;
-    prism(vertices, faces);
+    const Prism prism;
     const bool binary = GENERATE(false, true);
     const bool offsets = GENERATE(false, true);
     const auto cells = GENERATE(as<std::string>{}, "POLYGONS", "CELLS");
     CAPTURE(binary, offsets, cells);
-    requirePrism(written(folder, "a.vtk", vtkText(vertices, faces, binary, offsets, cells)));
+    requirePrism(readMesh(
+        written(folder, "a.vtk", vtkText(prism.vertices, prism.faces, binary, offsets, cells))));
 }
 
 TEST_CASE("strips of triangles face one way", "[mesh][vtk]") {

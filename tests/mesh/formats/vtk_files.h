@@ -3,8 +3,9 @@
 
 #include "support/vtk_encoding.h"
 
-#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/mesh/mesh_check.h"
 
+#include <catch2/catch.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,8 +25,34 @@ inline Polygons polygonsOf(const TriangleMesh& mesh) {
     return polygons;
 }
 
+/// A prism with concave ends: polygons of six and of four corners.
+struct Prism {
+    std::vector<Vec<3>> vertices;
+    Polygons faces;
+
+    /// @param first  the corner that the ends begin with.
+    explicit Prism(std::uint32_t first = 0) : faces(2) {
+        constexpr double kOutline[6][2] = {{0, 0}, {30, 0}, {30, 10}, {10, 10}, {10, 40}, {0, 40}};
+        for (const double z : {0.0, 20.0})
+            for (const auto& p : kOutline) vertices.push_back({{p[0], p[1], z}});
+        for (std::uint32_t k = 0; k < 6; ++k) {
+            const std::uint32_t at = (first + k) % 6, next = (at + 1) % 6;
+            faces[0].insert(faces[0].begin(), at);
+            faces[1].push_back(at + 6);
+            faces.push_back({at, next, next + 6, at + 6});
+        }
+    }
+};
+
+inline void requirePrism(const TriangleMesh& mesh) {
+    const MeshHealth health = checkMesh(mesh);
+    CHECK(health.isWatertight());
+    CHECK(health.area == Approx(4000));
+    CHECK(health.signedVolume == Approx(12000));
+}
+
 template <class T>
-std::string rawBytes(T value, bool bigEndian) {
+std::string rawBytes(T value, bool bigEndian = false) {
     std::string out(sizeof value, '\0');
     std::memcpy(out.data(), &value, sizeof value);
     if (bigEndian) std::reverse(out.begin(), out.end());
@@ -37,11 +64,11 @@ inline std::string vtpText(const std::vector<Vec<3>>& vertices, const Polygons& 
                            const std::string& format, bool zlib = false, bool strips = false) {
     std::string appended;
     const auto encoded = [&](const std::string& data) {
-        if (!zlib) return std::pair{rawBytes(static_cast<std::uint32_t>(data.size()), false), data};
+        if (!zlib) return std::pair{rawBytes(static_cast<std::uint32_t>(data.size())), data};
         const std::string packed = deflated(data);
         std::string header;
         for (const std::size_t n : {std::size_t{1}, data.size(), std::size_t{0}, packed.size()})
-            header += rawBytes(static_cast<std::uint32_t>(n), false);
+            header += rawBytes(static_cast<std::uint32_t>(n));
         return std::pair{header, packed};
     };
     const auto array = [&](const std::string& tag, const std::string& text,

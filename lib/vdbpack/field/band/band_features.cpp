@@ -4,8 +4,6 @@
 #include "vdbpack/core/lanes.h"
 #include "vdbpack/core/parallel.h"
 
-#include <tbb/enumerable_thread_specific.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -317,22 +315,19 @@ private:
 
 BandFeatures bandFeatures(const BandMesh& mesh, const FeatureVisits& visits,
                           const Callbacks& callbacks) {
-    tbb::enumerable_thread_specific<BandFeatures> locals;
-    tbb::enumerable_thread_specific<Neighborhood> neighborhoods(
-        [&] { return Neighborhood(mesh, visits); });
+    PerThread<BandFeatures> locals;
+    PerThread<Neighborhood> neighborhoods([&] { return Neighborhood(mesh, visits); });
     Fans fans(mesh);
     callbacks.stopIfCancelled();
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.vertices.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          BandFeatures& features = locals.local();
-                          Neighborhood& around = neighborhoods.local();
-                          for (std::size_t v = part.begin(); v < part.end(); ++v) {
-                              // Threads wrote them; sums shall not depend on which was first.
-                              std::sort(fans.first(v), fans.last(v));
-                              around.add(static_cast<std::uint32_t>(v), fans.first(v), fans.last(v),
-                                         features);
-                          }
-                      });
+    parallelFor(IndexRange(0, mesh.vertices.size(), 4096), [&](const IndexRange& part) {
+        BandFeatures& features = locals.local();
+        Neighborhood& around = neighborhoods.local();
+        for (std::size_t v = part.begin(); v < part.end(); ++v) {
+            // Threads wrote them; sums shall not depend on which was first.
+            std::sort(fans.first(v), fans.last(v));
+            around.add(static_cast<std::uint32_t>(v), fans.first(v), fans.last(v), features);
+        }
+    });
     callbacks.stopIfCancelled();
     BandFeatures all;
     for (BandFeatures& f : locals) {

@@ -5,7 +5,6 @@
 #include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <atomic>
@@ -134,20 +133,18 @@ ColumnCrossings::ColumnCrossings(const BandMesh& mesh, const Callbacks& callback
     };
     std::vector<std::atomic<std::uint32_t>> next(lines);
     // Of a fine mesh, few triangles cross a line.
-    tbb::enumerable_thread_specific<std::vector<std::uint32_t>> crossing;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, triangles.size(), 4096),
-                      [&](const tbb::blocked_range<std::size_t>& part) {
-                          auto& mine = crossing.local();
-                          for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                              bool any = false;
-                              rasterize(
-                                  cornersOf(i), [&](std::int32_t x, std::int32_t y, std::int32_t) {
-                                      any = true;
-                                      next[columnOf(x, y)].fetch_add(1, std::memory_order_relaxed);
-                                  });
-                              if (any) mine.push_back(static_cast<std::uint32_t>(i));
-                          }
-                      });
+    PerThread<std::vector<std::uint32_t>> crossing;
+    parallelFor(IndexRange(0, triangles.size(), 4096), [&](const IndexRange& part) {
+        auto& mine = crossing.local();
+        for (std::size_t i = part.begin(); i < part.end(); ++i) {
+            bool any = false;
+            rasterize(cornersOf(i), [&](std::int32_t x, std::int32_t y, std::int32_t) {
+                any = true;
+                next[columnOf(x, y)].fetch_add(1, std::memory_order_relaxed);
+            });
+            if (any) mine.push_back(static_cast<std::uint32_t>(i));
+        }
+    });
     callbacks.stopIfCancelled();
     above_.resize(firstPositions(next, start_, "crossings of lines of voxels with the mesh",
                                  "give a larger `voxelSize`"));

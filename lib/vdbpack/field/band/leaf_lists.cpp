@@ -5,7 +5,6 @@
 #include "vdbpack/field/band/narrow_region.h"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <cmath>
@@ -200,7 +199,7 @@ private:
     using Found = std::array<BlockList<Entry>, kKinds>;
 
     void moveItems(BlockList<Entry>& entries, std::size_t kind) {
-        tbb::parallel_for(std::size_t{0}, entries.blockCount(), [&](std::size_t block) {
+        parallelFor(std::size_t{0}, entries.blockCount(), [&](std::size_t block) {
             entries.consume(block, [&](const Entry& entry) {
                 auto& slots = byNumber_[entry.leaf >> 12]->slots[entry.leaf & 4095u];
                 lists_.items[slots[kind].fetch_add(1, std::memory_order_relaxed)] = entry.index;
@@ -283,20 +282,18 @@ private:
     /// @param taken  whether number i is dealt with already.
     template <class Taken, class RegionAt>
     void find(std::size_t kind, std::size_t count, const Taken& taken, const RegionAt& regionAt) {
-        tbb::parallel_for(
-            tbb::blocked_range<std::size_t>(0, count, 512),
-            [&](const tbb::blocked_range<std::size_t>& part) {
-                BlockList<Entry>& entries = found_.local()[kind];
-                for (std::size_t i = part.begin(); i < part.end(); ++i) {
-                    if (taken(i)) continue;
-                    forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
-                        Node& node = nodeOf(leaf);
-                        const std::uint32_t k = numberInNode(leaf);
-                        node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
-                        entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
-                    });
-                }
-            });
+        parallelFor(IndexRange(0, count, 512), [&](const IndexRange& part) {
+            BlockList<Entry>& entries = found_.local()[kind];
+            for (std::size_t i = part.begin(); i < part.end(); ++i) {
+                if (taken(i)) continue;
+                forEachLeaf(regionAt(i), [&](const LeafPlace& leaf) {
+                    Node& node = nodeOf(leaf);
+                    const std::uint32_t k = numberInNode(leaf);
+                    node.slots[k][kind].fetch_add(1, std::memory_order_relaxed);
+                    entries.add({node.number << 12 | k, static_cast<std::uint32_t>(i)});
+                });
+            }
+        });
         callbacks_.stopIfCancelled();
     }
 
@@ -396,7 +393,7 @@ private:
     std::vector<std::atomic<Node*>> nodes_;
     std::mutex making_;
     std::vector<std::unique_ptr<Node>> byNumber_;
-    tbb::enumerable_thread_specific<Found> found_;
+    PerThread<Found> found_;
 };
 
 LeafLists::LeafLists(const BandMesh& mesh, const Callbacks& callbacks) {

@@ -149,8 +149,8 @@ private:
         across_ = {(w_ + 1) % 3, (w_ + 2) % 3};
     }
 
-    /// Bounds of the lines from the points, if those of the lower bound have one slope and those of
-    /// the upper another.
+    /// Bounds of the lines from the points, if the lines of the lower bound have one slope and the
+    /// lines of the upper another.
     void bound(std::size_t i, const Vec<3>* points, std::size_t count, double lowSlope,
                double highSlope, double slack = 0) {
         double low = kInfinite, high = -kInfinite;
@@ -162,7 +162,7 @@ private:
         bounds_[i] = {low - kSlack - slack, lowSlope, high + kSlack + slack, highSlope};
     }
     /// Bounds of the half-lines from the points with slopes in a range.
-    /// @param direction  its sign is that of the half-lines along the region.
+    /// @param direction  its sign is the sign of the half-lines along the region.
     void boundAhead(std::size_t i, const Vec<3>* points, std::size_t count,
                     const std::pair<double, double>& slopes, double direction) {
         if (direction > 0)

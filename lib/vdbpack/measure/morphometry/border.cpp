@@ -1,6 +1,6 @@
 #include "vdbpack/measure/morphometry/border.h"
 
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <array>
 #include <cstddef>
@@ -51,7 +51,7 @@ FaceCount facesOfSlice(const VoxelImage& image, std::int64_t z) {
 BorderShares borderShares(const VoxelImage& image) {
     const auto slices = static_cast<std::size_t>(image.size[2]);
     std::vector<FaceCount> counts(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         counts[z] = facesOfSlice(image, static_cast<std::int64_t>(z));
     });
     FaceCount sum;

@@ -1,8 +1,7 @@
 #include "vdbpack/measure/morphometry/components.h"
 
 #include "vdbpack/core/disjoint_sets.h"
-
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -31,7 +30,7 @@ Runs solidRuns(const VoxelImage& image) {
     Runs all;
     all.start.assign(ny * nz + 1, 0);
     std::vector<std::vector<Run>> bySlice(nz);
-    tbb::parallel_for(std::size_t{0}, nz, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, nz, [&](std::size_t z) {
         std::vector<Run>& runs = bySlice[z];
         for (std::size_t row = z * ny; row < (z + 1) * ny; ++row) {
             const std::size_t before = runs.size();

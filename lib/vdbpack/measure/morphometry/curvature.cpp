@@ -1,9 +1,8 @@
 #include "vdbpack/measure/morphometry/curvature.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/vec.h"
 #include "vdbpack/measure/morphometry/labels.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -126,7 +125,7 @@ std::vector<double> curvatureIntegrals(const VoxelImage& image) {
     const auto slices = static_cast<std::size_t>(image.size[2]);
     const std::size_t labels = labelCount(image);
     std::vector<std::vector<double>> bySlice(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         bySlice[z].assign(labels, 0.0);
         for (std::size_t axis = 0; axis < 3; ++axis) squares.addSlice(axis, z, bySlice[z]);
     });

@@ -1,6 +1,6 @@
 #include "vdbpack/measure/morphometry/euler.h"
 
-#include <tbb/parallel_for.h>
+#include "vdbpack/core/parallel.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -51,7 +51,7 @@ EulerNumbers eulerNumbers(const VoxelImage& image, int label) {
     const auto nx = static_cast<std::size_t>(image.size[0]);
     const std::int64_t ny = image.size[1], nz = image.size[2];
     std::vector<Sums> sums(static_cast<std::size_t>(nz) + 1);
-    tbb::parallel_for(std::int64_t{0}, nz + 1, [&](std::int64_t z) {
+    parallelFor(std::int64_t{0}, nz + 1, [&](std::int64_t z) {
         Sums sum;
         // The four rows around the corners (x, y, z): a and b below, a and c before.
         std::vector<std::uint8_t> a, b, c, d;

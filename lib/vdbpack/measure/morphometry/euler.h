@@ -8,7 +8,8 @@ namespace vdbpack {
 
 struct EulerNumbers {
     double whole = 0;  ///< of the solid of the part as an isolated body
-    double share = 0;  ///< its contribution to that of the solid from which it was cut
+    double share =
+        0;  ///< its contribution to the characteristic of the solid from which it was cut
 };
 
 /// Euler characteristic of the solid voxels of a part, the total volume or one label, taken as

@@ -1,9 +1,8 @@
 #include "vdbpack/measure/morphometry/local_thickness.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/morphometry/ball_painting.h"
 #include "vdbpack/measure/morphometry/ridge.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -38,9 +37,8 @@ void fillLeft(const VoxelImage& image, const Ridge& ridge, std::vector<Leftover>
     std::vector<float> value;
     while (!left.empty()) {
         value.assign(left.size(), 0.0f);
-        tbb::parallel_for(std::size_t{0}, left.size(), [&](std::size_t i) {
-            value[i] = neighborsMean(image, left[i], thickness);
-        });
+        parallelFor(std::size_t{0}, left.size(),
+                    [&](std::size_t i) { value[i] = neighborsMean(image, left[i], thickness); });
         std::vector<Leftover> still;
         for (std::size_t i = 0; i < left.size(); ++i) {
             thickness[left[i].voxel] = value[i];
@@ -60,7 +58,7 @@ void paintThickness(const VoxelImage& image, const SurfaceDistance& surface, Pha
     const bool solid = phase == Phase::solid;
     const auto slices = static_cast<std::size_t>(image.size[2]);
     std::vector<std::vector<RidgeBall>> found(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         ridge.collect(static_cast<std::int64_t>(z), solid, found[z]);
     });
     std::vector<RidgeBall> balls;
@@ -68,7 +66,7 @@ void paintThickness(const VoxelImage& image, const SurfaceDistance& surface, Pha
     found.clear();
     const BallPainting painting(image, std::move(balls));
     std::vector<std::vector<Leftover>> missed(painting.tiles());
-    tbb::parallel_for(std::size_t{0}, painting.tiles(), [&](std::size_t t) {
+    parallelFor(std::size_t{0}, painting.tiles(), [&](std::size_t t) {
         missed[t] = painting.paint(t, image, ridge, solid, thickness);
     });
     std::vector<Leftover> left;

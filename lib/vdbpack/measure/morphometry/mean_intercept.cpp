@@ -1,9 +1,8 @@
 #include "vdbpack/measure/morphometry/mean_intercept.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/core/sphere.h"
 #include "vdbpack/core/symmetric.h"
-
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -71,7 +70,7 @@ std::vector<double> crossingRates(const SurfaceDistance& surface,
     }
     const std::size_t runs = (points.size() + kRun - 1) / kRun;
     std::vector<std::vector<double>> sums(runs);
-    tbb::parallel_for(std::size_t{0}, runs, [&](std::size_t run) {
+    parallelFor(std::size_t{0}, runs, [&](std::size_t run) {
         std::vector<double>& sum = sums[run];
         sum.assign(n, 0.0);
         for (std::size_t p = run * kRun; p < std::min(points.size(), (run + 1) * kRun); ++p) {
@@ -103,7 +102,7 @@ std::vector<double> voxelCrossingRates(const VoxelImage& image,
     const auto nx = static_cast<std::size_t>(image.size[0]);
     const auto ny = static_cast<std::size_t>(image.size[1]);
     std::vector<double> rates(directions.size());
-    tbb::parallel_for(std::size_t{0}, directions.size(), [&](std::size_t i) {
+    parallelFor(std::size_t{0}, directions.size(), [&](std::size_t i) {
         const Vec<3>& u = directions[i];
         const Vec<3> other = std::fabs(u[0]) < 0.6 ? Vec<3>{{1, 0, 0}} : Vec<3>{{0, 1, 0}};
         const Vec<3> e = normalized(cross(u, other)), g = cross(u, e);

@@ -1,9 +1,7 @@
 #include "vdbpack/measure/morphometry/phase_tally.h"
 
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/morphometry/labels.h"
-
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -91,8 +89,8 @@ std::vector<PhaseTallies> tallyPhases(const VoxelImage& image,
     // Sums of slices, added in order.
     std::vector<std::vector<PhaseTallies>> bySlice(slices);
     // Counts are the same in any order.
-    tbb::enumerable_thread_specific<LabelBins> byThread{LabelBins(labels)};
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    PerThread<LabelBins> byThread([&] { return LabelBins(labels); });
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         auto& sums = bySlice[z];
         sums.resize(labels);
         LabelBins& bins = byThread.local();

@@ -2,9 +2,9 @@
 
 #include "vdbpack/core/box.h"
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 
 #include <fmt/format.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <array>
@@ -96,7 +96,7 @@ VoxelImage sphereImage(const std::vector<Sphere<3>>& spheres, double dilation, c
              s <= static_cast<std::size_t>(std::min(high, last)); ++s)
             members[s].push_back(i);
     }
-    tbb::parallel_for(std::int64_t{0}, slabs, [&](std::int64_t s) {
+    parallelFor(std::int64_t{0}, slabs, [&](std::int64_t s) {
         SlabStamp stamp(image, s);
         stamp.clear(static_cast<float>(kBand * voxelSize));
         for (const std::size_t i : members[static_cast<std::size_t>(s)])

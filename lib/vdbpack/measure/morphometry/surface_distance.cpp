@@ -1,11 +1,10 @@
 #include "vdbpack/measure/morphometry/surface_distance.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/core/parallel.h"
 #include "vdbpack/measure/morphometry/labels.h"
 
 #include <fmt/format.h>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <limits>
@@ -213,26 +212,23 @@ void forEachLine(const Lattice& lattice, std::size_t axis, const Load& load, con
     const std::size_t across = axis == 2 ? 1 : 2;  // the axis of the outer loop
     const std::size_t inner = axis == 0 ? 1 : 0;   // neighbors in memory, for axes 1 and 2
     const std::size_t n = lattice.size[axis];
-    tbb::parallel_for(
-        tbb::blocked_range<std::size_t>(0, lattice.size[across]),
-        [&](const tbb::blocked_range<std::size_t>& range) {
-            std::vector<Line> lines(kTogether, Line(n));
-            for (std::size_t s = range.begin(); s != range.end(); ++s)
-                for (std::size_t first = 0; first < lattice.size[inner]; first += kTogether) {
-                    const std::size_t together = std::min(kTogether, lattice.size[inner] - first);
-                    const std::size_t base =
-                        s * lattice.stride[across] + first * lattice.stride[inner];
-                    for (std::size_t i = 0; i < n; ++i)
-                        for (std::size_t k = 0; k < together; ++k)
-                            load(lines[k], i,
-                                 base + k * lattice.stride[inner] + i * lattice.stride[axis]);
-                    for (std::size_t k = 0; k < together; ++k) work(lines[k]);
-                    for (std::size_t i = 0; i < n; ++i)
-                        for (std::size_t k = 0; k < together; ++k)
-                            store(lines[k], i,
-                                  base + k * lattice.stride[inner] + i * lattice.stride[axis]);
-                }
-        });
+    parallelFor(IndexRange(0, lattice.size[across]), [&](const IndexRange& range) {
+        std::vector<Line> lines(kTogether, Line(n));
+        for (std::size_t s = range.begin(); s != range.end(); ++s)
+            for (std::size_t first = 0; first < lattice.size[inner]; first += kTogether) {
+                const std::size_t together = std::min(kTogether, lattice.size[inner] - first);
+                const std::size_t base = s * lattice.stride[across] + first * lattice.stride[inner];
+                for (std::size_t i = 0; i < n; ++i)
+                    for (std::size_t k = 0; k < together; ++k)
+                        load(lines[k], i,
+                             base + k * lattice.stride[inner] + i * lattice.stride[axis]);
+                for (std::size_t k = 0; k < together; ++k) work(lines[k]);
+                for (std::size_t i = 0; i < n; ++i)
+                    for (std::size_t k = 0; k < together; ++k)
+                        store(lines[k], i,
+                              base + k * lattice.stride[inner] + i * lattice.stride[axis]);
+            }
+    });
 }
 
 }  // namespace
@@ -248,7 +244,7 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     std::array<std::vector<std::size_t>, 3> start;
     for (auto& s : start) s.assign(slices + 1, 0);
     std::vector<std::vector<std::array<std::size_t, 3>>> extents(slices);
-    tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+    parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
         for (std::size_t axis = 0; axis < 3; ++axis) {
             std::size_t count = 0;
             crossings.forEachInSlice(
@@ -279,7 +275,7 @@ SurfaceDistance surfaceDistance(const VoxelImage& image) {
     result.nearest.assign(voxels, kNone);
     for (std::size_t axis = 0; axis < 3; ++axis) {
         if (start[axis].back() == start[axis].front()) continue;
-        tbb::parallel_for(std::size_t{0}, slices, [&](std::size_t z) {
+        parallelFor(std::size_t{0}, slices, [&](std::size_t z) {
             std::fill_n(index.begin() + static_cast<std::ptrdiff_t>(z * lattice.stride[2]),
                         lattice.stride[2], kNone);
             std::size_t next = start[axis][z];

@@ -41,7 +41,7 @@ constexpr double kLargest = 1e9;
 }  // namespace
 
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
-                      MeshFileFacts* facts) {
+                      CrossedFaces* crossed) {
     if (!std::isfinite(options.scale) || options.scale <= 0)
         throw ParameterError(
             fmt::format("scale {} is not a positive number; use one such as 0.1", options.scale));
@@ -55,11 +55,10 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
     if (extension == ".vtp") read = readVtpMesh;
     if (read == nullptr) refuseFormat(path, extension);
     const double factor = millimetersPer(options.unit) * options.scale;
-    MeshFileFacts found;
+    CrossedFaces found;
     TriangleMesh mesh;
     try {
         InputFile file(path);
-        found.bytes = static_cast<std::size_t>(file.size());
         if (file.size() == 0) file.fail("is empty; export the mesh again");
         file.skipByteOrderMark();
         MeshReader reader{file, kLargest / factor, found, {}, {}};
@@ -67,19 +66,14 @@ TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options,
         splitPolygons(reader);
         mesh = std::move(reader.mesh);
         if (mesh.triangles.empty()) file.fail("has no triangles; a closed surface is needed");
-        if (extension != ".stl") {
-            WeldingCounts counts;
-            mesh = welded(std::move(mesh), &counts);
-            found.mergedVertices = counts.merged;
-            found.unusedVertices = counts.unused;
-        }
+        if (extension != ".stl") mesh = welded(std::move(mesh));
     } catch (const std::bad_alloc&) {
         throw ResourceError(path + ": not enough memory to read it; simplify the mesh");
     }
     if (factor != 1.0)
         for (auto& v : mesh.vertices) v *= factor;
-    found.crossedAt *= factor;
-    if (facts != nullptr) *facts = found;
+    found.firstAt *= factor;
+    if (crossed != nullptr) *crossed = found;
     return mesh;
 }
 

@@ -14,17 +14,10 @@ struct MeshReadOptions {
     double scale = 1;              ///< a further factor on all coordinates, > 0
 };
 
-/// What a file held before welding.
-struct MeshFileFacts {
-    std::string format;        ///< "binary STL", "ASCII PLY", ...
-    std::size_t bytes = 0;     ///< size of the file
-    std::size_t vertices = 0;  ///< corners of triangles where the format has no vertices (STL)
-    std::size_t faces = 0;     ///< polygons
-    std::size_t mergedVertices = 0;  ///< that had the coordinates of an earlier one
-    std::size_t unusedVertices = 0;  ///< that no face names
-    bool singlePrecision = false;    ///< coordinates are stored as 32-bit floats
-    std::size_t crossedFaces = 0;    ///< polygons whose outline crosses itself
-    Vec<3> crossedAt;                ///< first corner of the first of them, mm
+/// Polygons of a file whose outline crosses itself.
+struct CrossedFaces {
+    std::size_t count = 0;
+    Vec<3> firstAt;  ///< first corner of the first of them, mm
 };
 
 /// Reads a mesh from .stl (binary or ASCII, told apart by content), .obj, .ply (ASCII or binary
@@ -36,7 +29,7 @@ struct MeshFileFacts {
 /// order. Polygons are cut into triangles as by `splitPolygon`. Triangles are not judged: those
 /// that are duplicate or have no area stay (mesh_check.h).
 ///
-/// @param facts  filled in if given.
+/// @param crossed  filled in if given.
 /// @throws ParameterError  if `options.scale` is not finite and positive.
 /// @throws IoError         if the file does not exist or cannot be read.
 /// @throws InputError      if the format is unknown, or the content is broken, truncated, without
@@ -47,6 +40,6 @@ struct MeshFileFacts {
 /// Cost: linear in the file, which is read in pieces; nothing is reserved on the word of a count
 /// that the file is too small for.
 TriangleMesh readMesh(const std::string& path, const MeshReadOptions& options = {},
-                      MeshFileFacts* facts = nullptr);
+                      CrossedFaces* crossed = nullptr);
 
 }  // namespace vdbpack

@@ -81,10 +81,9 @@ void splitPolygons(MeshReader& reader) {
     });
     const auto first = std::find(isCrossed.begin(), isCrossed.end(), char{1});
     if (first == isCrossed.end()) return;
-    reader.facts.crossedFaces =
-        static_cast<std::size_t>(std::count(first, isCrossed.end(), char{1}));
+    reader.crossed.count = static_cast<std::size_t>(std::count(first, isCrossed.end(), char{1}));
     const auto& polygon = polygons[static_cast<std::size_t>(first - isCrossed.begin())];
-    reader.facts.crossedAt = mesh.vertices[mesh.triangles[polygon.firstTriangle][0]];
+    reader.crossed.firstAt = mesh.vertices[mesh.triangles[polygon.firstTriangle][0]];
 }
 
 }  // namespace vdbpack

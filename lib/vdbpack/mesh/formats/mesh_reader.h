@@ -32,7 +32,7 @@ struct PolygonPlace {
 struct MeshReader {
     InputFile& file;
     double largest;  ///< coordinate allowed, in the unit of the file
-    MeshFileFacts& facts;
+    CrossedFaces& crossed;
     TriangleMesh mesh;
     std::vector<PolygonPlace> polygons;  ///< in rising order
 
@@ -103,7 +103,8 @@ struct TriangleStrip {
     }
 };
 
-/// Replaces the fans of polygons that are not covered once by them; sets the facts about polygons.
+/// Replaces the fans of polygons that are not covered once by them; sets
+/// `reader.crossed`.
 void splitPolygons(MeshReader& reader);
 
 /// Words of a text file, across its lines.
@@ -128,7 +129,7 @@ private:
     Words words_{{}};
 };
 
-/// Each reads the whole file into `reader.mesh` and `reader.facts`. Only that of STL welds.
+/// Each reads the whole file into `reader.mesh`. Only the reader of STL welds.
 /// @throws InputError, ResourceError, IoError
 void readStlMesh(MeshReader& reader);
 void readObjMesh(MeshReader& reader);

@@ -13,13 +13,11 @@ namespace vdbpack {
 /// Numbers one after another, whatever their encoding.
 class MeshValues {
 public:
-    enum class Encoding { ascii, littleEndian, bigEndian };
-
-    MeshValues(MeshReader& reader, Encoding encoding)
+    MeshValues(MeshReader& reader, bool isText, bool isBigEndian)
         : reader_(reader),
           words_(reader.file),
-          isText_(encoding == Encoding::ascii),
-          swap_((encoding == Encoding::bigEndian) != hostIsBigEndian()) {}
+          isText_(isText),
+          swap_(isBigEndian != hostIsBigEndian()) {}
 
     bool isText() const { return isText_; }
 

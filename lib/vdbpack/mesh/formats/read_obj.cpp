@@ -63,14 +63,12 @@ void readFace(MeshReader& reader, Words& words, LargestIndex& largest) {
         reader.file.failAtLine(fmt::format(
             "face with {} corners; 3 or more are needed, the file may be truncated", fan.corners));
     fan.end(reader);
-    ++reader.facts.faces;
 }
 
 }  // namespace
 
 void readObjMesh(MeshReader& reader) {
     InputFile& file = reader.file;
-    reader.facts.format = "OBJ";
     auto& vertices = reader.mesh.vertices;
     LargestIndex largest;
     std::string_view line;
@@ -93,7 +91,6 @@ void readObjMesh(MeshReader& reader) {
         file.fail(
             fmt::format("line {}: face names vertex {}, but the file has {}; it may be truncated",
                         largest.line, largest.index, vertices.size()));
-    reader.facts.vertices = vertices.size();
 }
 
 }  // namespace vdbpack

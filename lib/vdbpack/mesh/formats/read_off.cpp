@@ -87,7 +87,6 @@ void readFace(MeshReader& reader, Words words, std::int64_t face, std::int64_t v
 
 void readOffMesh(MeshReader& reader) {
     InputFile& file = reader.file;
-    reader.facts.format = "OFF";
     const Counts counts = readCounts(reader);
     auto& vertices = reader.mesh.vertices;
     vertices.reserve(static_cast<std::size_t>(counts.vertices));
@@ -110,8 +109,6 @@ void readOffMesh(MeshReader& reader) {
             "the file continues after the {} vertices and {} faces announced; its counts "
             "are wrong",
             counts.vertices, counts.faces));
-    reader.facts.vertices = vertices.size();
-    reader.facts.faces = static_cast<std::size_t>(counts.faces);
 }
 
 }  // namespace vdbpack

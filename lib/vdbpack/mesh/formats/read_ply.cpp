@@ -12,23 +12,12 @@ namespace vdbpack {
 
 namespace {
 
-MeshValues::Encoding encodingOf(PlyFormat format) {
-    switch (format) {
-        case PlyFormat::ascii:
-            return MeshValues::Encoding::ascii;
-        case PlyFormat::littleEndian:
-            return MeshValues::Encoding::littleEndian;
-        case PlyFormat::bigEndian:
-            break;
-    }
-    return MeshValues::Encoding::bigEndian;
-}
-
 /// Values of a PLY body.
 class PlyValues : public MeshValues {
 public:
     PlyValues(MeshReader& reader, PlyFormat format)
-        : MeshValues(reader, encodingOf(format)), file_(reader.file) {}
+        : MeshValues(reader, format == PlyFormat::ascii, format == PlyFormat::bigEndian),
+          file_(reader.file) {}
 
     /// The length of a list, checked against what is left of the file.
     std::uint64_t listLength(const PlyProperty& property) {
@@ -50,8 +39,7 @@ private:
     const InputFile& file_;
 };
 
-void readPlyVertices(MeshReader& reader, PlyValues& values, const PlyElement& element,
-                     bool isBinary) {
+void readPlyVertices(MeshReader& reader, PlyValues& values, const PlyElement& element) {
     std::vector<int> axisOf(element.properties.size(), -1);
     std::array<int, 3> found{};
     for (std::size_t k = 0; k < element.properties.size(); ++k) {
@@ -60,7 +48,6 @@ void readPlyVertices(MeshReader& reader, PlyValues& values, const PlyElement& el
             if (!property.isList && property.name == std::string(1, static_cast<char>('x' + d))) {
                 axisOf[k] = d;
                 ++found[static_cast<std::size_t>(d)];
-                reader.facts.singlePrecision |= isBinary && property.type == NumberType::f32;
             }
     }
     if (found != std::array<int, 3>{1, 1, 1})
@@ -120,9 +107,6 @@ void readPlyFaces(MeshReader& reader, PlyValues& values, const PlyElement& eleme
 
 void readPlyMesh(MeshReader& reader) {
     const PlyHeader header = readPlyHeader(reader.file);
-    constexpr std::array<const char*, 3> kFormats{"ASCII PLY", "binary PLY (little endian)",
-                                                  "binary PLY (big endian)"};
-    reader.facts.format = kFormats[static_cast<std::size_t>(header.format)];
     std::uint64_t vertexCount = 0;
     bool hasFaces = false;
     for (const auto& element : header.elements) {
@@ -140,10 +124,9 @@ void readPlyMesh(MeshReader& reader) {
                          : bytesOf(property.isList ? property.countType : property.type);
         reader.checkCount(element.count, least, element.name == "face" ? "faces" : "vertices");
         if (element.name == "vertex") {
-            readPlyVertices(reader, values, element, header.format != PlyFormat::ascii);
+            readPlyVertices(reader, values, element);
         } else if (element.name == "face") {
             readPlyFaces(reader, values, element, vertexCount);
-            reader.facts.faces = element.count;
         } else if (!element.properties.empty()) {
             for (std::uint64_t i = 0; i < element.count; ++i)
                 for (const auto& property : element.properties) values.skip(property);
@@ -151,7 +134,6 @@ void readPlyMesh(MeshReader& reader) {
     }
     if (!values.atEnd())
         values.fail("the file continues after what its header announces; its counts are wrong");
-    reader.facts.vertices = reader.mesh.vertices.size();
 }
 
 }  // namespace vdbpack

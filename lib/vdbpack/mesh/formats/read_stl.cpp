@@ -25,8 +25,6 @@ void readBinaryStl(MeshReader& reader, Welder& welder) {
             "announced "
             "has {}, and an ASCII one begins with 'solid'; it may be truncated, export it again",
             file.size(), count, kStlHeader + kStlTriangle * count));
-    reader.facts.format = "binary STL";
-    reader.facts.singlePrecision = true;
     reader.mesh.triangles.reserve(count);
     for (std::uint64_t i = 0; i < count; ++i) {
         const std::uint64_t offset = file.offset();
@@ -51,7 +49,6 @@ void readBinaryStl(MeshReader& reader, Welder& welder) {
 
 void readAsciiStl(MeshReader& reader, Welder& welder) {
     InputFile& file = reader.file;
-    reader.facts.format = "ASCII STL";
     TextWords words(file);
     const auto expect = [&](std::string_view keyword) {
         const auto word = words.next();
@@ -126,9 +123,6 @@ void readStlMesh(MeshReader& reader) {
         readAsciiStl(reader, welder);
     else
         readBinaryStl(reader, welder);
-    reader.facts.faces = reader.mesh.triangles.size();
-    reader.facts.vertices = 3 * reader.facts.faces;
-    reader.facts.mergedVertices = reader.facts.vertices - welder.size();
     reader.mesh.vertices = welder.takeVertices();
 }
 

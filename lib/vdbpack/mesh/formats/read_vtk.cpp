@@ -77,8 +77,8 @@ public:
                                  quotedExcerpt(keyword));
             }
         }
-        if (reader_.facts.faces == 0) file_.fail("holds no polygons; a closed surface is needed");
-        reader_.facts.vertices = reader_.mesh.vertices.size();
+        if (reader_.mesh.triangles.empty())
+            file_.fail("holds no polygons; a closed surface is needed");
     }
 
 private:
@@ -103,9 +103,7 @@ private:
         if (encoding != "ascii" && encoding != "binary")
             file_.failAtLine("ASCII or BINARY expected, found " + quotedExcerpt(encoding));
         const bool isText = encoding == "ascii";
-        values_.emplace(reader_,
-                        isText ? MeshValues::Encoding::ascii : MeshValues::Encoding::bigEndian);
-        reader_.facts.format = isText ? "ASCII VTK" : "binary VTK";
+        values_.emplace(reader_, isText, /*isBigEndian=*/true);
         std::string keyword;
         const std::string set = nextStatement(keyword) ? lowered(nextWord()) : "";
         if (keyword != "dataset" || (set != "polydata" && set != "unstructured_grid"))
@@ -149,7 +147,6 @@ private:
         reader_.checkCount(count, 3 * bytesEach(type), "points");
         reader_.checkVertexTotal(count);
         if (!reader_.mesh.vertices.empty()) file_.failAtLine("POINTS come twice");
-        reader_.facts.singlePrecision = !values_->isText() && type == NumberType::f32;
         reader_.mesh.vertices.reserve(count);
         for (std::uint64_t i = 0; i < count; ++i) {
             Vec<3> p;
@@ -258,7 +255,6 @@ private:
             else
                 fan.add(reader_, corner);
         fan.end(reader_);
-        ++reader_.facts.faces;
     }
 
     /// Arrays about the whole file.

@@ -24,18 +24,11 @@ public:
             readFaces(piece, "Polys", "NumberOfPolys");
             readFaces(piece, "Strips", "NumberOfStrips");
         }
-        if (reader_.facts.faces == 0)
+        if (reader_.mesh.triangles.empty())
             xml_.fail("holds points without polygons; a closed surface is needed");
-        reader_.facts.vertices = reader_.mesh.vertices.size();
     }
 
 private:
-    struct Numbers {
-        VtkArray array;
-        std::vector<char> bytes;
-        std::uint64_t count = 0;
-    };
-
     /// The array of that name in a section of a piece; of any name for an empty one.
     VtkArray arrayOf(const pugi::xml_node& section, const char* name) const {
         for (const pugi::xml_node& node : section)
@@ -51,16 +44,12 @@ private:
         if (array.components != 3 || array.string)
             xml_.fail("a piece has no points with three coordinates");
         reader_.checkVertexTotal(first_ + count);
-        const std::vector<char> bytes = xml_.arrays().numbers(array, count);
-        reader_.facts.singlePrecision |=
-            array.format != VtkArray::Format::ascii && array.type == NumberType::f32;
+        const VtkNumbers numbers = xml_.arrays().numbers(array, count);
         reader_.mesh.vertices.reserve(first_ + count);
-        const std::size_t size = bytesOf(array.type);
-        const char* at = bytes.data();
         for (std::uint64_t i = 0; i < count; ++i) {
             Vec<3> p;
-            for (int d = 0; d < 3; ++d, at += size)
-                loadNumber(array.type, at, xml_.arrays().swap(), [&](auto value) {
+            for (int d = 0; d < 3; ++d)
+                numbers.at(3 * i + static_cast<std::uint64_t>(d), [&](auto value) {
                     p[d] = static_cast<double>(value) + 0.0;
                     return true;
                 });
@@ -70,21 +59,19 @@ private:
         }
     }
 
-    Numbers indicesOf(const pugi::xml_node& section, const char* name, std::uint64_t count) {
-        Numbers numbers{arrayOf(section, name), {}, count};
-        if (numbers.array.components != 1 || numbers.array.string || isReal(numbers.array.type))
+    VtkNumbers indicesOf(const pugi::xml_node& section, const char* name, std::uint64_t count) {
+        const VtkArray array = arrayOf(section, name);
+        if (array.components != 1 || array.string || isReal(array.type))
             xml_.fail(fmt::format("array {} of its {} does not hold one whole number each", name,
                                   section.name()));
-        numbers.bytes = xml_.arrays().numbers(numbers.array, count);
-        return numbers;
+        return xml_.arrays().numbers(array, count);
     }
-    std::int64_t at(const Numbers& numbers, std::uint64_t i) {
+    static std::int64_t at(const VtkNumbers& numbers, std::uint64_t i) {
         std::int64_t number = -1;
-        loadNumber(numbers.array.type, numbers.bytes.data() + i * bytesOf(numbers.array.type),
-                   xml_.arrays().swap(), [&](auto value) {
-                       number = static_cast<std::int64_t>(value);
-                       return true;
-                   });
+        numbers.at(i, [&](auto value) {
+            number = static_cast<std::int64_t>(value);
+            return true;
+        });
         return number;
     }
 
@@ -92,10 +79,10 @@ private:
         const std::uint64_t count = piece.attribute(countName) ? xml_.countOf(piece, countName) : 0;
         if (count == 0) return;
         const pugi::xml_node section = piece.child(name);
-        const Numbers ends = indicesOf(section, "offsets", count);
+        const VtkNumbers ends = indicesOf(section, "offsets", count);
         const std::int64_t last = at(ends, count - 1);
         if (last < 0) xml_.fail(fmt::format("the {} end at {}, below 0", name, last));
-        const Numbers corners =
+        const VtkNumbers corners =
             indicesOf(section, "connectivity", static_cast<std::uint64_t>(last));
         std::int64_t begin = 0;
         for (std::uint64_t i = 0; i < count; ++i) {
@@ -108,10 +95,9 @@ private:
             addFace(corners, begin, end, *name == 'S', i);
             begin = end;
         }
-        reader_.facts.faces += count;
     }
 
-    void addFace(const Numbers& corners, std::int64_t begin, std::int64_t end, bool strip,
+    void addFace(const VtkNumbers& corners, std::int64_t begin, std::int64_t end, bool strip,
                  std::uint64_t number) {
         PolygonFan fan;
         TriangleStrip triangles;
@@ -140,7 +126,6 @@ private:
 }  // namespace
 
 void readVtpMesh(MeshReader& reader) {
-    reader.facts.format = "VTK polygon data (XML)";
     VtpMesh(reader).read();
 }
 

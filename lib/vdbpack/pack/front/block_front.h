@@ -38,7 +38,7 @@ public:
     /// Where a block lies.
     struct Place {
         /// Where the front of this block grows, mm; its faces are multiples of the quantum. Centers
-        /// placed lie in [search.lo, own.hi), half-open; those of further species up to a largest
+        /// placed lie in [search.lo, own.hi), half-open; centers of further species up to a largest
         /// radius past own.hi.
         Box<Dim> own;
         /// Where no vacancy may be left at the end, mm. It lags behind `own` towards the finished
@@ -48,8 +48,8 @@ public:
         /// Neighbors behind the block that come later all the same, bits as of `neighborBit`: sites
         /// in them are handed over, too.
         std::uint32_t laterBehind = 0;
-        /// Where sizes differ by place: the lengths of this block, and those of its points. Null:
-        /// those of the settings.
+        /// Where sizes differ by place: the lengths of this block, and the lengths of its points.
+        /// Null: those of the settings.
         const FrontLengths* lengths = nullptr;
         LocalLengths<Dim>* local = nullptr;
     };

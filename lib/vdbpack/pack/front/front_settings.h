@@ -55,8 +55,8 @@ struct FrontLengths {
 };
 
 /// Directions and lengths that are the same for all blocks. Where sizes differ by place, the
-/// lengths are those of the finest sizes of a block, and the largest radius that of the coarsest;
-/// those of single spheres are `LocalLengths`.
+/// lengths are those of the finest sizes of a block, and the largest radius is the largest of the
+/// coarsest sizes; lengths of single spheres are `LocalLengths`.
 template <int Dim>
 struct FrontSettings : FrontLengths {
     Order order = Order::sweep;

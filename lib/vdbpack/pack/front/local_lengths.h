@@ -28,7 +28,7 @@ public:
     }
     double layer() const { return layer_; }
 
-    /// Of a block: those of the finest sizes, with the largest radius of the coarsest.
+    /// Of a block: the lengths of the finest sizes, with the largest radius of the coarsest.
     FrontLengths over(const Box<Dim>& box) { return joined(sampler_.within(box)); }
 
     /// Of the sites on a sphere. Where other sizes begin at about its surface, those of the coarser

@@ -1,0 +1,132 @@
+#include "vdbpack/domain/domain_image.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/domain/domain_text.h"
+#include "vdbpack/image/image_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <system_error>
+#include <utility>
+
+namespace vdbpack {
+
+void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
+                  const Callbacks& callbacks) {
+    Box<3> box;
+    for (const LabelCount& label : part.labels) {
+        box.add(label.voxelBox.lo);
+        box.add(label.voxelBox.hi);
+    }
+    for (int d = 0; d < 3; ++d)
+        if (box.lo[d] < 0.5 ||
+            box.hi[d] > static_cast<double>(grid.size[static_cast<std::size_t>(d)]) - 1.5) {
+            callbacks.warn(
+                fmt::format("{}: label {} reaches the border of the image, where a flat "
+                            "wall closes it",
+                            path, part.name));
+            return;
+        }
+}
+
+namespace {
+
+/// The part that a recipe names, of an image without threshold.
+LabelPart selectedPart(const DomainRecipe& recipe,
+                       const std::optional<std::vector<LabelCount>>& labels) {
+    const std::string& path = recipe.source;
+    if (!labels)
+        throw ParameterError(path +
+                             ": is no label map, but has many different values; set "
+                             "`threshold` to the lowest value of bone");
+    const std::string text = recipe.label.empty() && labels->size() <= 1 ? "all" : recipe.label;
+    if (!text.empty()) {
+        const auto parts = parseLabels(text, *labels, path);
+        if (parts.size() == 1) return parts.front();
+        throw ParameterError(
+            fmt::format("`label` {}: names {} parts, where a single domain is "
+                        "needed; name one label, or join them by +",
+                        text, parts.size()));
+    }
+    std::string list;
+    for (const LabelCount& label : *labels)
+        list += fmt::format("\n  {}{}{}", label.value, label.name.empty() ? "" : " ", label.name);
+    throw ParameterError(
+        fmt::format("{}: has {} labels; set `label` to the one to fill, or several joined by +:{}",
+                    path, labels->size(), list));
+}
+
+}  // namespace
+
+Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks) {
+    ImageReadOptions options;
+    options.callbacks = callbacks;
+    if (!recipe.voxelSpacing.empty()) options.spacing = parseVoxelSpacing(recipe.voxelSpacing);
+    Image image = recipe.image ? *recipe.image : readImage(recipe.source, options);
+    const double scale = recipe.scale * millimetersPer(recipe.unit);
+    image.grid.origin *= scale;
+    for (Vec<3>& step : image.grid.step) step *= scale;
+    if (recipe.space == ImageSpace::ras)
+        for (int d = 0; d < 2; ++d) {
+            image.grid.origin[d] *= -1;
+            for (Vec<3>& step : image.grid.step) step[d] *= -1;
+        }
+    return image;
+}
+
+void requireThere(const std::string& file) {
+    std::error_code ignored;
+    if (file.find('*') == std::string::npos && !std::filesystem::exists(file, ignored))
+        throw IoError(file + ": there is no such file");
+}
+
+void requireGreyImage(const std::string& setting, const std::string& file) {
+    if (!namesImage(file))
+        throw ParameterError(fmt::format(
+            "{}: {} is no image by its name; give .nii, .nii.gz, .nrrd, .mha or a folder of DICOM",
+            setting, file));
+    requireThere(file);
+}
+
+Image readGreyImage(const std::string& file, const DomainRecipe& domain,
+                    const Callbacks& callbacks) {
+    DomainRecipe recipe;
+    recipe.source = file;
+    recipe.space = domain.space;
+    recipe.voxelSpacing = domain.voxelSpacing;
+    if (isImage(domain)) {  // of the same scan
+        recipe.unit = domain.unit;
+        recipe.scale = domain.scale;
+    }
+    Image image = readDomainImage(recipe, callbacks);
+    if (image.layers != 1)
+        throw InputError(file + ": has several values at each voxel; give one layer");
+    return image;
+}
+
+TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                       std::optional<ImageGrid>& grid, bool& spaced) {
+    const Image image = readDomainImage(recipe, callbacks);
+    grid = image.grid;
+    spaced = image.isSpaced;
+    callbacks.stopIfCancelled();
+    if (recipe.threshold) {
+        if (!recipe.label.empty())
+            throw ParameterError("`label` and `threshold`: a domain has one of them");
+        if (const auto labels = labelsOf(image); labels && labels->size() > 1)
+            callbacks.warn(fmt::format(
+                "{}: seems to be a label map of {} labels, between whose values `threshold` has no "
+                "meaning; set `label`",
+                recipe.source, labels->size()));
+        return thresholdSurface(image, *recipe.threshold, recipe.source);
+    }
+    const auto labels = labelsOf(image);
+    const LabelPart part = selectedPart(recipe, labels);
+    warnOfBorder(part, image.grid, recipe.source, callbacks);
+    return std::move(labelSurfaces(image, *labels, {part}).front());
+}
+
+}  // namespace vdbpack

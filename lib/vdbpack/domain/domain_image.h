@@ -1,0 +1,41 @@
+// Domains from label maps and CT.
+#pragma once
+
+#include "vdbpack/core/progress.h"
+#include "vdbpack/domain/domain_recipe.h"
+#include "vdbpack/image/image.h"
+#include "vdbpack/image/image_surface.h"
+
+#include <optional>
+#include <string>
+
+namespace vdbpack {
+
+/// The image of a recipe, in its world and in mm. @throws as `readImage`
+Image readDomainImage(const DomainRecipe& recipe, const Callbacks& callbacks);
+
+/// Refuses, before the work, a file that is no image by its name or is not there.
+/// @param setting  for messages. @throws ParameterError, IoError
+void requireGreyImage(const std::string& setting, const std::string& file);
+
+/// Refuses, before the work, a file that is not there. @throws IoError
+void requireThere(const std::string& file);
+
+/// An image of one layer whose grey values are looked up, in the world of a domain.
+/// @throws as `readImage`; InputError for one of several layers
+Image readGreyImage(const std::string& file, const DomainRecipe& domain,
+                    const Callbacks& callbacks);
+
+/// Warns of a part that the border of its image cuts off.
+void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::string& path,
+                  const Callbacks& callbacks);
+
+/// The surface, mm, of what a recipe selects of an image: a label or labels joined, or the values
+/// from a threshold on.
+/// @throws ParameterError if it selects nothing that there is, or several parts; else as
+/// `readImage`.
+/// @param grid, spaced  those of the image.
+TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
+                       std::optional<ImageGrid>& grid, bool& spaced);
+
+}  // namespace vdbpack

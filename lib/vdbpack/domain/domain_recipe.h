@@ -1,0 +1,78 @@
+// What DOMAIN and the options about it say.
+#pragma once
+
+#include "vdbpack/core/units.h"
+#include "vdbpack/mesh/triangle_mesh.h"
+#include "vdbpack/repair/mesh_repair.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+struct Image;
+class VdbGrid;
+
+/// What the thickness of a shell is measured from: all walls of the domain, or the outer surface
+/// alone, without the walls of cavities and clips.
+enum class ShellFrom { walls, outer };
+
+/// The axes of the world that an image is placed in: x to the left and y to the back of the patient
+/// as in DICOM, or x to the right and y to the front as in NIfTI.
+enum class ImageSpace { lps, ras };
+
+/// What DOMAIN and the options about it say.
+struct DomainRecipe {
+    /// A file (.stl .obj .ply .off .vtp .vtk .vdb), an image (`namesImage`) or a shape:
+    /// box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1 ball:R cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  disc:R
+    /// (mm, centered at the origin), periodic:LX,LY,LZ or periodic:LX,LY.
+    std::string source;
+    /// What a program has in memory, in place of the file that `source` names in messages; at most
+    /// one of them, lengths in `unit`.
+    std::shared_ptr<const TriangleMesh> mesh;
+    std::shared_ptr<const Image> image;
+    std::shared_ptr<const VdbGrid> levelSet;  ///< in mm whatever the unit
+    Unit unit = Unit::millimeter;             ///< of the file
+    double scale = 1;                         ///< further factor on the file's lengths
+    std::string gridName;                     ///< level set in a .vdb; empty: the first
+    /// Value at the surface, of a fog volume in a .vdb or of an image.
+    std::optional<double> threshold;
+    std::string label;  ///< of an image: a value or a name, or several joined by "+"
+    /// "X,Y,Z" or "D", mm: distances of the voxels of an image that states none, else of
+    /// label maps that are written; empty: the distances that the image states.
+    std::string voxelSpacing;
+    ImageSpace space = ImageSpace::lps;  ///< of an image
+    std::string slice;                   ///< "z=V" (mm): a plane of the domain; empty: all of it
+    std::vector<std::string> clips;      ///< "box:x0,y0,z0,x1,y1,z1" or "plane:nx,ny,nz,d" (mm)
+    std::string periodic;                ///< axes along which a box or rectangle repeats: "xy"
+    double voxelSize = 0;                ///< mm; 0: chosen
+    bool repair = false;                 ///< the mesh, by repair/mesh_repair.h
+    double repairVoxel = 0;              ///< mm; 0: chosen
+    RepairComponents repairComponents = RepairComponents::together;
+    /// What lies inside closed components of the surface that are inside others: "keep" (empty;
+    /// also the meaning of ""), "fill", or "[outer=FILE,]inner=FILE": the inside of one mesh
+    /// without the inside of another.
+    std::string cavities;
+    ShellFrom shellFrom = ShellFrom::walls;
+};
+
+/// Whether a domain comes from an image, a file or in memory.
+bool isImage(const DomainRecipe& recipe);
+/// Whether it is no file.
+inline bool isInMemory(const DomainRecipe& recipe) {
+    return recipe.mesh || recipe.image || recipe.levelSet;
+}
+
+/// The meaning of `DomainRecipe::cavities`. @throws ParameterError if malformed.
+struct CavityChoice {
+    bool fill = false;
+    std::string outer, inner;  ///< files; empty: none
+};
+CavityChoice parseCavities(const std::string& text);
+
+/// The file, label or shape of a recipe, for people.
+std::string describe(const DomainRecipe& recipe);
+
+}  // namespace vdbpack

@@ -1,0 +1,89 @@
+#include "vdbpack/formats/sphere_density.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/formats/pack_file.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/io/text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <string_view>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+/// A positive number; 0 for any other text.
+double positiveIn(std::string_view text) {
+    double value = 0;
+    return parseReal(text, value) && value > 0 && std::isfinite(value) ? value : 0;
+}
+
+/// "0=1900,1=1100"; nothing for any other text.
+std::optional<std::map<std::int32_t, double>> densitiesByRegion(std::string_view text) {
+    std::map<std::int32_t, double> densities;
+    for (std::size_t at = 0; at <= text.size();) {
+        const std::size_t end = std::min(text.find(',', at), text.size());
+        const std::string_view entry = text.substr(at, end - at);
+        at = end + 1;
+        const std::size_t equals = std::min(entry.find('='), entry.size());
+        std::int64_t region = 0;
+        const double density = equals < entry.size() ? positiveIn(entry.substr(equals + 1)) : 0;
+        if (!(density > 0) || !parseNumber(entry.substr(0, equals), region) ||
+            region != static_cast<std::int32_t>(region) ||
+            !densities.emplace(static_cast<std::int32_t>(region), density).second)
+            return std::nullopt;
+    }
+    return densities;
+}
+
+}  // namespace
+
+SphereDensity particleDensity(const std::string& text, std::optional<double> solidFraction) {
+    if (text.empty()) return {};
+    constexpr std::string_view kBulk = "bulk:";
+    if (text.find('=') != std::string::npos)
+        if (auto densities = densitiesByRegion(text)) return {0, *std::move(densities)};
+    const bool isBulk = startsWith(text, kBulk);
+    const double value = positiveIn(isBulk ? text.substr(kBulk.size()) : text);
+    if (!(value > 0))
+        throw ParameterError(fmt::format(
+            "`density` '{}': write the density of the spheres in kg/m³ (1900), one for each region "
+            "(0=1900,1=1100), or bulk:D with the mass of all spheres divided by the volume of the "
+            "domain (bulk:1100)",
+            text));
+    if (!isBulk) return {value, {}};
+    if (!solidFraction)
+        throw ParameterError(fmt::format(
+            "`density` {}: a bulk density is that of a domain; give one with `domain`", text));
+    if (!(*solidFraction > 0))
+        throw ParameterError(
+            fmt::format("`density` {}: no sphere lies in the domain to carry its mass", text));
+    return {value / *solidFraction, {}};
+}
+
+void checkDensity(const std::string& text) {
+    particleDensity(text, 1.0);
+}
+
+void warnOfMissingDensities(const PackAttributes& pack,
+                            const std::map<std::int32_t, double>& densities,
+                            const Callbacks& callbacks) {
+    if (densities.empty()) return;
+    if (Materials(pack).hasParts()) return;
+    std::set<std::int32_t> missing(pack.region.begin(), pack.region.end());
+    if (missing.empty()) missing.insert(0);
+    for (const auto& [region, density] : densities) missing.erase(region);
+    if (!missing.empty())
+        callbacks.warn(fmt::format(
+            "`density` has none for region {}: its spheres have {:g} kg/m³. Give one for each "
+            "region, such as 0=1900,1=1100",
+            fmt::join(missing, ", "), kDefaultDensity));
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,327 @@
+// Which options each command has, and what is known of all of them.
+#include "vdbpack/options/jobs.h"
+#include "vdbpack/options/option_rows.h"
+
+#include <algorithm>
+#include <map>
+#include <string_view>
+
+namespace vdbpack {
+
+namespace {
+
+/// Number of points that are searched in about an hour.
+constexpr std::uint64_t kMostVacancySamples = 10'000'000'000;
+const char* const kOutUnitHelp = "unit of what is written";
+const char* const kResultAsJson = "print the result as JSON";
+const char* const kRequiredDomain = "DOMAIN (required without a cell in PACK)";
+const Names<Fill> kFills{{"domain", Fill::domain}, {"solid", Fill::solid}};
+
+void partsOption(OptionList& rows, std::string& file, const char* help) {
+    rows.group("Domain");
+    rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
+}
+
+void jsonFlag(OptionList& rows, PrintOptions& print, const char* help) {
+    rows.group("Run");
+    rows.flag("json", print.json, help).passing();
+}
+
+void list(OptionList& rows, PackJob& job, PrintOptions& print) {
+    domainArgument(rows, job.domain);
+    outputOption(rows, job.outputs);
+    domainOptions(rows, job.domain);
+    partsOption(rows, job.partsFile,
+                "pack several domains, each a table [[part]] of a TOML file: name, domain, and "
+                "options by their names. Where they overlap, the later one has the space");
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    imagesOption(rows, job.images);
+    sphereOptions(rows, job);
+    densityOption(rows, job.density);
+    greyOptions(rows, job.grey);
+    voidOptions(rows, job.request, job.domain, VoidsIn::pack);
+    rows.choice("fill", "domain|solid [domain]", job.request.fill, kFills,
+                "domain: fill the domain, then remove the spheres in voids; solid: cut the voids "
+                "first, then fill what they leave");
+    studyOptions(rows, job.study, "pack");
+    threadsOption(rows, job, "number of threads (of each process); the pack does not depend on it");
+    memoryLimit(rows, job);
+    rows.flag("dry-run", job.dryRun,
+              "predict count, solid fraction, time, memory and sizes of files; write nothing")
+        .passing();
+    contactTolerance(rows, job.contactTolerance);
+    reportOption(rows, job,
+                 "write the report: .json for programs, .html as a page with charts for the "
+                 "browser (with the values of measure)");
+    previewOptions(rows, job.preview);
+    printing(rows, print);
+}
+
+void list(OptionList& rows, VoidsJob& job, PrintOptions& print) {
+    domainArgument(rows, job.domain);
+    outputOption(rows, job.outputs,
+                 "file to write; may be repeated: .vdb (level sets surface, voids, solid), .stl "
+                 "(of solid; surface:FILE.stl or voids:FILE.stl selects another), fog:FILE.vdb, "
+                 "list:FILE.csv (voids)");
+    domainOptions(rows, job.domain);
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    voidOptions(rows, job.request, job.domain, VoidsIn::nothing);
+    studyOptions(rows, job.study, "set of voids");
+    reportOption(rows, job);
+    printing(rows, print);
+    previewOptions(rows, job.preview);
+    threadsOption(rows, job);
+    memoryLimit(rows, job);
+}
+
+void list(OptionList& rows, CarveJob& job, PrintOptions& print) {
+    inputPackOptions(rows, job, "PACK", kPackHelp, kRequiredDomain);
+    outputOption(rows, job.outputs);
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    densityOption(rows, job.density);
+    greyOptions(rows, job.grey);
+    voidOptions(rows, job.request, job.domain, VoidsIn::file);
+    seedOption(rows, job, "of the voids");
+    reportOption(rows, job);
+    printing(rows, print);
+    previewOptions(rows, job.preview);
+}
+
+void list(OptionList& rows, DensifyRecipe& job, PrintOptions& print) {
+    inputPackOptions(rows, job, "PACK", kPackHelp, kRequiredDomain);
+    outputOption(rows, job.outputs);
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    imagesOption(rows, job.images);
+    densityOption(rows, job.density);
+    greyOptions(rows, job.grey);
+    densifyOption(rows, job.densify.fraction,
+                  "add and move spheres until the solid fraction is F, or as high as possible "
+                  "(max); without this option, no sphere is added and only overlaps are removed");
+    gapOption(rows, job.densify.gap,
+              "least distance between spheres, and between spheres and the wall, mm");
+    seedOption(rows, job,
+               "of the radii and positions of added spheres, and of exchanges between spheres");
+    reportOption(rows, job);
+    printing(rows, print);
+    previewOptions(rows, job.preview);
+}
+
+void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
+    inputPackOptions(rows, job, "PACK", kPackHelp);
+    partsOption(rows, job.partsFile,
+                "the parts that the pack was made with: each sphere is held against its own");
+    gapOption(rows, job.gap, "least distance required between spheres, mm");
+    rows.group("Run");
+    rows.count("places", "N", job.vacancySamples, 1, kMostVacancySamples,
+               "search N points of the domain for vacancies that have room for a sphere of 1.02 "
+               "mean radii")
+        .as("vacancySamples");
+    jsonFlag(rows, print, kResultAsJson);
+}
+
+void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
+    inputPackOptions(rows, job, "FILE",
+                     std::string("a pack: ") + kPackHelp +
+                         "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or "
+                         "an image (with --label or --threshold)");
+    outputOption(rows, job.outputs, "contacts:FILE.csv: the pairs in contact");
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    rows.group("Domain");
+    rows.length("shell", "T", job.shell, Range::notNegative,
+                "measure the layer of this thickness along the wall separately, mm");
+    shellFromOption(rows, job.domain);
+    rows.group("Spheres");
+    rows.flag("morphometry", job.sphereMorphometry,
+              "of a pack: measure the union of its spheres as a solid, too")
+        .as("sphereMorphometry");
+    rows.length("dilation", "D [5 % of the mean radius]", job.dilation, Range::notNegative,
+                "added to the radii for --morphometry, mm, so that contacts become necks");
+    reportOption(rows, job,
+                 "write all values: .json for programs, .html as a page with charts for the "
+                 "browser");
+    jsonFlag(rows, print, "print all values as JSON");
+}
+
+void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
+    packArgument(rows, job, "PACK",
+                 std::string("a pack: ") + kPackHelp +
+                     "; or a solid: a level set (.vdb) or a mesh (.stl .obj .off .ply .vtk)");
+    outputOption(rows, job.outputs);
+    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
+    imagesOption(rows, job.images);
+    unitOption(rows, "unit", job.domain.unit, "unit of the domain's file");
+    rows.group("Domain");
+    rows.text("grid", "NAME [first]", job.packGrid, "point grid (or level set) to take from a .vdb")
+        .as("gridName packGrid");
+    domainOption(rows, job.domain,
+                 "domain whose level set or surface can be written too, and to which --density "
+                 "bulk:D refers: ");
+    imageOptions(rows, job.domain);
+    rows.length("voxel", "H [automatic]", job.domain.voxelSize, Range::positive,
+                "voxel size of the level set made from a mesh, mm")
+        .as("voxelSize");
+    contactTolerance(rows, job.contactTolerance);
+    densityOption(rows, job.density);
+    greyOptions(rows, job.grey);
+    previewOptions(rows, job.preview);
+    threadsOption(rows, job);
+    memoryLimit(rows, job);
+    printing(rows, print, kResultAsJson);
+}
+
+/// The options of commands that report on the file of a domain.
+void fileOptions(OptionList& rows, RunSettings& settings, DomainRecipe& domain,
+                 PrintOptions& print) {
+    threadsOption(rows, settings);
+    unitOption(rows, "unit", domain.unit, "unit of the file");
+    rows.number("scale", "F [1]", domain.scale, Range::any, "further factor on its lengths");
+    memoryLimit(rows, settings);
+    printing(rows, print);
+}
+
+void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
+    rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
+        .naming(FileIn::pack)
+        .required = true;
+    outputOption(rows, job.outputs, "write the mesh as .stl; with --repair, the repaired mesh");
+    rows.group("Run");
+    rows.flag("check", job.check,
+              "exit with code 1 if the mesh cannot be packed as it is; with --repair, if it cannot "
+              "be packed once repaired");
+    repairOptions(rows, job.domain);
+    fileOptions(rows, job, job.domain, print);
+}
+
+void list(OptionList& rows, ImageRecipe& job, PrintOptions& print) {
+    rows.text("FILE", "", job.domain.source,
+              "image (.nii .nii.gz .nrrd .nhdr .mha .mhd), or a folder of DICOM or TIFF files")
+        .naming(FileIn::pack)
+        .required = true;
+    imagePlacement(rows, job.domain);
+    fileOptions(rows, job, job.domain, print);
+}
+
+void list(OptionList& rows, ViewJob& job, PrintOptions& print) {
+    packArgument(rows, job, "PACK", kPackHelp);
+    rows.group("Output");
+    Option& page = rows.text("output", "FILE.html [NAME.view.html]", job.reportFile,
+                             "page to write: one file that needs no other, and no network");
+    page.as("outputs reportFile").naming(FileIn::output).letter = "o";
+    rows.custom("no-open", "", "do not open the page; without a display, it is not opened anyway",
+                [&job](const std::string&) { job.opens = false; })
+        .kind = OptionKind::flag;
+    cutAndColor(rows, job.preview);
+    unitOption(rows, "pack-unit", job.packUnit, "unit of PACK, if the file states none");
+    domainOption(rows, job.domain, "domain whose wall is shown around the spheres: ");
+    domainOptions(rows, job.domain);
+    threadsOption(rows, job);
+    memoryLimit(rows, job);
+    printing(rows, print);
+}
+
+/// The rows of all commands with defaults, and the jobs that they are bound to.
+struct AllCommands {
+    std::vector<CommandText> commands = commandTexts();
+    PrintOptions print;
+    std::vector<Option> rows;
+    std::map<std::string, std::string, std::less<>> optionOfField;
+
+    AllCommands() {
+        for (CommandText& command : commands)
+            for (Option& row : optionsOf(command.job, print)) {
+                for (std::size_t at = 0; at < row.fields.size();) {
+                    const std::size_t end = std::min(row.fields.find(' ', at), row.fields.size());
+                    optionOfField.emplace(row.fields.substr(at, end - at), optionName(row.name));
+                    at = end + 1;
+                }
+                rows.push_back(std::move(row));
+            }
+    }
+};
+
+const AllCommands& allCommands() {
+    static const AllCommands all;
+    return all;
+}
+
+}  // namespace
+
+const std::vector<CommandText>& commandTexts() {
+    static const std::vector<CommandText> texts{
+        {"pack", "fill a domain with spheres (2D: circles)", PackJob()},
+        {"voids", "make voids and the remaining solid, without spheres", VoidsJob()},
+        {"carve", "cut voids into an input pack", CarveJob()},
+        {"densify", "make an input pack denser, or remove its overlaps; radii do not change",
+         DensifyRecipe()},
+        {"verify",
+         "check a pack of any program for overlaps and protrusions, with code independent of the "
+         "packer",
+         VerifyRecipe()},
+        {"measure",
+         "measure density, contacts, sizes and structure of any pack; morphometry of a level set, "
+         "a mesh or an image",
+         MeasureRecipe()},
+        {"convert", "convert packs, level sets and meshes to other formats", ConvertRecipe()},
+        {"mesh", "report whether a mesh can be packed, and repair it", MeshRecipe()},
+        {"image", "report what a label map or a CT contains, and where it lies", ImageRecipe()},
+        {"view", "write a page that shows a pack, to turn, zoom and cut in a browser, and open it",
+         ViewJob()},
+    };
+    return texts;
+}
+
+std::vector<Option> optionsOf(Job& job, PrintOptions& print) {
+    OptionList rows;
+    std::visit([&](auto& recipe) { list(rows, recipe, print); }, job);
+    return rows.take();
+}
+
+FileIn fileIn(const std::string& option) {
+    const auto& rows = allCommands().rows;
+    const auto found = std::find_if(rows.begin(), rows.end(),
+                                    [&](const Option& row) { return row.name == option; });
+    return found == rows.end() ? FileIn::none : found->file;
+}
+
+std::string withOptionNames(const std::string& message) {
+    const auto& names = allCommands().optionOfField;
+    std::string text;
+    std::size_t at = 0;
+    for (;;) {
+        const std::size_t open = message.find('`', at);
+        const std::size_t close = open == std::string::npos ? open : message.find('`', open + 1);
+        if (close == std::string::npos) return text + message.substr(at);
+        text += message.substr(at, open - at);
+        const auto known = names.find(std::string_view(message).substr(open + 1, close - open - 1));
+        if (known == names.end()) {  // another use of backquotes
+            text += '`';
+            at = open + 1;
+            continue;
+        }
+        text += known->second;
+        at = close + 1;
+    }
+}
+
+std::vector<std::pair<std::string, std::string>> givenOptions(Job job) {
+    std::vector<std::pair<std::string, std::string>> given;
+    PrintOptions print;
+    const auto sameKind = std::find_if(
+        commandTexts().begin(), commandTexts().end(),
+        [&](const CommandText& command) { return command.job.index() == job.index(); });
+    Job usual = sameKind->job;
+    const std::vector<Option> rows = optionsOf(job, print), defaults = optionsOf(usual, print);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const Option& row = rows[i];
+        if (!row.onPage || !row.get) continue;
+        const auto values = row.get();
+        if (row.kind != OptionKind::choice && values == defaults[i].get()) continue;
+        for (const std::string& value : values)
+            given.emplace_back(optionName(row.name),
+                               value + (row.kind == OptionKind::length ? " mm" : ""));
+    }
+    return given;
+}
+
+}  // namespace vdbpack

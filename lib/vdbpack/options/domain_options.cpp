@@ -1,0 +1,117 @@
+// Options about what is filled, and about the files that it comes from.
+#include "vdbpack/options/option_rows.h"
+
+namespace vdbpack {
+
+const char* const kDomainHelp =
+    "mesh (.stl .obj .ply .off .vtp .vtk), image (.nii .nii.gz .nrrd .nhdr .mha .mhd, folder of "
+    "DICOM or TIFF files), level set (.vdb) or shape about the origin: "
+    "box:LX,LY,LZ  box:x0,y0,z0,x1,y1,z1  ball:R  cylinder:R,H  rect:W,H  rect:x0,y0,x1,y1  "
+    "disc:R  periodic:LX,LY,LZ  periodic:LX,LY";
+
+namespace {
+
+const Names<Unit> kUnits{{"m", Unit::meter},
+                         {"cm", Unit::centimeter},
+                         {"mm", Unit::millimeter},
+                         {"um", Unit::micrometer}};
+const Names<RepairComponents> kRepairComponents{{"together", RepairComponents::together},
+                                                {"separate", RepairComponents::separate}};
+const Names<ImageSpace> kSpaces{{"lps", ImageSpace::lps}, {"ras", ImageSpace::ras}};
+const Names<ShellFrom> kShellFrom{{"walls", ShellFrom::walls}, {"outer", ShellFrom::outer}};
+
+}  // namespace
+
+void domainArgument(OptionList& rows, DomainRecipe& domain) {
+    rows.group("");
+    rows.text("DOMAIN", "", domain.source, kDomainHelp).naming(FileIn::domain);
+}
+
+void domainOption(OptionList& rows, DomainRecipe& domain, const std::string& note,
+                  const char* shown) {
+    rows.group("Domain");
+    rows.text("domain", shown, domain.source, note + kDomainHelp).naming(FileIn::domain);
+}
+
+void unitOption(OptionList& rows, const char* name, Unit& unit, const char* help) {
+    rows.group("Units");
+    rows.choice(name, "UNIT [mm]", unit, kUnits, help);
+}
+
+void domainOptions(OptionList& rows, DomainRecipe& domain) {
+    unitOption(rows, "unit", domain.unit, "unit of the domain's file: m, cm, mm or um");
+    rows.number("scale", "F [1]", domain.scale, Range::any, "further factor on the file's lengths");
+    rows.group("Domain");
+    rows.text("grid", "NAME [first]", domain.gridName,
+              "level set, or with --threshold fog volume, to take from a .vdb")
+        .as("gridName packGrid");
+    imageOptions(rows, domain);
+    rows.text("slice", "z=V", domain.slice,
+              "use the plane z = V of the domain; its spheres are circles");
+    rows.texts("clip", "CLIP", domain.clips,
+               "keep only a part of the domain: box:x0,y0,z0,x1,y1,z1 or plane:nx,ny,nz,d (where "
+               "n.x <= d); may be repeated")
+        .as("clips");
+    rows.text("periodic", "AXES", domain.periodic,
+              "axes along which a box or rectangle repeats, such as xy: it has no walls there. "
+              "periodic:LX,LY,LZ repeats along all");
+    rows.length("voxel", "H [automatic]", domain.voxelSize, Range::positive,
+                "voxel size of the distance field, mm")
+        .as("voxelSize");
+    repairOptions(rows, domain);
+}
+
+void imageOptions(OptionList& rows, DomainRecipe& domain) {
+    rows.group("Domain");
+    rows.number("threshold", "V", domain.threshold, Range::any,
+                "take an image, or a fog volume of a .vdb, as the domain where its values are at "
+                "least V");
+    rows.text("label", "L", domain.label,
+              "label of an image to fill, by value or name; A+B joins two to one domain. With "
+              "pack and verify, A,B and all are several parts, each with its own surface");
+    imagePlacement(rows, domain);
+}
+
+void imagePlacement(OptionList& rows, DomainRecipe& domain) {
+    rows.group("Domain");
+    rows.text("voxel-spacing", "X,Y,Z|D", domain.voxelSpacing,
+              "distances of voxels, mm: of an image whose files state none, such as TIFF; else "
+              "of the label maps that are written (-o labels:FILE)");
+    rows.choice("space", "lps|ras [lps]", domain.space, kSpaces,
+                "axes of the world of images: lps (x to the left, y to the back, as in DICOM) or "
+                "ras (x to the right, y to the front, as in NIfTI)");
+}
+
+void repairOptions(OptionList& rows, DomainRecipe& domain) {
+    rows.group("Domain");
+    rows.flag("repair", domain.repair,
+              "repair a mesh that has holes, inverted or duplicate triangles, or overlapping or "
+              "loose components; -o FILE.stl writes the repaired mesh");
+    rows.length("repair-voxel", "H [automatic]", domain.repairVoxel, Range::positive,
+                "voxel size where --repair remeshes the surface, mm; smaller voxels keep thinner "
+                "walls");
+    rows.choice("repair-components", "together|separate [together]", domain.repairComponents,
+                kRepairComponents,
+                "how --repair treats the surface components of the mesh. separate: each by "
+                "itself, so that bones in one file stay apart unless they intersect; together: "
+                "the inside is that of all triangles");
+    rows.text("cavities", "keep|fill|[outer=FILE,]inner=FILE [keep]", domain.cavities,
+              "closed surface components inside others: keep leaves the cavities in them empty, "
+              "fill fills them. inner=FILE removes the inside of a second mesh from DOMAIN; "
+              "outer=FILE,inner=FILE replaces DOMAIN")
+        .naming(FileIn::cavities);
+    // The name and the words of former recipes.
+    Option& former =
+        rows.custom("shells", "", "former name of --cavities", [&domain](const std::string& text) {
+            domain.cavities = text == "cavity" ? "keep" : text == "solid" ? "fill" : text;
+        });
+    former.naming(FileIn::cavities).hiddenIf(true).excludes = "cavities";
+}
+
+void shellFromOption(OptionList& rows, DomainRecipe& domain) {
+    rows.choice("shell-from", "walls|outer [walls]", domain.shellFrom, kShellFrom,
+                "what --shell is measured from. walls: all walls; outer: the outer surface alone, "
+                "not the walls of cavities nor the planes of --clip");
+}
+
+}  // namespace vdbpack

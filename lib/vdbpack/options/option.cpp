@@ -1,0 +1,159 @@
+#include "vdbpack/options/option.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <charconv>
+#include <cmath>
+#include <system_error>
+
+namespace vdbpack {
+
+namespace {
+
+/// "block-side" as the library writes the names of fields: "blockSide".
+std::string fieldName(const std::string& option) {
+    std::string name;
+    for (std::size_t i = 0; i < option.size(); ++i)
+        if (option[i] == '-' && i + 1 < option.size())
+            name += static_cast<char>(std::toupper(static_cast<unsigned char>(option[++i])));
+        else
+            name += option[i];
+    return name;
+}
+
+double numberIn(const std::string& name, const std::string& text, Range range) {
+    double value = 0;
+    if (!parseReal(text, value))
+        throw ParameterError(fmt::format("{}: '{}' is not a number", optionName(name), text));
+    const bool fits = range == Range::any || (range == Range::positive ? value > 0 : value >= 0);
+    if (!(fits && std::isfinite(value)))
+        throw ParameterError(fmt::format("{}: '{}' must be a {}", optionName(name), text,
+                                         range == Range::positive ? "positive number"
+                                         : range == Range::any    ? "finite number"
+                                                                  : "number of 0 or more"));
+    return value;
+}
+
+std::string textOf(double value) {
+    return fmt::format("{:.10g}", value);
+}
+
+}  // namespace
+
+std::string optionName(const std::string& name) {
+    const bool isArgument = std::isupper(static_cast<unsigned char>(name.front())) != 0;
+    return isArgument ? name : std::string(2, '-') + name;
+}
+
+Option& OptionList::add(const char* name, const char* shown, OptionKind kind, std::string help,
+                        std::function<void(const std::string&)> set,
+                        std::function<std::vector<std::string>()> get) {
+    Option option;
+    option.name = name;
+    option.fields = fieldName(name);
+    option.shown = shown;
+    option.group = group_;
+    option.help = std::move(help);
+    option.kind = kind;
+    option.set = std::move(set);
+    option.get = std::move(get);
+    rows_.push_back(std::move(option));
+    return rows_.back();
+}
+
+Option& OptionList::flag(const char* name, bool& field, std::string help) {
+    return add(
+        name, "", OptionKind::flag, std::move(help), [&field](const std::string&) { field = true; },
+        [&field]() -> std::vector<std::string> {
+            if (!field) return {};
+            return {"yes"};
+        });
+}
+
+Option& OptionList::text(const char* name, const char* shown, std::string& field,
+                         std::string help) {
+    return add(
+        name, shown, OptionKind::text, std::move(help),
+        [&field, name](const std::string& text) {
+            if (text.empty()) throw ParameterError(optionName(name) + ": must not be empty");
+            field = text;
+        },
+        [&field]() -> std::vector<std::string> {
+            if (field.empty()) return {};
+            return {field};
+        });
+}
+
+Option& OptionList::texts(const char* name, const char* shown, std::vector<std::string>& field,
+                          std::string help) {
+    Option& option = add(
+        name, shown, OptionKind::text, std::move(help),
+        [&field](const std::string& text) { field.push_back(text); }, [&field] { return field; });
+    option.repeats = true;
+    return option;
+}
+
+Option& OptionList::number(const char* name, const char* shown, double& field, Range range,
+                           std::string help) {
+    return add(
+        name, shown, OptionKind::number, std::move(help),
+        [&field, name, range](const std::string& text) { field = numberIn(name, text, range); },
+        [&field]() -> std::vector<std::string> {
+            if (field == 0) return {};
+            return {textOf(field)};
+        });
+}
+
+Option& OptionList::number(const char* name, const char* shown, std::optional<double>& field,
+                           Range range, std::string help) {
+    return add(
+        name, shown, OptionKind::number, std::move(help),
+        [&field, name, range](const std::string& text) { field = numberIn(name, text, range); },
+        [&field]() -> std::vector<std::string> {
+            if (!field) return {};
+            return {textOf(*field)};
+        });
+}
+
+Option& OptionList::custom(const char* name, const char* shown, std::string help,
+                           std::function<void(const std::string&)> set,
+                           std::function<std::string()> get) {
+    return add(name, shown, OptionKind::text, std::move(help), std::move(set),
+               [get = std::move(get)]() -> std::vector<std::string> {
+                   std::string text = get ? get() : std::string();
+                   if (text.empty()) return {};
+                   return {std::move(text)};
+               });
+}
+
+std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string& text,
+                                      std::uint64_t least, std::uint64_t most,
+                                      const std::string& remedy) {
+    std::uint64_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, failed] = std::from_chars(text.data(), end, value);
+    bool whole = failed == std::errc() && stop == end;
+    // 1e6 is one, too, as far as doubles are exact.
+    if (double number = 0; !whole && failed != std::errc::result_out_of_range &&
+                           parseReal(text, number) && number >= 0 && number <= 0x1p53 &&
+                           number == std::floor(number)) {
+        value = static_cast<std::uint64_t>(number);
+        whole = true;
+    }
+    if (whole && value >= least && value <= most) return value;
+    throw ParameterError(fmt::format("{}: '{}' must be a whole number from {} to {}{}{}",
+                                     optionName(name), text, least, most,
+                                     remedy.empty() ? "" : "; ", remedy));
+}
+
+void OptionList::refuseWord(const std::string& name, const std::string& text,
+                            const std::vector<std::string>& known) {
+    throw ParameterError(
+        fmt::format("{}: '{}' is not one of {}", optionName(name), text, fmt::join(known, ", ")));
+}
+
+}  // namespace vdbpack

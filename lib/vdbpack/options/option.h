@@ -1,0 +1,164 @@
+// A row of the table of options, bound to the field of a recipe that it sets.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace vdbpack {
+
+/// Which part of the text of an option names a file: recipes give names relative to their folder.
+enum class FileIn {
+    none,
+    whole,     ///< FILE
+    domain,    ///< FILE, or a shape such as box:1,2,3
+    sizes,     ///< table:FILE, psd:FILE
+    sample,    ///< NAME=FILE
+    voids,     ///< list:FILE
+    cavities,  ///< [outer=FILE,]inner=FILE
+    pack,      ///< FILE, or FORMAT:FILE
+    output     ///< the same with the formats that are written
+};
+
+/// What the text of an option is; decides its type in Python and its unit on a page.
+enum class OptionKind { flag, text, number, length, count, choice };
+
+/// Numbers that an option takes.
+enum class Range { any, notNegative, positive };
+
+/// One option of the command line, of recipes (TOML), of Python and of the page of a report.
+struct Option {
+    std::string name;         ///< long, without dashes; an argument in capitals: "DOMAIN"
+    std::string fields;       ///< of recipes, as messages of the library name them, blanks between
+    std::string shown;        ///< value and default in the help: "MM [automatic]"
+    std::string group, help;  ///< a hidden option has no group
+    OptionKind kind = OptionKind::text;
+    FileIn file = FileIn::none;
+    std::vector<std::string> words;  ///< that it takes, or may begin with
+    std::string letter;              ///< a short name, without its dash
+    std::string excludes, needs;     ///< names of other options
+    bool repeats = false;
+    bool required = false;
+    bool inRecipes = true;  ///< else it has no influence on the result
+    bool onPage = true;     ///< else a page has the same elsewhere
+    /// Sets the field; of an option that repeats, adds to it. @throws ParameterError
+    std::function<void(const std::string&)> set;
+    std::function<std::vector<std::string>()> get;  ///< the field as texts; none: not given
+
+    Option& as(std::string names) { return assign(fields, std::move(names)); }
+    Option& naming(FileIn in) { return assign(file, in); }
+    Option& taking(std::vector<std::string> some) { return assign(words, std::move(some)); }
+    Option& hiddenIf(bool hidden) { return hidden ? assign(group, std::string()) : *this; }
+    Option& passing() { return assign(inRecipes, false); }
+    Option& offPage() { return assign(onPage, false); }
+
+private:
+    template <class Value>
+    Option& assign(Value& field, Value value) {
+        field = std::move(value);
+        return *this;
+    }
+};
+
+/// Names of values, in the order in which they are listed; of several names of a value, the first
+/// is written.
+template <class Value>
+using Names = std::vector<std::pair<std::string, Value>>;
+
+/// The rows of one command. The recipe must outlive them.
+class OptionList {
+public:
+    /// The group of the options that follow.
+    void group(std::string name) { group_ = std::move(name); }
+
+    Option& flag(const char* name, bool& field, std::string help);
+    /// A text that is not empty.
+    Option& text(const char* name, const char* shown, std::string& field, std::string help);
+    /// Texts, one each time that the option is given.
+    Option& texts(const char* name, const char* shown, std::vector<std::string>& field,
+                  std::string help);
+    Option& number(const char* name, const char* shown, double& field, Range range,
+                   std::string help);
+    Option& number(const char* name, const char* shown, std::optional<double>& field, Range range,
+                   std::string help);
+    /// The same in mm.
+    template <class Field>
+    Option& length(const char* name, const char* shown, Field& field, Range range,
+                   std::string help) {
+        Option& option = number(name, shown, field, range, std::move(help));
+        option.kind = OptionKind::length;
+        return option;
+    }
+    /// A whole number, also as 1e6. @param remedy  for the message about others; may be empty.
+    template <class Whole>
+    Option& count(const char* name, const char* shown, Whole& field, std::uint64_t least,
+                  std::uint64_t most, std::string help, std::string remedy = {}) {
+        static_assert(std::is_integral_v<Whole>);
+        Option& option = add(
+            name, shown, OptionKind::count, std::move(help),
+            [&field, least, most, name, remedy = std::move(remedy)](const std::string& text) {
+                field = static_cast<Whole>(wholeNumber(name, text, least, most, remedy));
+            },
+            [&field, initial = field]() -> std::vector<std::string> {
+                if (field == initial) return {};
+                return {std::to_string(field)};
+            });
+        return option;
+    }
+    /// One of some names.
+    template <class Value>
+    Option& choice(const char* name, const char* shown, Value& field, const Names<Value>& names,
+                   std::string help) {
+        std::vector<std::string> all;
+        for (const auto& each : names) all.push_back(each.first);
+        Option& option = add(
+            name, shown, OptionKind::choice, std::move(help),
+            [&field, names, name](const std::string& text) {
+                field = names[indexOf(name, text, names)].second;
+            },
+            [&field, names]() -> std::vector<std::string> {
+                for (const auto& [word, value] : names)
+                    if (value == field) return {word};
+                return {};
+            });
+        option.words = std::move(all);
+        return option;
+    }
+    /// A text of any other kind. @param get  the value on pages; empty: none.
+    Option& custom(const char* name, const char* shown, std::string help,
+                   std::function<void(const std::string&)> set,
+                   std::function<std::string()> get = {});
+
+    std::vector<Option> take() { return std::move(rows_); }
+
+private:
+    Option& add(const char* name, const char* shown, OptionKind kind, std::string help,
+                std::function<void(const std::string&)> set,
+                std::function<std::vector<std::string>()> get);
+    static std::uint64_t wholeNumber(const std::string& name, const std::string& text,
+                                     std::uint64_t least, std::uint64_t most,
+                                     const std::string& remedy);
+    [[noreturn]] static void refuseWord(const std::string& name, const std::string& text,
+                                        const std::vector<std::string>& known);
+    template <class Value>
+    static std::size_t indexOf(const std::string& name, const std::string& text,
+                               const Names<Value>& names) {
+        for (std::size_t i = 0; i < names.size(); ++i)
+            if (names[i].first == text) return i;
+        std::vector<std::string> known;
+        for (const auto& each : names) known.push_back(each.first);
+        refuseWord(name, text, known);
+    }
+
+    std::string group_;
+    std::vector<Option> rows_;
+};
+
+/// "--NAME": how people write an option; an argument as it is.
+std::string optionName(const std::string& name);
+
+}  // namespace vdbpack

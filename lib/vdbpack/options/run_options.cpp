@@ -1,0 +1,219 @@
+// Options about runs: what is read and written, threads, memory, reports, pictures.
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/options/option_rows.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+namespace vdbpack {
+
+const char* const kPackHelp =
+    ".vdb (point grid), .csv, .vtp, .hdf, .pvtp, .ply, .xyz, .npz, YADE text (yade:FILE.txt), "
+    "LAMMPS or LIGGGHTS data or dump (.data, .dump, lammps:FILE, dump:FILE); from any program";
+
+namespace {
+
+const char* const kOutputHelp =
+    "file to write; may be repeated. Packs: .vdb .vtp .hdf .pvtp .ply .csv .xyz .npz .usda .usdz, "
+    ".data or lammps:FILE or liggghts:FILE, lammps-bonds:FILE (pairs in contact as bonds), "
+    "yade:FILE.txt, points:FILE.vdb (no level sets), .svg (circles). Solids: .stl "
+    "(surface:FILE.stl, voids:FILE.stl or solid:FILE.stl selects one), levelsets:FILE.vdb, "
+    "fog:FILE.vdb. blender:FILE.py: a script that shows the spheres. Lists: contacts:FILE.csv "
+    "(pairs in contact), materials:FILE.csv, list:FILE.csv (voids). Label maps (.nii .nii.gz .nrrd "
+    ".mha): labels:FILE (ids + 1 of spheres), labels-regions:, labels-parts:, labels-materials:, "
+    "labels-solid:FILE (the domain or solid)";
+
+/// More gain nothing anywhere, and each takes memory.
+constexpr std::uint64_t kMostThreads = 4096;
+
+const Names<PreviewColor> kColors{{"radius", PreviewColor::radius},
+                                  {"region", PreviewColor::region},
+                                  {"depth", PreviewColor::depth},
+                                  {"order", PreviewColor::order}};
+
+void setColor(PreviewOptions& preview, const std::string& name) {
+    if (name.empty()) throw ParameterError("`preview.color`: must not be empty");
+    const auto known = std::find_if(kColors.begin(), kColors.end(),
+                                    [&](const auto& color) { return color.first == name; });
+    preview.color = known == kColors.end() ? PreviewColor::column : known->second;
+    preview.column = known == kColors.end() ? name : "";
+}
+
+}  // namespace
+
+std::vector<std::uint64_t> parseSeeds(const std::string& text) {
+    constexpr std::uint64_t kMostSeeds = 1'000'000;
+    const auto fail = [&](const char* why) {
+        throw ParameterError(
+            fmt::format("`seed` '{}': {}; write a whole number from 0 on, a range 1..50 or a list "
+                        "1,4,9",
+                        text, why));
+    };
+    std::vector<std::uint64_t> seeds;
+    const char* at = text.data();
+    const char* const end = at + text.size();
+    const auto number = [&] {
+        std::uint64_t value = 0;
+        const auto [next, failed] = std::from_chars(at, end, value);
+        if (failed != std::errc()) fail("is no seed");
+        at = next;
+        return value;
+    };
+    for (;;) {
+        const std::uint64_t first = number();
+        std::uint64_t last = first;
+        if (end - at >= 2 && at[0] == '.' && at[1] == '.') {
+            at += 2;
+            last = number();
+        }
+        if (last < first) fail("the range ends before it begins");
+        if (last - first >= kMostSeeds || seeds.size() + (last - first) >= kMostSeeds)
+            fail("has more than a million seeds");
+        for (std::uint64_t s = first;; ++s) {
+            seeds.push_back(s);
+            if (s == last) break;
+        }
+        if (at == end) break;
+        if (*at++ != ',') fail("is no seed");
+    }
+    auto sorted = seeds;
+    std::sort(sorted.begin(), sorted.end());
+    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+        fail("names a seed twice");
+    return seeds;
+}
+
+void packArgument(OptionList& rows, InputPack& input, const char* name, const std::string& help) {
+    rows.group("");
+    rows.text(name, "", input.pack, help).naming(FileIn::pack).required = true;
+}
+
+void inputPackOptions(OptionList& rows, InputPack& input, const char* name, const std::string& help,
+                      const char* domainShown) {
+    packArgument(rows, input, name, help);
+    domainOption(rows, input.domain, {}, domainShown);
+    domainOptions(rows, input.domain);
+    unitOption(rows, "pack-unit", input.packUnit, "unit of the pack, if its file states none");
+    sizeOptions(rows, input.radius, input.weightBy, "; the radii of the pack are compared with it");
+    contactTolerance(rows, input.contactTolerance);
+    threadsOption(rows, input);
+    memoryLimit(rows, input);
+}
+
+void outputOption(OptionList& rows, std::vector<OutputTarget>& outputs, const char* help) {
+    rows.group("Output");
+    Option& output =
+        rows.custom("output", "FILE", help ? help : kOutputHelp,
+                    [&outputs](const std::string& text) { outputs.emplace_back(text); });
+    output.repeats = true;
+    output.as("outputs").naming(FileIn::output).offPage().letter = "o";
+}
+
+void imagesOption(OptionList& rows, bool& images) {
+    rows.group("Output");
+    rows.flag("images", images,
+              "of a periodic cell, write the images that protrude into it, too, with the column "
+              "image_of; files for YADE and LAMMPS never hold them");
+}
+
+void contactTolerance(OptionList& rows, double& tolerance) {
+    rows.group("Run");
+    rows.number("contact-tol", "T [0.001]", tolerance, Range::notNegative,
+                "two spheres are in contact if their gap is at most T times the smaller radius")
+        .as("contactTolerance");
+}
+
+void threadsOption(OptionList& rows, RunSettings& settings, const char* help) {
+    rows.group("Run");
+    rows.count("threads", "T [all cores]", settings.threads, 1, kMostThreads, help,
+               "leave it out to use all cores")
+        .passing()
+        .offPage();
+}
+
+void memoryLimit(OptionList& rows, RunSettings& settings) {
+    rows.group("Run");
+    rows.custom("memory-limit", "SIZE [free memory]",
+                "memory that the run may use: 8G, 500M, 1.5GiB. A run predicted to exceed it is "
+                "refused, a run that exceeds it stops (exit code 5)",
+                [&settings](const std::string& text) {
+                    const auto size = parseBytes(text);
+                    if (!size)
+                        throw ParameterError("`memoryLimit` '" + text +
+                                             "': not a size of memory. Write a positive number of "
+                                             "bytes, or one with a unit: 8G, 500M, 1.5GiB");
+                    settings.memoryLimit = *size;
+                })
+        .passing();
+}
+
+void reportOption(OptionList& rows, RunSettings& settings, const char* help) {
+    rows.group("Run");
+    rows.text("report", "FILE.json|FILE.html", settings.reportFile,
+              help ? help : "write the report as JSON, or as a page for the browser")
+        .as("reportFile")
+        .naming(FileIn::whole)
+        .offPage();
+}
+
+void printing(OptionList& rows, PrintOptions& print, const char* json) {
+    rows.group("Run");
+    rows.flag("json", print.json, json ? json : "print the report as JSON instead of the summary")
+        .passing();
+    rows.flag("quiet", print.quiet, "print warnings and errors only").passing();
+}
+
+void seedOption(OptionList& rows, RunSettings& settings, const char* random) {
+    rows.group("Run");
+    rows.count("seed", "S [1]", settings.seed, 0, std::numeric_limits<std::uint64_t>::max(),
+               std::string("seed of the random numbers: ") + random)
+        .offPage();
+}
+
+void studyOptions(OptionList& rows, Study& study, const std::string& made) {
+    rows.group("Run");
+    rows.custom("seed", "S [1]",
+                "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one " + made +
+                    " for each seed in one domain ({seed} in names of outputs)",
+                [&study](const std::string& text) { study.seeds = parseSeeds(text); });
+    rows.text("table", "FILE.csv", study.table, "write a table with one row for each seed")
+        .naming(FileIn::whole)
+        .passing();
+}
+
+void cutAndColor(OptionList& rows, PreviewOptions& preview) {
+    rows.group("Run");
+    rows.custom("preview-cut", "x=V|y=V|z=V",
+                "cut picture and view open at a plane, mm; what lies farther from the camera "
+                "remains: lower x, lower z, higher y",
+                [&preview](const std::string& text) { preview.cut = parsePreviewCut(text); })
+        .as("preview.cut");
+    rows.custom("preview-color", "NAME [radius]",
+                "color of the spheres by radius, region, depth, order or a column of numbers such "
+                "as part: from dark (small, outside, early) to light",
+                [&preview](const std::string& name) { setColor(preview, name); })
+        .as("preview.color");
+}
+
+void previewOptions(OptionList& rows, PreviewOptions& preview) {
+    rows.group("Run");
+    rows.text("preview", "FILE.png", preview.file,
+              "write a picture of the result; a report page contains it too")
+        .as("preview.file")
+        .naming(FileIn::whole)
+        .offPage();
+    cutAndColor(rows, preview);
+    rows.custom("preview-size", "WxH [1600x1200]", "width and height in pixels",
+                [&preview](const std::string& text) {
+                    const auto size = parsePreviewSize(text);
+                    preview.width = size[0];
+                    preview.height = size[1];
+                })
+        .as("preview.width preview.height");
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,141 @@
+// Options about spheres: sizes, how they are packed and moved, what they are made of.
+#include "vdbpack/core/error.h"
+#include "vdbpack/io/numbers.h"
+#include "vdbpack/options/option_rows.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+namespace vdbpack {
+
+const char* const kRadiusSpec =
+    "constant:R | uniform:A,B | normal:MEAN,SD,A,B | lognormal:MEDIAN,SIGMA,A,B | table:FILE | "
+    "psd:FILE";
+
+namespace {
+
+constexpr std::uint64_t kMostDensityClasses = 1000;
+
+template <class Value>
+std::pair<std::string, Value> named(Value value) {
+    return {nameOf(value), value};
+}
+
+const Names<WeightBy> kWeights{{"count", WeightBy::count}, {"volume", WeightBy::volume}};
+const Names<Effort> kEfforts{named(Effort::fast), named(Effort::normal), named(Effort::dense)};
+const Names<Order> kOrders{named(Order::sweep),
+                           named(Order::wall),
+                           named(Order::center),
+                           {"center", Order::center},
+                           named(Order::fifo)};
+
+double solidFractionIn(const std::string& text) {
+    if (text == "max") return std::numeric_limits<double>::infinity();
+    double fraction = 0;
+    if (!parseReal(text, fraction) || !(fraction > 0 && fraction < 1))
+        throw ParameterError(
+            "`densify` '" + text +
+            "': must be max or a solid fraction above 0 and below 1, such as 0.64");
+    return fraction;
+}
+
+}  // namespace
+
+void sizeOptions(OptionList& rows, std::string& radius, WeightBy& weightBy, const char* note) {
+    rows.group("Spheres");
+    rows.text("radius", "SPEC", radius, std::string(kRadiusSpec) + ", in mm" + note)
+        .naming(FileIn::sizes);
+    rows.choice("weight-by", "count|volume [count]", weightBy, kWeights,
+                "whether the weights of table:FILE are shares of the number or of the volume of "
+                "spheres");
+}
+
+void gapOption(OptionList& rows, double& gap, const char* help) {
+    rows.group("Spheres");
+    rows.length("gap", "G [0]", gap, Range::notNegative, help);
+}
+
+void densifyOption(OptionList& rows, double& fraction, const char* help) {
+    rows.group("Spheres");
+    rows.custom(
+        "densify", "F|max", help,
+        [&fraction](const std::string& text) { fraction = solidFractionIn(text); },
+        [&fraction]() -> std::string {
+            if (!(fraction > 0)) return {};
+            return std::isfinite(fraction) ? fmt::format("{}", fraction) : "max";
+        });
+}
+
+void sphereOptions(OptionList& rows, PackRecipe& recipe) {
+    sizeOptions(rows, recipe.radius, recipe.weightBy,
+                " (default: uniform with ratio 1:2, about 100,000 spheres)");
+    rows.text("size-field", "FILE", recipe.sizeField,
+              "factor on the radii by place, that of the center of each sphere: a .vdb grid of "
+              "floats, a .csv (x, y, z, value) or an image; from its smallest to its largest "
+              "value at most 1:20")
+        .naming(FileIn::whole);
+    rows.text("shell-radius", "SPEC", recipe.shellRadius,
+              "radii of the spheres with centers in the shell (--shell), like --radius, which is "
+              "then that of the others")
+        .naming(FileIn::sizes);
+    rows.number("target-count", "N", recipe.targetCount, Range::positive,
+                "scale the radii so that about N spheres are written: those that voids leave, with "
+                "those that --densify adds, without those of --existing");
+    rows.count("max-count", "N", recipe.packing.maxCount, 1,
+               std::numeric_limits<std::int64_t>::max(), "stop when N spheres are placed");
+    rows.choice("effort", "fast|normal|dense [normal]", recipe.packing.effort, kEfforts,
+                "fast: positions in the order of the sweep; normal: first those where the sphere "
+                "touches an additional sphere or wall (equal ones: many); dense: the same with "
+                "more pending radii to choose from (equal spheres: in larger blocks)");
+    rows.choice("order", "sweep|wall|centre|fifo [sweep]", recipe.packing.order, kOrders,
+                "position that is filled next. sweep: the lowest along a diagonal; wall: nearest "
+                "to the wall; centre: nearest to the middle; fifo: the first found. All but sweep "
+                "run on one thread, for comparison");
+    rows.length("block-side", "MM", recipe.packing.blockSide, Range::positive,
+                "edge of the blocks of which each is filled by one thread, at least 8 largest "
+                "radii. Shorter ones than the usual 20 keep more than some 500 cores busy, and "
+                "cost some solid fraction");
+    gapOption(rows, recipe.packing.gap,
+              "least distance between spheres, and between spheres and the wall, mm");
+    densifyOption(rows, recipe.densify.fraction,
+                  "after packing, move and add spheres until the solid fraction is F, or as high "
+                  "as possible (max); radii do not change");
+    rows.text("existing", "FILE", recipe.existing,
+              "pack around the spheres of a file in any pack format; outputs contain these "
+              "spheres first, unchanged")
+        .naming(FileIn::pack);
+    unitOption(rows, "pack-unit", recipe.packUnit, "unit of --existing, if the file states none");
+}
+
+void densityOption(OptionList& rows, std::string& density) {
+    rows.group("Spheres");
+    rows.text("density", "D|0=D,1=D|bulk:D [1000]", density,
+              "density of the spheres in the files of LAMMPS and LIGGGHTS, kg/m3; 0=D,1=D: by "
+              "region; bulk:D: all spheres together weigh as much as the domain at density D");
+}
+
+void greyOptions(OptionList& rows, GreyRecipe& grey) {
+    rows.group("Grey values");
+    rows.texts("sample", "NAME=IMAGE", grey.samples,
+               "add a column: the mean of an image, such as a CT, over each sphere; may be "
+               "repeated")
+        .as("samples")
+        .naming(FileIn::sample);
+    rows.text("calibrate", "[NAME=]SLOPE,INTERCEPT", grey.calibration,
+              "density of each sphere, SLOPE * grey value + INTERCEPT, kg/m3 (= mg/cm3), as "
+              "column density_kg_m3 and in the files of LAMMPS and LIGGGHTS; of --sample, or of "
+              "the column NAME")
+        .as("calibration");
+    rows.text("modulus", "A,B|E", grey.modulus,
+              "Young's modulus of each sphere, A * density^B, MPa, of the density in g/cm3, as "
+              "column modulus_MPa; E alone: the same for all. Parts may have their own");
+    rows.count("density-classes", "N [10]", grey.classes, 1, kMostDensityClasses,
+               "classes of equal width that the densities fall into: materials of YADE and types "
+               "of LAMMPS, listed by materials:FILE.csv")
+        .as("grey.classes")
+        .needs = "calibrate";
+}
+
+}  // namespace vdbpack

@@ -1,0 +1,39 @@
+#include "vdbpack/options/suggest.h"
+
+#include <algorithm>
+
+namespace vdbpack {
+
+std::size_t editDistance(const std::string& a, const std::string& b) {
+    std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        row[0] = i;
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            row[j] = std::min({last[j] + 1, row[j - 1] + 1, last[j - 1] + (a[i - 1] != b[j - 1])});
+            if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+                row[j] = std::min(row[j], before[j - 2] + 1);
+        }
+        before = last;
+        last = row;
+    }
+    return last[b.size()];
+}
+
+std::string mostLike(const std::string& word, const std::vector<std::string>& words) {
+    std::string best;
+    std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+    for (const auto& known : words) {
+        const std::size_t distance = editDistance(word, known);
+        if (distance < least) {
+            least = distance;
+            best = known;
+        }
+    }
+    if (!best.empty() || word.size() < 3) return best;
+    for (const auto& known : words)
+        if (known.compare(0, word.size(), word) == 0) return known;
+    return {};
+}
+
+}  // namespace vdbpack

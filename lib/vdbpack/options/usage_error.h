@@ -1,0 +1,19 @@
+// Messages about wrong usage of the command line.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// What was wrong with the command line, with the word that was probably meant.
+/// @param arguments  as given, without the program's name.
+std::string usageError(const CLI::App& app, const CLI::ParseError& error,
+                       const std::vector<std::string>& arguments);
+
+/// That a command has no option `word`, such as "--radios", with the one that was probably meant.
+std::string unknownOption(const CLI::App& app, const CLI::App& command, const std::string& word);
+
+}  // namespace vdbpack

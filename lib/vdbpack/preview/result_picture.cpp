@@ -1,0 +1,168 @@
+#include "vdbpack/preview/result_picture.h"
+
+#include "vdbpack/core/error.h"
+#include "vdbpack/formats/materials.h"
+#include "vdbpack/io/output_file.h"
+#include "vdbpack/io/text.h"
+#include "vdbpack/preview/drawn_wall.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <type_traits>
+#include <utility>
+
+namespace vdbpack {
+
+namespace {
+
+constexpr int kPageWidth = 960, kPageHeight = 720;
+
+Picture draw(const PreviewOptions& options, const DomainSource& source,
+             const DomainSource::Built& built, const MadeVoids<3>& made, const Pack<3>* pack,
+             const TriangleMesh* known) {
+    SpacePreview scene;
+    if (pack) {
+        const WallMesh wall(source, built, known);
+        scene.pack = pack;
+        scene.wall = wall.get();
+        return renderPreview(scene, options);
+    }
+    const TriangleMesh solid = levelSetMesh(*made.solid.grid, source.recipe().source);
+    scene.solid = &solid;
+    return renderPreview(scene, options);
+}
+
+Picture draw(const PreviewOptions& options, const DomainSource&, const DomainSource::Built& built,
+             const MadeVoids<2>& made, const Pack<2>* pack, const TriangleMesh*) {
+    const PlaneField field = planeField(*built.plane, pack ? nullptr : made.stamped.get(),
+                                        std::max(options.width, options.height));
+    PlanePreview scene;
+    scene.pack = pack;
+    scene.field = &field;
+    scene.bounds = built.plane->bounds();
+    return renderPreview(scene, options);
+}
+
+/// Encodes a picture, and writes it if it has a file.
+PagePicture finished(Picture image, const PreviewOptions& recipe, const std::string& source) {
+    PagePicture picture;
+    for (const auto& [keyword, text] : image.texts)
+        picture.words += (picture.words.empty() ? "" : ", ") + text;
+    image.texts.emplace_back("Software", "vdb_pack " VDBPACK_VERSION);
+    image.texts.emplace_back("Source", source);
+    picture.png = encodePng(image);
+    picture.width = image.width;
+    picture.height = image.height;
+    if (!recipe.file.empty()) {
+        OutputFile file(recipe.file);
+        file.write(picture.png);
+        file.commit();
+    }
+    return picture;
+}
+
+}  // namespace
+
+void checkPreview(const PreviewOptions& recipe, const std::string& reportFile) {
+    checkPreviewSize(recipe.width, recipe.height);
+    const std::string& file = recipe.file;
+    if (!file.empty() && extensionOf(file) != ".png")
+        throw ParameterError("`preview.file` " + file + ": pictures are PNG; name it .png");
+    const bool asked = recipe.cut || recipe.color != PreviewColor::radius;
+    if (asked && file.empty() && !isPage(reportFile))
+        throw ParameterError(
+            std::string(recipe.cut ? "`preview.cut`" : "`preview.color`") +
+            " has no effect without a picture; add `preview.file` FILE.png or `reportFile` "
+            "FILE.html");
+}
+
+template <int Dim>
+void checkPreview(const PreviewOptions& recipe, const Domain<Dim>& domain, const Pack<Dim>* pack) {
+    if (Dim == 3 && !recipe.file.empty() && !canDrawSpace())
+        renderPreview(SpacePreview{}, PreviewOptions{});  // throws, with what to install
+    if (recipe.cut) {
+        if constexpr (Dim == 2)
+            throw ParameterError("`preview.cut`: a plane is flat already; leave it out");
+        else
+            checkPreviewCut(*recipe.cut, domain.bounds());
+    }
+    if (pack && recipe.color == PreviewColor::order && pack->order.size() != pack->spheres.size())
+        throw ParameterError(
+            "`preview.color` order: the pack has no order of placement; color by radius");
+}
+
+template <int Dim>
+PagePicture drawPreview(const PreviewOptions& recipe, const std::string& reportFile,
+                        const DomainSource& source, const DomainSource::Built& built,
+                        const MadeVoids<Dim>& made, const Pack<Dim>* pack,
+                        const Callbacks& callbacks, const TriangleMesh* wall) {
+    if (recipe.file.empty() && (!isPage(reportFile) || (Dim == 3 && !canDrawSpace()))) return {};
+    PreviewOptions options = recipe;
+    options.cancelled = callbacks.cancelled;
+    if (options.color == PreviewColor::column &&
+        !(pack && columnOfNumbers(*pack, recipe.column.c_str()))) {
+        callbacks.warn("`preview.color` " + recipe.column +
+                       ": there is no such column of numbers; the picture is colored by radius");
+        options.color = PreviewColor::radius;
+    }
+    if (recipe.file.empty()) {
+        options.width = kPageWidth;
+        options.height = kPageHeight;
+    }
+    return finished(draw(options, source, built, made, pack, wall), recipe, source.recipe().source);
+}
+
+template <int Dim>
+PagePicture drawPack(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
+                     const DomainSource* source, const DomainSource::Built& built,
+                     const Callbacks& callbacks) {
+    PreviewOptions options = recipe;
+    options.cancelled = callbacks.cancelled;
+    if (recipe.file.empty()) {
+        if (Dim == 3 && !canDrawSpace()) return {};
+        options.width = kPageWidth;
+        options.height = kPageHeight;
+    }
+    if (source)
+        return finished(draw(options, *source, built, MadeVoids<Dim>{}, &pack, nullptr), recipe,
+                        name);
+    std::conditional_t<Dim == 3, SpacePreview, PlanePreview> scene;
+    scene.pack = &pack;
+    return finished(renderPreview(scene, options), recipe, name);
+}
+
+template <int Dim>
+bool drawGiven(const PreviewOptions& recipe, const std::string& name, const Pack<Dim>& pack,
+               const DomainSource* source, const DomainSource::Built& built) {
+    if (recipe.file.empty()) return false;
+    drawPack(recipe, name, pack, source, built, {});
+    return true;
+}
+
+bool drawGiven(const PreviewOptions& recipe, const std::string& name, const TriangleMesh& solid) {
+    if (recipe.file.empty()) return false;
+    SpacePreview scene;
+    scene.solid = &solid;
+    finished(renderPreview(scene, recipe), recipe, name);
+    return true;
+}
+
+template void checkPreview<2>(const PreviewOptions&, const Domain<2>&, const Pack<2>*);
+template void checkPreview<3>(const PreviewOptions&, const Domain<3>&, const Pack<3>*);
+template PagePicture drawPack<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
+                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
+template PagePicture drawPack<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
+                                 const DomainSource*, const DomainSource::Built&, const Callbacks&);
+template bool drawGiven<2>(const PreviewOptions&, const std::string&, const Pack<2>&,
+                           const DomainSource*, const DomainSource::Built&);
+template bool drawGiven<3>(const PreviewOptions&, const std::string&, const Pack<3>&,
+                           const DomainSource*, const DomainSource::Built&);
+template PagePicture drawPreview<2>(const PreviewOptions&, const std::string&, const DomainSource&,
+                                    const DomainSource::Built&, const MadeVoids<2>&, const Pack<2>*,
+                                    const Callbacks&, const TriangleMesh*);
+template PagePicture drawPreview<3>(const PreviewOptions&, const std::string&, const DomainSource&,
+                                    const DomainSource::Built&, const MadeVoids<3>&, const Pack<3>*,
+                                    const Callbacks&, const TriangleMesh*);
+
+}  // namespace vdbpack

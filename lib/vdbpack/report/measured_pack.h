@@ -1,0 +1,54 @@
+// The measures of a pack that every report has.
+#pragma once
+
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/measure/structure.h"
+#include "vdbpack/pack/local_sizes.h"
+#include "vdbpack/pack/size_distribution.h"
+#include "vdbpack/report/report.h"
+
+namespace vdbpack {
+
+/// Measures any pack; its first `report.existing` spheres are those of the input pack. Computes
+/// `depth` and `contacts` of the pack.
+///
+/// Cancelling sets `report.interrupted`. If that is set, only count, hash, radii, overlap,
+/// protrusion, solid fraction and, if requested, the gap are measured, and the pack has no depths
+/// and no contacts.
+/// @param local  what differs by place in `sizes`; null: nothing.
+template <int Dim>
+void measurePack(Pack<Dim>& pack, const DomainSource* source, const Domain<Dim>* domain,
+                 const SizeDistribution* sizes, double contactTolerance, Report& report,
+                 const Callbacks& callbacks = {}, const LocalSizes* local = nullptr);
+
+/// Depth of the distance field that `measureStructure` needs for such radii, mm: three mean
+/// diameters for the pair correlation, and slightly more than the shell.
+double structureDepth(const RadiusStatistics& radius, double shell);
+
+/// Compares the radii of a pack with the requested ones; a part of `measurePack`.
+/// @param local   what differs by place; null: nothing.
+/// @param domain  of that.
+template <int Dim>
+void measureSizes(const Pack<Dim>& pack, const SizeDistribution& sizes, Report& report,
+                  const LocalSizes* local = nullptr, const Domain<Dim>* domain = nullptr);
+
+/// Share of a radius to which the factor of its place is met, with a margin.
+inline constexpr double kFactorKnown = 5e-4;
+/// A group of sizes by place with its name, before it is measured.
+Report::LocalGroup localGroup(const LocalSizes& local, std::uint32_t group,
+                              const SizeDistribution& sizes);
+/// Adds a group that was measured: the report keeps the distances of the worst group.
+void addLocalGroup(Report::LocalGroup group, Report& report);
+
+/// Density profile, local fraction, pair correlation and regions of a pack whose `depth` was set by
+/// `measurePack`.
+/// @param domain  null: none of these that need a domain.
+/// @param shell   thickness of the layer along the wall that is measured separately, mm; 0: none.
+/// @param rows    where ranks share the pack: called by all of them.
+/// @throws Interrupted
+template <int Dim>
+Structure measureStructure(const Pack<Dim>& pack, const Domain<Dim>* domain, const Report& report,
+                           double shell, const Callbacks& callbacks = {},
+                           const SphereRows& rows = {});
+
+}  // namespace vdbpack

@@ -1,0 +1,125 @@
+// What a run will give and take, estimated before its work: spheres, voids, time, memory, disk
+// space. One model for dry runs and for refusals; its errors: assets/guides/reliability.md.
+#pragma once
+
+#include "vdbpack/report/report.h"
+#include "vdbpack/run/recipe.h"
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <string>
+#include <vector>
+
+namespace vdbpack {
+
+/// Voids as far as memory and time depend on them. Lengths in mm.
+struct VoidExtent {
+    double count = 0;      ///< 0: none
+    double half = 0;       ///< mean half-axis b
+    double wall = 0;       ///< area (2D: length) of their walls outside of other voids
+    double voxelSize = 0;  ///< of their level sets
+    double reach = 0;      ///< as `StampOptions::reach`
+    double left = 1;       ///< share of the domain that lies outside of all voids
+    bool foam = false;     ///< made from a pack of as many spheres
+};
+
+/// What is known of a run, or expected. Lengths in mm.
+struct Extent {
+    int dim = 3;
+    double count = 0;         ///< spheres before voids are cut, with the spheres of an input pack
+    double kept = 1;          ///< share of them that voids leave
+    bool searching = false;   ///< for a target count: two packs are held at a time
+    bool densifying = false;  ///< spheres are moved, and further ones added
+    bool solid = false;       ///< the spheres fill what the voids leave, inside its contour
+    double volume = 0;        ///< of the domain, mm^dim
+    double area = 0;          ///< of its wall, mm^(dim-1)
+    FieldPlan field;          ///< without triangles: the domain is a shape
+    VoidExtent voids;
+    bool isBox = false;      ///< the domain, a box along the axes
+    double shapeVoxel = 0;   ///< of the level set of a shape, if one is written; 0: a file
+    double imageVoxels = 0;  ///< of the image in which a solid is measured
+    double labelVoxels = 0;  ///< of the label maps that are written
+};
+
+/// The extent of a domain whose field `DomainSource::build` is to make for such radii.
+Extent extentOf(const DomainSource& source, double detail, double reach, double voxelSize = 0);
+
+/// Adds the voids that a recipe specifies, or that its target needs, to a domain with spheres.
+/// @param largestRadius  of the spheres, mm; 0: none.
+void addVoids(Extent& extent, const VoidRecipe& recipe, double largestRadius);
+
+/// For which radii the field of a pack is made, mm, and about what its sizes are scaled by. A
+/// search for a target count starts from these, so that other values would change packs.
+struct FieldRadii {
+    double scale = 1, detail = 0, reach = 0;
+    double share = 1;  ///< of the domain (`Fill::solid`) or of the spheres that voids leave, about
+};
+
+/// What to expect of a pack before it is made.
+struct PackPlan {
+    RequestedSizes requested;
+    FieldRadii radii{};
+    Extent extent{};
+    double count = 0;           ///< spheres, with the existing ones
+    double existing = 0;        ///< of these
+    double solidFraction = 0;   ///< of the domain, with existing spheres
+    bool densified = true;      ///< whether `densify` reaches its solid fraction
+    double scale = 1;           ///< of the radii, for a target count
+    Report::Seconds seconds{};  ///< of one processor, without reading and writing
+};
+/// @param closer  also reads existing spheres, and makes the domain if it is clipped or sliced, or
+///                sizes differ by place in it, unless its field takes seconds.
+/// @throws as `requireShell` and `requireRepeating`.
+PackPlan planPack(const PackRecipe& recipe, const DomainSource& source, bool closer = false);
+
+/// Bytes of memory at the peak of a run by what takes them, and of each file that it writes.
+struct Estimate {
+    struct Part {
+        const char* name;    ///< key in reports
+        double bytes;        ///< at the peak
+        std::string what;    ///< for messages: "4e+05 spheres"
+        const char* remedy;  ///< what makes it smaller
+    };
+    struct File {
+        std::string name;  ///< as in the outputs
+        double bytes;
+    };
+    std::vector<Part> parts;
+    std::vector<File> files;
+
+    double memory() const;
+    /// The parts that matter, for people: "820 MiB for about 4e+05 spheres, ...".
+    std::string memoryText() const;
+};
+
+/// Bytes at the peak of stamping voids, with their level sets.
+double stampBytes(const Extent& extent);
+/// Triangles of the contour that voids leave of a domain, about.
+double contourTriangles(const Extent& extent);
+
+/// The estimate for a run of this extent with the outputs and the picture of `settings`: over
+/// ranks, the memory of one of them.
+Estimate estimate(const Extent& extent, const RunSettings& settings);
+
+/// Refuses memory beyond `limit` bytes (as `memoryLimit`), and any file larger than the free space
+/// of its disk. @throws ResourceError with the parts of the estimate, what is available, a remedy.
+void requireResources(const Estimate& estimate, double limit);
+/// The same for a run of this extent with these settings.
+void requireResources(const Extent& extent, const RunSettings& settings);
+
+/// A plan with its time on `threads` threads, and what it takes.
+struct DryRun : PackPlan {
+    int threads = 1;
+    std::string sizes{};  ///< radii as they would be packed
+    Estimate estimate{};
+};
+/// Reads the domain, and estimates; nothing is packed or written. Packs that exceed memory or disk
+/// space are predicted, too: `requireResources(dryRun.estimate, recipe.memoryLimit)` throws what
+/// `runPack` would. @throws as `runPack` for its recipe and its domain
+DryRun dryRunPack(const PackRecipe& recipe, const Callbacks& callbacks = {});
+/// The keys of a report, where they apply, `dryRun`, and the usual errors.
+nlohmann::ordered_json toJson(const DryRun& dryRun);
+/// For people; ends with a newline.
+std::string summary(const DryRun& dryRun);
+
+}  // namespace vdbpack

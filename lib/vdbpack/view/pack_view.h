@@ -1,0 +1,19 @@
+// The view of a pack in a page.
+#pragma once
+
+#include "vdbpack/core/pack.h"
+#include "vdbpack/domain/domain_source.h"
+#include "vdbpack/preview/preview.h"
+#include "vdbpack/report/page_frame.h"
+
+namespace vdbpack {
+
+/// Adds a view of a pack, with the colors and the cut of the picture at first.
+/// @param source  of its domain, whose wall is shown as well; null: none. @param built from it
+/// @param wall    of it, if known already. @param large  whether it fills the window
+template <int Dim>
+void addView(const PreviewOptions& recipe, const DomainSource* source,
+             const DomainSource::Built& built, const Pack<Dim>& pack, const TriangleMesh* wall,
+             bool large, PagePicture& picture);
+
+}  // namespace vdbpack
