@@ -316,7 +316,7 @@ std::vector<std::pair<std::string, std::string>> givenOptions(Job job) {
         const Option& row = rows[i];
         if (!row.onPage || !row.get) continue;
         const auto values = row.get();
-        if (row.kind != OptionKind::choice && values == defaults[i].get()) continue;
+        if (values == defaults[i].get()) continue;
         for (const std::string& value : values)
             given.emplace_back(optionName(row.name),
                                value + (row.kind == OptionKind::length ? " mm" : ""));

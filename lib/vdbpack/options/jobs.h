@@ -69,8 +69,7 @@ FileIn fileIn(const std::string& option);
 /// replaced by its option.
 std::string withOptionNames(const std::string& message);
 
-/// Name and value of each option of a job that differs from its default, and those that take one of
-/// some words, for the page of a report.
+/// Name and value of each option of a job that differs from its default, for the page of a report.
 std::vector<std::pair<std::string, std::string>> givenOptions(Job job);
 
 /// "7", "1..50" or "1,4,9..12" as seeds, in that order.

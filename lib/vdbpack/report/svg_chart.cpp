@@ -242,7 +242,7 @@ path.c1 { stroke: var(--c1); }
 .legend .c0 { color: var(--c0); }
 .legend .c1 { color: var(--c1); }
 .legend .block { background: currentColor; }
-.times th { width: 1%; }
+.times th { width: 1%; white-space: nowrap; }
 .times td { width: 1%; white-space: nowrap; }
 .times td:nth-child(2) { width: 98%; }
 .times meter { width: 100%; }
