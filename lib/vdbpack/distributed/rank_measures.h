@@ -31,7 +31,7 @@ void compareSizes(const RankPack<Dim>& share, const SizeDistribution& sizes,
                   const LocalSizes* local, Report& report);
 
 /// `measurePack` for the spheres of all ranks, but for their sizes.
-/// @param rows   of the spheres among those of all.
+/// @param rows   of the spheres in the pack of all ranks.
 /// @param walls  first what the spheres fill, then what encloses it.
 /// @return the spheres of any rank that the checks name, the same on all ranks.
 template <int Dim>

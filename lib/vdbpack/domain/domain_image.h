@@ -34,7 +34,7 @@ void warnOfBorder(const LabelPart& part, const ImageGrid& grid, const std::strin
 /// from a threshold on.
 /// @throws ParameterError if it selects nothing that there is, or several parts; else as
 /// `readImage`.
-/// @param grid, spaced  those of the image.
+/// @param grid    of the image. @param spaced  whether its file states distances of voxels.
 TriangleMesh imageMesh(const DomainRecipe& recipe, const Callbacks& callbacks,
                        std::optional<ImageGrid>& grid, bool& spaced);
 

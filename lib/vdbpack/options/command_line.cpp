@@ -23,8 +23,7 @@ std::string parserName(const Option& option) {
     return option.letter.empty() ? name : '-' + option.letter + ',' + name;
 }
 
-/// Sets a field from texts. Messages of the library become those of the parser, which names the
-/// option itself.
+/// Sets the field of an option from its texts, one after the other.
 bool setAll(const Option& option, const std::vector<std::string>& texts) {
     for (const std::string& text : texts) option.set(text);
     return true;

@@ -29,7 +29,7 @@ std::vector<Command> addCommands(CLI::App& app, PrintOptions& print);
 std::optional<Job> parsedJob(std::vector<Command>& commands, const std::vector<std::string>& words);
 
 /// The recipe of a command ("pack") and its words, as after `vdb_pack`, for programs that call it.
-/// @param unset  options that are not set, such as "quiet", but must be those of the command.
+/// @param unset  options that are not set, such as "quiet", but must be options of the command.
 /// @throws ParameterError with what is wrong; as reading the files that options name
 Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset = {});
 
