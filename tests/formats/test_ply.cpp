@@ -52,6 +52,12 @@ TEST_CASE("unusable PLY is refused with line or byte", "[formats]") {
     REQUIRE_THAT(errorOf("p.ply", "off\n"), Contains("PLY"));
     REQUIRE_THAT(errorOf("p.ply", "ply\nformat ascii 1.0\nelement face 1\nend_header\n"),
                  Contains("vertex"));
+    for (const char* const length : {"9.3e19", "-1", "1e400", "nan", "2.5"})
+        REQUIRE_THAT(errorOf("p.ply",
+                             "ply\nformat ascii 1.0\nelement face 1\nproperty list uchar int i\n"
+                             "element vertex 1\n" +
+                                 properties + length + " 0 0 0\n1 2 3 4\n"),
+                     Contains("line 11") && Contains("property 'i'"));
     REQUIRE_THAT(errorOf("p.ply", "ply\nformat ascii 1.0\nelement vertex 4000000000000000000\n" +
                                       properties + "1 2 3 4\n"),
                  Contains("cut short"));

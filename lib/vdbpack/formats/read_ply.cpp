@@ -69,8 +69,7 @@ public:
         std::int64_t length = property.isList ? -1 : 1;
         if (property.isList)
             number(property.countType, [&length](auto value) {
-                length = static_cast<std::int64_t>(value);
-                return true;
+                return wholeNumber(static_cast<double>(value), length);
             });
         const std::size_t bytes = bytesOf(property.type);
         const std::uint64_t rest = isText_ ? words_.size() - word_ : file_.remaining() / bytes;
