@@ -133,6 +133,32 @@ TEST_CASE("what OpenVDB writes passes, however it is packed", "[domain]") {
     CHECK(reads(stream));
 }
 
+TEST_CASE("files of newer versions are read where they hold the grids that are known", "[domain]") {
+    const Files files;
+    const auto surface = ball();
+    const auto other = openvdb::Int32Grid::create(7);
+    other->setName("other");
+    files.save({surface, other, surface->deepCopy()}, openvdb::io::COMPRESS_BLOSC);
+    std::string content = contentOf(files.file("f.vdb"));
+    // What OpenVDB 13 writes: version 225, and grids of types that older ones do not know.
+    const std::string type = "Tree_int32_5_4_3";
+    content.replace(content.find(type), type.size(), "Tree_half__5_4_3");
+    for (const std::uint32_t version : {224u, 225u, 226u}) {
+        CAPTURE(version);
+        const std::string path = files.put(with(content, 8, version));
+        const TriangleMesh mesh = levelSetMesh(path, "surface", 1);
+        CHECK(mesh.triangles.size() > 100);
+        CHECK(levelSetMesh(path, "surface[1]", 1).vertices == mesh.vertices);
+        try {
+            levelSetMesh(path, "other", 1);
+            FAIL("a grid of another type was read");
+        } catch (const InputError& e) {
+            CHECK_THAT(e.what(),
+                       Contains("'other' (Tree_half__5_4_3") && Contains("'surface[1]' (float)"));
+        }
+    }
+}
+
 TEST_CASE("a level set cut short anywhere is refused", "[domain]") {
     const Files files;
     const std::string path = files.saveBall();
@@ -211,8 +237,9 @@ TEST_CASE("what is wrong with a .vdb file is reported with its place", "[domain]
     }
     SECTION("a version that is not known") {
         CHECK_THAT(refusal(files.put(with(whole, 8, std::uint32_t{221}))),
-                   Contains("221") && Contains("222 to 224"));
-        CHECK_THAT(refusal(files.put(with(whole, 8, std::uint32_t{225}))), Contains("225"));
+                   Contains("221") && Contains("222 to 225"));
+        CHECK_THAT(refusal(files.put(with(whole, 8, std::uint32_t{300}).substr(0, 400))),
+                   Contains("300") && Contains("222 to 225"));
     }
     SECTION("metadata of 4 GB, and four billion of them") {
         const std::size_t metadata = 8 + 4 + 8 + 1 + 36;

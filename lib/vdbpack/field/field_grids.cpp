@@ -2,6 +2,7 @@
 
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/read_vdb.h"
+#include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/field/vdb_grid.h"
 #include "vdbpack/io/text.h"
 
@@ -128,15 +129,9 @@ Box<3> boxAround(const openvdb::CoordBBox& voxels, const openvdb::math::Transfor
 }
 
 NumberGrid readFirst(const std::string& path) {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    std::string all;
-    const auto headers = file.readAllGridMetadata();
-    for (const auto& header : *headers) {
-        if (NumberGrid::isOne(*header)) return NumberGrid(file.readGrid(header->getName()));
-        all += fmt::format("{}'{}' ({})", all.empty() ? "" : ", ", header->getName(),
-                           header->valueType());
-    }
+    VdbArchive file(path);
+    if (const auto grid = file.find(NumberGrid::isOne)) return NumberGrid(grid);
+    const std::string all = file.list();
     throw InputError(
         fmt::format("{}: no grid of floats among its grids: {}; write one grid of numbers", path,
                     all.empty() ? "none" : all));
@@ -288,7 +283,6 @@ struct FieldNames {
     std::vector<std::string> directions;
     std::map<std::string, std::array<std::string, 2>> pairs;
     std::map<std::string, std::array<std::string, 6>> sixes;
-    std::string all;  ///< for messages
 
     template <std::size_t N>
     static void dropIncomplete(std::map<std::string, std::array<std::string, N>>& fields) {
@@ -300,13 +294,10 @@ struct FieldNames {
     }
 };
 
-FieldNames fieldNames(openvdb::io::File& file) {
+FieldNames fieldNames(const VdbArchive& file) {
     FieldNames fields;
-    const auto headers = file.readAllGridMetadata();
-    for (const auto& header : *headers) {
+    for (const auto& header : file.heads()) {
         const std::string name = header->getName();
-        fields.all +=
-            fmt::format("{}'{}' ({})", fields.all.empty() ? "" : ", ", name, header->valueType());
         std::string stem = name;
         if (NumberGrid::isOne(*header)) {
             const int component = cutComponent(stem);
@@ -335,10 +326,10 @@ void requireOneTransform(const std::string& file, const Grids& grids) {
 }
 
 FieldGrids readGrids(const std::string& path) {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
+    VdbArchive file(path);
     const FieldNames names = fieldNames(file);
     const std::size_t count = names.directions.size() + names.pairs.size() + names.sixes.size();
+    const std::string all = file.list();
     if (count != 1)
         throw InputError(fmt::format(
             "{}: {} among its grids: {}; leave one grid of vectors (directions), two named "
@@ -346,17 +337,19 @@ FieldGrids readGrids(const std::string& path) {
             "xy, yz and xz (a tensor)",
             path,
             count == 0 ? "no field of directions" : fmt::format("{} fields of directions", count),
-            names.all.empty() ? "none" : names.all));
+            all.empty() ? "none" : all));
     FieldGrids grids;
+    const auto read = [&file](const std::string& name) {
+        return file.find([&](const openvdb::GridBase& head) { return file.isNamed(head, name); });
+    };
     const auto readVectors = [&](const std::string& name) {
-        grids.vectors.push_back(VectorGrid(file.readGrid(name)));
+        grids.vectors.push_back(VectorGrid(read(name)));
     };
     for (const auto& name : names.directions) readVectors(name);
     for (const auto& pair : names.pairs)
         for (const auto& name : pair.second) readVectors(name);
     for (const auto& six : names.sixes)
-        for (const auto& name : six.second)
-            grids.scalars.push_back(NumberGrid(file.readGrid(name)));
+        for (const auto& name : six.second) grids.scalars.push_back(NumberGrid(read(name)));
     requireOneTransform(path, grids.vectors);
     requireOneTransform(path, grids.scalars);
     return grids;

@@ -2,6 +2,7 @@
 #include "vdbpack/core/error.h"
 #include "vdbpack/field/level_set.h"
 #include "vdbpack/field/read_vdb.h"
+#include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/field/vdb_grid.h"
 
 #include <fmt/format.h>
@@ -21,39 +22,26 @@ using openvdb::FloatGrid;
 
 /// The grid named, or the first level set; only its header is read to choose.
 FloatGrid::Ptr readLevelSet(const std::string& path, const std::string& gridName) {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    std::optional<std::string> chosen;  // may be nameless
-    std::string names;
-    const auto headers = file.readAllGridMetadata();
-    for (const auto& header : *headers) {
-        const std::string name = header->getName();
-        names += fmt::format("{}'{}'", names.empty() ? "" : ", ", name);
-        if (chosen || (!gridName.empty() && name != gridName)) continue;
-        const bool isFloat = header->isType<FloatGrid>();
-        const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
-        if (isFloat && isLevelSet) {
-            chosen = name;
-        } else if (!gridName.empty()) {
+    VdbArchive file(path);
+    const auto grid = file.find([&](const openvdb::GridBase& head) {
+        if (!gridName.empty() && !file.isNamed(head, gridName)) return false;
+        const bool isLevelSet =
+            head.isType<FloatGrid>() && head.getGridClass() == openvdb::GRID_LEVEL_SET;
+        if (!isLevelSet && !gridName.empty())
             throw InputError(fmt::format(
                 "{}: grid '{}' is not a level set of floats (type {}, class {}); name one "
                 "with `gridName`",
-                path, name, header->type(),
-                openvdb::GridBase::gridClassToString(header->getGridClass())));
-        }
-    }
-    if (!chosen)
-        throw InputError(fmt::format(
-            "{}: no level set {}; the grids in it are: {}; name one "
-            "with `gridName`",
-            path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
-            names.empty() ? "none" : names));
-    const auto grid = openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen));
-    if (!grid)
-        throw InputError(
-            fmt::format("{}: grid '{}' is no level set of floats; name another with `gridName`",
-                        path, *chosen));
-    return grid;
+                path, gridName, head.type(),
+                openvdb::GridBase::gridClassToString(head.getGridClass())));
+        return isLevelSet;
+    });
+    if (grid) return openvdb::gridPtrCast<FloatGrid>(grid);
+    const std::string names = file.list();
+    throw InputError(fmt::format(
+        "{}: no level set {}; the grids in it are: {}; name one "
+        "with `gridName`",
+        path, gridName.empty() ? std::string("of floats") : fmt::format("named '{}'", gridName),
+        names.empty() ? "none" : names));
 }
 
 /// Whether contouring takes no more than a level set of its size is worth. A side of an active tile
@@ -118,17 +106,19 @@ void checkLevelSet(const std::string& path, const FloatGrid& grid) {
 
 /// The grid of floats of that name that is no level set; see `findFogVolume`.
 FloatGrid::Ptr readFogVolume(const std::string& path, const std::string& gridName, bool besides) {
-    openvdb::io::File file(path);
-    file.open(/*delayLoad=*/false);
-    std::optional<std::string> chosen;  // may be nameless
-    const auto headers = file.readAllGridMetadata();
-    for (const auto& header : *headers) {
-        const bool isLevelSet = header->getGridClass() == openvdb::GRID_LEVEL_SET;
-        if (isLevelSet && gridName.empty() && !besides) return nullptr;
-        if (chosen || isLevelSet || !header->isType<FloatGrid>()) continue;
-        if (gridName.empty() || header->getName() == gridName) chosen = header->getName();
-    }
-    return chosen ? openvdb::gridPtrCast<FloatGrid>(file.readGrid(*chosen)) : nullptr;
+    VdbArchive file(path);
+    const auto isLevelSet = [](const openvdb::GridBase& head) {
+        return head.getGridClass() == openvdb::GRID_LEVEL_SET;
+    };
+    const auto heads = file.heads();
+    if (gridName.empty() && !besides &&
+        std::any_of(heads.begin(), heads.end(),
+                    [&](const auto& head) { return isLevelSet(*head); }))
+        return nullptr;
+    return openvdb::gridPtrCast<FloatGrid>(file.find([&](const openvdb::GridBase& head) {
+        return head.isType<FloatGrid>() && !isLevelSet(head) &&
+               (gridName.empty() || file.isNamed(head, gridName));
+    }));
 }
 
 FogVolume describe(const FloatGrid& grid) {

@@ -32,7 +32,8 @@ namespace vdbpack {
 
 namespace {
 
-constexpr std::uint32_t kOldest = 222, kNewest = 224;
+// 225 (OpenVDB 13) has the layout of 224 and grids of half floats besides.
+constexpr std::uint32_t kOldest = 222, kNewest = 225;
 constexpr std::uint32_t kZip = 1, kActiveMask = 2, kBlosc = 4;  ///< flags of compression
 constexpr std::int32_t kFarthestVoxel = 1 << 30;  ///< voxel; indices stay inside 32 bits
 
@@ -61,11 +62,25 @@ public:
             throw InputError(bytes_.path() +
                              ": is not an OpenVDB file; check the name of the format");
         version_ = bytes_.get<std::uint32_t>("the version");
-        if (version_ < kOldest || version_ > kNewest)
-            throw InputError(
-                fmt::format("{}: is an OpenVDB file of format version {}, where {} to {} are read; "
-                            "save it by a program with OpenVDB 5 to 12",
-                            bytes_.path(), version_, kOldest, kNewest));
+        if (version_ < kOldest) failVersion();
+        try {
+            checkGrids();
+        } catch (const InputError&) {
+            if (version_ > kNewest) failVersion();
+            throw;
+        }
+    }
+
+private:
+    /// A newer version whose layout is the one known passes.
+    [[noreturn]] void failVersion() const {
+        throw InputError(
+            fmt::format("{}: is an OpenVDB file of format version {}, where {} to {} are read; "
+                        "save it by a program with OpenVDB 5 to 13",
+                        bytes_.path(), version_, kOldest, kNewest));
+    }
+
+    void checkGrids() {
         bytes_.skip(8, "the version");
         const bool hasOffsets = bytes_.get<std::uint8_t>("the header") != 0;
         bytes_.skip(36, "the identifier");
@@ -77,7 +92,6 @@ public:
         for (std::int32_t i = 0; i < count; ++i) checkGrid(hasOffsets);
     }
 
-private:
     void checkGrid(bool hasOffsets) {
         bytes_.text("the name of a grid");
         std::string type = bytes_.text("the type of a grid");

@@ -1,6 +1,8 @@
 // OpenVDB files: a point grid as spheres.
+#include "vdbpack/field/read_vdb.h"
+
 #include "vdbpack/core/error.h"
-#include "vdbpack/field/vdb_check.h"
+#include "vdbpack/field/vdb_archive.h"
 #include "vdbpack/formats/format_words.h"
 #include "vdbpack/formats/pack_builder.h"
 #include "vdbpack/formats/pack_formats.h"
@@ -9,19 +11,15 @@
 
 #include <fmt/format.h>
 #include <openvdb/Grid.h>
-#include <openvdb/io/Archive.h>
-#include <openvdb/io/GridDescriptor.h>
 #include <openvdb/points/AttributeArrayString.h>
 #include <openvdb/points/PointDataGrid.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -33,44 +31,6 @@ namespace {
 
 namespace points = openvdb::points;
 using Leaf = points::PointDataTree::LeafNodeType;
-
-/// Reads from a given stream: OpenVDB's own classes open files themselves and do not notice files
-/// that are cut short; a stream that throws on failure does.
-class Archive : public openvdb::io::Archive {
-public:
-    /// The point grid named `name` (empty: the first one), or null; `found` lists all grids.
-    /// The file has passed `checkVdbFile`.
-    points::PointDataGrid::Ptr readPoints(std::istream& stream, const std::string& name,
-                                          std::string& found) {
-        readHeader(stream);
-        auto tag = std::make_shared<openvdb::io::StreamMetadata>();
-        openvdb::io::setStreamMetadataPtr(stream, tag, /*transfer=*/false);
-        openvdb::io::setVersion(stream, libraryVersion(), fileVersion());
-        openvdb::io::setDataCompression(stream, compression());
-        openvdb::MetaMap meta;
-        meta.readMeta(stream);
-        const int count = readGridCount(stream);
-        for (int i = 0; i < count; ++i) {
-            openvdb::io::GridDescriptor descriptor;
-            const auto grid = descriptor.read(stream);
-            const std::string gridName =
-                openvdb::io::GridDescriptor::stripSuffix(descriptor.gridName());
-            if (found.size() < 500)
-                found += fmt::format("{}'{}' ({})", i > 0 ? ", " : "", gridName.substr(0, 80),
-                                     descriptor.gridType().substr(0, 80));
-            const auto pointGrid = openvdb::gridPtrCast<points::PointDataGrid>(grid);
-            const bool wanted =
-                pointGrid && (name.empty() || name == gridName) && !descriptor.isInstance();
-            if (wanted || !inputHasGridOffsets()) {
-                readGrid(grid, descriptor, stream);
-                if (wanted) return pointGrid;
-            } else {
-                descriptor.seekToEnd(stream);
-            }
-        }
-        return nullptr;
-    }
-};
 
 /// Puts the value of one attribute at a point of a leaf into a column of the pack.
 using Put = std::function<bool(PackBuilder&, std::size_t column, openvdb::Index point)>;
@@ -299,36 +259,26 @@ std::string noted(const openvdb::GridBase& grid, const char* key) {
 }  // namespace
 
 Pack<3> readVdb(const std::string& path, const PackReadOptions& options) {
-    checkVdbFile(path);
-    std::ifstream stream(path, std::ios::binary);
-    if (!stream) throw IoError(path + ": cannot be read: " + std::strerror(errno));
-    std::string found;
-    try {
-        stream.exceptions(std::ios::failbit | std::ios::badbit | std::ios::eofbit);
-        const auto grid = Archive().readPoints(stream, options.gridName, found);
-        if (grid) {
-            const std::string name = noted(*grid, kUnitKey), cell = noted(*grid, kCellKey);
-            const Unit unit = name.empty() ? options.unit : unitNamed(name, path);
-            Pack<3> pack = PointReader(*grid, path, unit).read();
-            if (!cell.empty()) pack.cell = cellIn(cell, unit, path);
-            return pack;
-        }
-    } catch (const Error&) {
-        throw;
-    } catch (const std::exception& e) {
-        stream.exceptions(std::ios::goodbit);
-        if (isShortage(e)) throw;
-        stream.clear();
-        const auto at = static_cast<std::int64_t>(stream.tellg());
-        throw InputError(fmt::format(
-            "{}: cannot be read as OpenVDB near byte {}: {}; the file is damaged or cut "
-            "short",
-            path, at, e.what()));
-    }
-    throw InputError(fmt::format("{}: holds no point grid{}, but {}; name another grid or file",
-                                 path,
-                                 options.gridName.empty() ? "" : " '" + options.gridName + "'",
-                                 found.empty() ? "nothing" : found));
+    std::optional<Pack<3>> pack;
+    readVdb(path, [&] {
+        VdbArchive file(path);
+        const auto grid = openvdb::gridPtrCast<points::PointDataGrid>(
+            file.find([&](const openvdb::GridBase& head) {
+                return head.isType<points::PointDataGrid>() &&
+                       (options.gridName.empty() || file.isNamed(head, options.gridName));
+            }));
+        const std::string found = file.list();
+        if (!grid)
+            throw InputError(
+                fmt::format("{}: holds no point grid{}, but {}; name another grid or file", path,
+                            options.gridName.empty() ? "" : " '" + options.gridName + "'",
+                            found.empty() ? "nothing" : found));
+        const std::string unit = noted(*grid, kUnitKey), cell = noted(*grid, kCellKey);
+        const Unit stated = unit.empty() ? options.unit : unitNamed(unit, path);
+        pack = PointReader(*grid, path, stated).read();
+        if (!cell.empty()) pack->cell = cellIn(cell, stated, path);
+    });
+    return std::move(*pack);
 }
 
 }  // namespace vdbpack
