@@ -23,10 +23,6 @@ foreach(header ${headers})
     install(FILES "${header}" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/${folder}")
 endforeach()
 
-set(VDBPACK_HAS_EMBREE OFF)
-if(TARGET embree)
-    set(VDBPACK_HAS_EMBREE ON)
-endif()
 set(package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/vdbpack")
 install(EXPORT vdbpackTargets NAMESPACE vdbpack:: DESTINATION "${package_folder}")
 configure_package_config_file(vdbpackConfig.cmake.in

@@ -22,6 +22,11 @@
 #include <utility>
 #include <vector>
 
+#if ITK_VERSION_MAJOR > 5 || ITK_VERSION_MINOR >= 4  // the prefix of ITK's own libtiff
+#define itk_TIFFSetWarningHandler itk_tiff_TIFFSetWarningHandler
+#define itk_TIFFSetErrorHandler itk_tiff_TIFFSetErrorHandler
+#endif
+
 // Of the libtiff within ITK, whose headers are not installed.
 extern "C" {
 using TiffHandler = void (*)(const char* module, const char* format, std::va_list values);

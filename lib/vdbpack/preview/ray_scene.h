@@ -7,7 +7,11 @@
 #include "vdbpack/preview/float3.h"
 #include "vdbpack/preview/preview.h"
 
+#if VDBPACK_EMBREE >= 4
+#include <embree4/rtcore.h>
+#else
 #include <embree3/rtcore.h>
+#endif
 
 #include <algorithm>
 #include <array>
@@ -112,10 +116,17 @@ inline Hit RayScene::first(const Float3& from, const Float3& along, float near, 
     r.ray = rayOf(from, along, near, far);
     r.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     r.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+#if VDBPACK_EMBREE >= 4
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = RTC_RAY_QUERY_FLAG_COHERENT;
+    rtcIntersect1(scene_, &r, &arguments);
+#else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     context.flags = RTC_INTERSECT_CONTEXT_FLAG_COHERENT;
     rtcIntersect1(scene_, &context, &r);
+#endif
     Hit hit;
     if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return hit;
     hit.t = r.ray.tfar;
@@ -129,9 +140,13 @@ inline Hit RayScene::first(const Float3& from, const Float3& along, float near, 
 
 inline bool RayScene::blocked(const Float3& from, const Float3& along, float far) const {
     RTCRay ray = rayOf(from, along, 0, far);
+#if VDBPACK_EMBREE >= 4
+    rtcOccluded1(scene_, &ray);
+#else
     RTCIntersectContext context;
     rtcInitIntersectContext(&context);
     rtcOccluded1(scene_, &context, &ray);
+#endif
     return ray.tfar < 0;
 }
 

@@ -8,7 +8,7 @@ namespace {
 
 [[noreturn]] void refuse() {
     throw ParameterError(
-        "`preview.file`: this build cannot draw scenes in space, which needs Embree 3; install "
+        "`preview.file`: this build cannot draw scenes in space, which needs Embree; install "
         "libembree-dev and build again, or leave it out");
 }
 

@@ -9,7 +9,10 @@
 #include <tbb/version.h>
 #include <zlib.h>
 
-#ifdef VDBPACK_EMBREE
+#if !defined(VDBPACK_EMBREE)
+#elif VDBPACK_EMBREE >= 4
+#include <embree4/rtcore_config.h>
+#else
 #include <embree3/rtcore_config.h>
 #endif
 
