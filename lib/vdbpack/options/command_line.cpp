@@ -30,14 +30,15 @@ bool setAll(const Option& option, const std::vector<std::string>& texts) {
 }
 
 void add(CLI::App& app, const Option& option) {
+    const std::string help = withOptionNames(option.help);
     CLI::Option* added = nullptr;
     if (option.kind == OptionKind::flag)
         added = app.add_flag_callback(
-            parserName(option), [&option] { option.set("true"); }, option.help);
+            parserName(option), [&option] { option.set("true"); }, help);
     else
         added = app.add_option(
             parserName(option),
-            [&option](const CLI::results_t& texts) { return setAll(option, texts); }, option.help);
+            [&option](const CLI::results_t& texts) { return setAll(option, texts); }, help);
     if (added->nonpositional()) added->option_text(option.shown)->group(option.group);
     if (option.repeats) {
         added->expected(1, CLI::detail::expected_max_vector_size)->take_all();
@@ -51,18 +52,25 @@ void add(CLI::App& app, const Option& option) {
         });
 }
 
-/// Says which options exclude or need one another.
-void relate(CLI::App& app, const Option& option) {
-    CLI::Option* const own = app.get_option(optionName(option.name));
-    if (!option.excludes.empty()) own->excludes(app.get_option(optionName(option.excludes)));
-    if (!option.needs.empty()) own->needs(app.get_option(optionName(option.needs)));
+/// Refuses options that exclude, or lack, one another.
+void requireRelated(const Command& command) {
+    const auto isGiven = [&](const std::string& name) {
+        return command.app->get_option(optionName(name))->count() > 0;
+    };
+    const auto marked = [](const std::string& name) { return '`' + name + '`'; };
+    for (const Option& option : command.options) {
+        if (!isGiven(option.name)) continue;
+        if (!option.excludes.empty() && isGiven(option.excludes))
+            throw CLI::ExcludesError(marked(option.name), marked(option.excludes));
+        if (!option.needs.empty() && !isGiven(option.needs))
+            throw CLI::RequiresError(marked(option.name), marked(option.needs));
+    }
 }
 
 Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print) {
     Command command{app.add_subcommand(text.name, text.help), std::make_unique<Job>(text.job), {}};
     command.options = optionsOf(*command.job, print);
     for (const Option& option : command.options) add(*command.app, option);
-    for (const Option& option : command.options) relate(*command.app, option);
     return command;
 }
 
@@ -70,9 +78,7 @@ Command commandIn(CLI::App& app, const CommandText& text, PrintOptions& print) {
 /// @param base  those options, without a domain.
 std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
     std::vector<PackRecipe> parts;
-    const auto fail = [](const std::string& what) {
-        throw CLI::ValidationError(optionName("parts"), what);
-    };
+    const auto fail = [](const std::string& what) { throw CLI::ValidationError("`parts`", what); };
     if (!base.domain.source.empty())
         fail("the parts have domains of their own; leave out '" + base.domain.source + "'");
     for (PartWords& words : readPartsFile(file, &fileIn)) {
@@ -85,6 +91,7 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         std::reverse(words.arguments.begin(), words.arguments.end());
         try {
             app.parse(words.arguments);
+            requireRelated(command);
             part.voids = voidsOf(part.request);
         } catch (const CLI::ParseError& e) {
             fail(file + ": part '" + words.name + "': " + e.what());
@@ -123,6 +130,7 @@ void addParts(VerifyRecipe& job) {
 }
 
 void complete(const Command& command, const std::vector<std::string>& words) {
+    requireRelated(command);
     std::visit(
         [&](auto& recipe) {
             DomainRecipe& domain = recipe.domain;
@@ -163,7 +171,8 @@ std::optional<Job> parsedJob(std::vector<Command>& commands,
     return std::move(*command->job);
 }
 
-Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset) {
+Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>& unset,
+          OptionStyle style) {
     CLI::App app;
     PrintOptions print;
     std::vector<Command> commands = addCommands(app, print);
@@ -175,10 +184,10 @@ Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>&
             if (const std::string option = optionName(name);
                 parsed.front()->get_option_no_throw(option) == nullptr &&
                 app.get_option_no_throw(option) == nullptr)
-                throw ParameterError(unknownOption(app, *parsed.front(), option));
+                throw ParameterError(unknownOption(app, *parsed.front(), option, style));
         return *parsedJob(commands, words);
     } catch (const CLI::ParseError& e) {
-        throw ParameterError(usageError(app, e, words));
+        throw ParameterError(usageError(app, e, words, style));
     }
 }
 

@@ -123,7 +123,7 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
     inputPackOptions(rows, job, "FILE",
                      std::string("a pack: ") + kPackHelp +
                          "; or a solid: a level set (.vdb), a mesh (.stl .obj .off .ply .vtk) or "
-                         "an image (with --label or --threshold)");
+                         "an image (with `label` or `threshold`)");
     outputOption(rows, job.outputs, "contacts:FILE.csv: the pairs in contact");
     unitOption(rows, "out-unit", job.outUnit, kOutUnitHelp);
     rows.group("Domain");
@@ -135,7 +135,7 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
               "of a pack: measure the union of its spheres as a solid, too")
         .as("sphereMorphometry");
     rows.length("dilation", "D [5 % of the mean radius]", job.dilation, Range::notNegative,
-                "added to the radii for --morphometry, mm, so that contacts become necks");
+                "added to the radii for `morphometry`, mm, so that contacts become necks");
     reportOption(rows, job,
                  "write all values: .json for programs, .html as a page with charts for the "
                  "browser");
@@ -155,7 +155,7 @@ void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
     rows.text("grid", "NAME [first]", job.packGrid, "point grid (or level set) to take from a .vdb")
         .as("gridName packGrid");
     domainOption(rows, job.domain,
-                 "domain whose level set or surface can be written too, and to which --density "
+                 "domain whose level set or surface can be written too, and to which `density` "
                  "bulk:D refers: ");
     imageOptions(rows, job.domain);
     rows.length("voxel", "H [automatic]", job.domain.voxelSize, Range::positive,
@@ -184,10 +184,10 @@ void list(OptionList& rows, MeshRecipe& job, PrintOptions& print) {
     rows.text("FILE", "", job.domain.source, "mesh (.stl .obj .ply .off .vtp .vtk)")
         .naming(FileIn::pack)
         .required = true;
-    outputOption(rows, job.outputs, "write the mesh as .stl; with --repair, the repaired mesh");
+    outputOption(rows, job.outputs, "write the mesh as .stl; with `repair`, the repaired mesh");
     rows.group("Run");
     rows.flag("check", job.check,
-              "exit with code 1 if the mesh cannot be packed as it is; with --repair, if it cannot "
+              "exit with code 1 if the mesh cannot be packed as it is; with `repair`, if it cannot "
               "be packed once repaired");
     repairOptions(rows, job.domain);
     fileOptions(rows, job, job.domain, print);
@@ -232,11 +232,12 @@ struct AllCommands {
             for (Option& row : optionsOf(command.job, print)) {
                 for (std::size_t at = 0; at < row.fields.size();) {
                     const std::size_t end = std::min(row.fields.find(' ', at), row.fields.size());
-                    optionOfField.emplace(row.fields.substr(at, end - at), optionName(row.name));
+                    optionOfField.emplace(row.fields.substr(at, end - at), row.name);
                     at = end + 1;
                 }
                 rows.push_back(std::move(row));
             }
+        for (const Option& row : rows) optionOfField.emplace(row.name, row.name);
     }
 };
 
@@ -284,7 +285,7 @@ FileIn fileIn(const std::string& option) {
     return found == rows.end() ? FileIn::none : found->file;
 }
 
-std::string withOptionNames(const std::string& message) {
+std::string withOptionNames(const std::string& message, OptionStyle style) {
     const auto& names = allCommands().optionOfField;
     std::string text;
     std::size_t at = 0;
@@ -299,7 +300,7 @@ std::string withOptionNames(const std::string& message) {
             at = open + 1;
             continue;
         }
-        text += known->second;
+        text += style(known->second);
         at = close + 1;
     }
 }

@@ -148,6 +148,7 @@ void memoryLimit(OptionList& rows, RunSettings& settings) {
                                              "bytes, or one with a unit: 8G, 500M, 1.5GiB");
                     settings.memoryLimit = *size;
                 })
+        .of(OptionKind::numbers)
         .passing();
 }
 
@@ -179,7 +180,8 @@ void studyOptions(OptionList& rows, Study& study, const std::string& made) {
     rows.custom("seed", "S [1]",
                 "seed of the random numbers; a range 1..50 or a list 1,4,9 makes one " + made +
                     " for each seed in one domain ({seed} in names of outputs)",
-                [&study](const std::string& text) { study.seeds = parseSeeds(text); });
+                [&study](const std::string& text) { study.seeds = parseSeeds(text); })
+        .of(OptionKind::count);
     rows.text("table", "FILE.csv", study.table, "write a table with one row for each seed")
         .naming(FileIn::whole)
         .passing();
