@@ -51,6 +51,26 @@ def test_errors(domain, options, error, word):
     assert isinstance(told.value, vdbpack.Error)
 
 
+def test_errors_quote_files_as_they_are_named():
+    with pytest.raises(vdbpack.FileError, match="left--shell-radius.stl"):
+        vdbpack.pack("left--shell-radius.stl", radius=1)
+
+
+def test_errors_of_the_parser_name_keywords():
+    with pytest.raises(vdbpack.ParameterError, match="^density_classes requires calibrate$"):
+        vdbpack.pack(vdbpack.box(5, 5, 5), radius=1, density_classes=3)
+    with pytest.raises(vdbpack.ParameterError, match="^raduis is not an option of pack; did you mean radius\\?$"):
+        vdbpack.pack(vdbpack.box(5, 5, 5), raduis=1)
+    with pytest.raises(vdbpack.ParameterError, match="^block_side: 'a' is not a number$"):
+        vdbpack.pack(vdbpack.box(5, 5, 5), block_side="a")
+
+
+def test_a_recipe_that_cannot_repeat_the_run_is_not_left(tmp_path):
+    for radius, leaves in (1.0, True), (vdbpack.table([1, 1.2], [0.5, 0.5]), False):
+        vdbpack.pack(vdbpack.ball(5), radius=radius, output=tmp_path / f"{leaves}.csv")
+        assert (tmp_path / f"{leaves}.recipe.toml").is_file() == leaves
+
+
 def test_errors_are_also_pythons_own():
     assert issubclass(vdbpack.ParameterError, ValueError)
     assert issubclass(vdbpack.InputError, ValueError)

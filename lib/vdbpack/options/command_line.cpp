@@ -17,28 +17,22 @@ namespace vdbpack {
 
 namespace {
 
-/// How the parser knows an option: "-o,--output".
-std::string parserName(const Option& option) {
-    const std::string name = optionName(option.name);
-    return option.letter.empty() ? name : '-' + option.letter + ',' + name;
-}
-
-/// Sets the field of an option from its texts, one after the other.
-bool setAll(const Option& option, const std::vector<std::string>& texts) {
-    for (const std::string& text : texts) option.set(text);
-    return true;
-}
-
 void add(CLI::App& app, const Option& option) {
     const std::string help = withOptionNames(option.help);
+    const std::string letter = option.letter.empty() ? "" : '-' + option.letter + ',';
+    const std::string names = letter + optionName(option.name);
     CLI::Option* added = nullptr;
     if (option.kind == OptionKind::flag)
         added = app.add_flag_callback(
-            parserName(option), [&option] { option.set("true"); }, help);
+            names, [&option] { option.set("true"); }, help);
     else
         added = app.add_option(
-            parserName(option),
-            [&option](const CLI::results_t& texts) { return setAll(option, texts); }, help);
+            names,
+            [&option](const CLI::results_t& texts) {
+                for (const std::string& text : texts) option.set(text);
+                return true;
+            },
+            help);
     if (added->nonpositional()) added->option_text(option.shown)->group(option.group);
     if (option.repeats) {
         added->expected(1, CLI::detail::expected_max_vector_size)->take_all();

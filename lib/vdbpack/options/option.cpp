@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -120,10 +121,12 @@ std::uint64_t OptionList::wholeNumber(const std::string& name, const std::string
                                      text, least, most, remedy.empty() ? "" : "; ", remedy));
 }
 
-void OptionList::refuseWord(const std::string& name, const std::string& text,
-                            const std::vector<std::string>& known) {
+std::size_t OptionList::indexOf(const std::string& name, const std::string& text,
+                                const std::vector<std::string>& words) {
+    const auto found = std::find(words.begin(), words.end(), text);
+    if (found != words.end()) return static_cast<std::size_t>(found - words.begin());
     throw ParameterError(
-        fmt::format("`{}`: '{}' is not one of {}", name, text, fmt::join(known, ", ")));
+        fmt::format("`{}`: '{}' is not one of {}", name, text, fmt::join(words, ", ")));
 }
 
 }  // namespace vdbpack

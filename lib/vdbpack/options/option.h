@@ -1,6 +1,7 @@
 // A row of the table of options, bound to the field of a recipe that it sets.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -119,19 +120,19 @@ public:
     template <class Value>
     Option& choice(const char* name, const char* shown, Value& field, const Names<Value>& names,
                    std::string help) {
-        std::vector<std::string> all;
-        for (const auto& each : names) all.push_back(each.first);
+        std::vector<std::string> words;
+        for (const auto& each : names) words.push_back(each.first);
         return add(
                    name, shown, OptionKind::choice, std::move(help),
-                   [&field, names, name](const std::string& text) {
-                       field = names[indexOf(name, text, names)].second;
+                   [&field, name, names, words](const std::string& text) {
+                       field = names[indexOf(name, text, words)].second;
                    },
                    [&field, names] {
                        for (const auto& [word, value] : names)
                            if (value == field) return word;
                        return std::string();
                    })
-            .taking(std::move(all));
+            .taking(words);
     }
     /// A text of any other kind. @param get  the value on pages; empty: none.
     Option& custom(const char* name, const char* shown, std::string help,
@@ -151,17 +152,8 @@ private:
     static std::uint64_t wholeNumber(const std::string& name, const std::string& text,
                                      std::uint64_t least, std::uint64_t most,
                                      const std::string& remedy);
-    [[noreturn]] static void refuseWord(const std::string& name, const std::string& text,
-                                        const std::vector<std::string>& known);
-    template <class Value>
     static std::size_t indexOf(const std::string& name, const std::string& text,
-                               const Names<Value>& names) {
-        for (std::size_t i = 0; i < names.size(); ++i)
-            if (names[i].first == text) return i;
-        std::vector<std::string> known;
-        for (const auto& each : names) known.push_back(each.first);
-        refuseWord(name, text, known);
-    }
+                               const std::vector<std::string>& words);
 
     std::string group_;
     std::vector<Option> rows_;

@@ -28,10 +28,6 @@ const CLI::App* commandOf(const CLI::App& app, const std::vector<std::string>& a
     return nullptr;
 }
 
-std::string withoutValue(const std::string& word) {
-    return word.substr(0, word.find('='));
-}
-
 /// An option as the parser writes it, in another style; a single letter as it is.
 std::string restyled(const std::string& word, OptionStyle style) {
     const std::string name = word.substr(std::min(word.find_first_not_of('-'), word.size()));
@@ -107,7 +103,7 @@ std::string usageError(const CLI::App& app, const CLI::ParseError& error,
     }
     if (unexpected) {
         for (const auto& word : arguments) {
-            const std::string name = withoutValue(word);
+            const std::string name = word.substr(0, word.find('='));
             if (name.size() > 1 && name.front() == '-' &&
                 name.find_first_not_of("-0123456789.") != std::string::npos &&
                 command->get_option_no_throw(name) == nullptr &&
