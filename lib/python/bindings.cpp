@@ -26,6 +26,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -197,12 +198,12 @@ std::string typeOf(const Option& option) {
                                                                        : "Path";
 }
 
-/// The options of each command.
-std::vector<std::pair<std::string, std::vector<Option>>> optionTable() {
-    std::vector<std::pair<std::string, std::vector<Option>>> table;
+/// The name of each command, what it does, and its options.
+std::vector<std::tuple<std::string, std::string, std::vector<Option>>> optionTable() {
+    std::vector<std::tuple<std::string, std::string, std::vector<Option>>> table;
     PrintOptions print;
     for (CommandText command : commandTexts())
-        table.emplace_back(command.name, optionsOf(command.job, print));
+        table.emplace_back(command.name, command.help, optionsOf(command.job, print));
     return table;
 }
 

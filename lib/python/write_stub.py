@@ -11,7 +11,7 @@ folder, stub = sys.argv[1:]
 sys.path.insert(0, folder)
 from vdbpack import _commands, _core  # noqa: E402
 
-OPTIONS = dict(_core.options())
+OPTIONS = {command: options for command, _, options in _core.options()}
 COMMANDS = {"morphometry": "measure", "repair": "mesh", "inspect_mesh": "mesh", "inspect_image": "image", "predict": "pack"}
 WITHOUT_EFFECT = ("dry_run", "json", "quiet")
 TYPES = """

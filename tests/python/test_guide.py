@@ -84,3 +84,10 @@ def test_api_page_is_that_of_the_docstrings():
     listed = [name for names in api_page.GROUPS.values() for name in names]
     assert sorted(listed) == sorted(n for n in vdbpack.__all__ if not n.startswith("__"))
     assert (ROOT / "assets/guides/python-api.md").read_text(encoding="utf-8") == api_page.page()
+
+
+def test_page_of_options_is_that_of_the_table():
+    import options_page
+
+    renew = "run tests/python/options_page.py, with PYTHONPATH=build/release/lib/python"
+    assert options_page.PAGE.read_text(encoding="utf-8") == options_page.page(), renew

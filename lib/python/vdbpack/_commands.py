@@ -20,7 +20,7 @@ from ._sizes import Table
 __all__ = ["pack", "densify", "carve", "voids", "verify", "measure", "morphometry", "convert", "repair", "inspect_mesh",
            "inspect_image", "predict"]
 
-_TABLE = {command: {option.keyword: option for option in options} for command, options in _core.options()}
+_TABLE = {command: {option.keyword: option for option in options} for command, _, options in _core.options()}
 PackLike = Union[Pack, str, "os.PathLike[str]"]
 
 

@@ -43,7 +43,7 @@ class Option:
     letter: str
     repeats: bool
 
-def options() -> list[tuple[str, list[Option]]]: ...
+def options() -> list[tuple[str, str, list[Option]]]: ...
 def run(
     words: list[str],
     options: list[tuple[str, Optional[str]]],

@@ -15,7 +15,7 @@ from ._errors import ParameterError
 __all__ = ["Shape", "Image", "LevelSet", "Mesh", "Domain", "level_set", "box", "ball", "cylinder", "rect", "disc", "image"]
 
 Array = numpy.typing.NDArray[Any]
-_COMMANDS = tuple(command for command, _ in _core.options())
+_COMMANDS = tuple(command for command, _, _ in _core.options())
 
 
 def plain(values: Any, name: str) -> Any:
