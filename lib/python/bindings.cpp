@@ -61,7 +61,7 @@ void give(const py::dict& inputs, Recipe& recipe) {
 
 /// What a run returns, before Python's lock is taken again.
 struct Outcome {
-    std::optional<std::variant<Pack<3>, Pack<2>>> pack;
+    Shared pack;
     std::variant<std::vector<Ellipsoid<3>>, std::vector<Ellipsoid<2>>> voids;
     std::vector<std::shared_ptr<const VdbGrid>> levelSets;
     std::optional<TriangleMesh> mesh;
@@ -69,24 +69,22 @@ struct Outcome {
     bool passed = true;
 };
 
-Outcome outcomeOf(RunResult&& run, bool hasPack) {
-    Outcome outcome;
-    outcome.report = toJson(run).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-    outcome.summary = summary(run);
-    outcome.failures = failures(run);
-    outcome.passed = run.passed;
-    outcome.voids = std::move(run.voids);
-    outcome.levelSets = std::move(run.levelSets);
-    outcome.picture = std::move(run.picture.png);
-    if (hasPack) outcome.pack = std::move(run.pack);
-    return outcome;
-}
-
 template <class Result>
 Outcome tableOf(const Result& result) {
     Outcome outcome;
     outcome.report = toJson(result).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     outcome.summary = summary(result);
+    return outcome;
+}
+
+Outcome outcomeOf(RunResult&& run, bool hasPack) {
+    Outcome outcome = tableOf(run);
+    outcome.failures = failures(run);
+    outcome.passed = run.passed;
+    outcome.voids = std::move(run.voids);
+    outcome.levelSets = std::move(run.levelSets);
+    outcome.picture = std::move(run.picture.png);
+    if (hasPack) outcome.pack = std::make_shared<PackData>(PackData{std::move(run.pack)});
     return outcome;
 }
 
@@ -241,12 +239,7 @@ py::dict runCommand(std::vector<std::string> words,
         sets[py::str(levelSetName(*grid))] = py::cast(LevelSetData{grid});
     result["level_sets"] = sets;
     result["mesh"] = outcome.mesh ? py::object(arraysOf(*outcome.mesh)) : py::none();
-    result["pack"] = py::none();
-    if (outcome.pack) {
-        auto data = std::make_shared<PackData>();
-        data->pack = std::move(*outcome.pack);
-        result["pack"] = py::cast(data);
-    }
+    result["pack"] = outcome.pack;
     return result;
 }
 
@@ -280,11 +273,12 @@ py::tuple pairs(const Shared& data, double tolerance) {
     const auto n = static_cast<py::ssize_t>(found.size());
     py::array_t<std::int64_t> indices({n, py::ssize_t{2}});
     py::array_t<double> gaps(n);
-    for (py::ssize_t k = 0; k < n; ++k) {
-        const Contact& c = found[static_cast<std::size_t>(k)];
-        indices.mutable_at(k, 0) = c.i;
-        indices.mutable_at(k, 1) = c.j;
-        gaps.mutable_at(k) = c.gap;
+    std::int64_t* index = indices.mutable_data();
+    double* gap = gaps.mutable_data();
+    for (const Contact& c : found) {
+        *index++ = c.i;
+        *index++ = c.j;
+        *gap++ = c.gap;
     }
     return py::make_tuple(indices, gaps);
 }

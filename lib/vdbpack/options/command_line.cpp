@@ -1,6 +1,7 @@
 #include "vdbpack/options/command_line.h"
 
 #include "vdbpack/core/error.h"
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/recipe_toml.h"
 #include "vdbpack/options/usage_error.h"
 #include "vdbpack/voids/trabecular_presets.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <sstream>
 #include <type_traits>
 #include <utility>
 
@@ -39,7 +39,8 @@ void add(CLI::App& app, const Option& option) {
         added->allow_extra_args(false);
     }
     if (option.required) added->required();
-    if (!option.words.empty()) setWords(*added, option.words);
+    if (!option.words.empty())
+        added->type_name(fmt::format("{}", fmt::join(option.words, "|")));  // for `wordsOf`
     if (option.name == "trabecular")
         added->each([](const std::string& name) {
             if (name == "list") throw CLI::CallForVersion(presetTable(), 0);
@@ -194,14 +195,8 @@ std::string shellQuoted(const std::string& word) {
     return quoted + "'";
 }
 
-void setWords(CLI::Option& option, const std::vector<std::string>& words) {
-    option.type_name(fmt::format("{}", fmt::join(words, "|")));
-}
-
 std::vector<std::string> wordsOf(const CLI::Option& option) {
-    std::vector<std::string> words;
-    std::istringstream name(option.get_type_name());
-    for (std::string word; std::getline(name, word, '|');) words.push_back(word);
+    auto words = splitAt(option.get_type_name(), '|');
     if (words.size() < 2) words.clear();
     return words;
 }

@@ -38,8 +38,6 @@ Job jobOf(const std::vector<std::string>& words, const std::vector<std::string>&
 /// A word as a shell takes it.
 std::string shellQuoted(const std::string& word);
 
-/// Marks an option of the parser as one of some words.
-void setWords(CLI::Option& option, const std::vector<std::string>& words);
 /// The words that an option of the parser takes; empty if it takes anything.
 std::vector<std::string> wordsOf(const CLI::Option& option);
 

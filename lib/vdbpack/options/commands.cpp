@@ -1,4 +1,5 @@
 // Which options each command has, and what is known of all of them.
+#include "vdbpack/io/text.h"
 #include "vdbpack/options/jobs.h"
 #include "vdbpack/options/option_rows.h"
 
@@ -230,11 +231,8 @@ struct AllCommands {
     AllCommands() {
         for (CommandText& command : commands)
             for (Option& row : optionsOf(command.job, print)) {
-                for (std::size_t at = 0; at < row.fields.size();) {
-                    const std::size_t end = std::min(row.fields.find(' ', at), row.fields.size());
-                    optionOfField.emplace(row.fields.substr(at, end - at), row.name);
-                    at = end + 1;
-                }
+                for (const std::string& field : splitAt(row.fields, ' '))
+                    optionOfField.emplace(field, row.name);
                 rows.push_back(std::move(row));
             }
         for (const Option& row : rows) optionOfField.emplace(row.name, row.name);
