@@ -1,7 +1,4 @@
-"""Writes _commands.pyi: the functions with the options of their commands as keywords.
-
-write_stub.py FOLDER STUB, where the package lies in FOLDER.
-"""
+"""Writes _commands.pyi, with the options of each command as keywords: write_stub.py FOLDER_OF_THE_PACKAGE STUB"""
 
 import ast
 import pathlib
@@ -39,6 +36,6 @@ def with_keywords(function: ast.FunctionDef) -> ast.FunctionDef:
 
 module = ast.parse(pathlib.Path(_commands.__file__).read_text(encoding="utf-8"))
 functions = [node for node in module.body if isinstance(node, ast.FunctionDef)]
-rest = [node for node in module.body if not isinstance(node, ast.FunctionDef) and "_TABLE" not in ast.unparse(node)]
+rest = [node for node in module.body if node not in functions and "_TABLE" not in ast.unparse(node)]
 module.body = rest + ast.parse(TYPES).body + [with_keywords(node) for node in functions if node.name[0] != "_"]
 pathlib.Path(stub).write_text(ast.unparse(module) + "\n", encoding="utf-8")

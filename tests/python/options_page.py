@@ -6,7 +6,6 @@ What stands above its heading "All options" is written by hand.
 import re
 
 from conftest import ROOT
-
 from vdbpack import _core
 
 PAGE = ROOT / "assets/guides/options.md"
@@ -15,7 +14,7 @@ HEADING = "## All options\n\n"
 
 def as_written(option, value=""):
     """An option as the command line has it; bars would end the cell of a table."""
-    name = option.name if option.name.isupper() else "--" + option.name
+    name = ("" if option.name.isupper() else "--") + option.name
     letter = f"`-{option.letter}`, " if option.letter else ""
     return letter + f"`{name} {value}".rstrip().replace("|", "\\|") + "`"
 

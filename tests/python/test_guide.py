@@ -45,13 +45,10 @@ def test_types_of_the_package(tmp_path):
 
 
 def test_types_of_keywords(tmp_path):
-    files = []
-    for k, (_, code) in enumerate(RECIPES):
-        files.append(tmp_path / f"recipe{k}.py")
-        files[-1].write_text(code)
-    lines = """import pathlib
-import numpy
-import vdbpack
+    files = [tmp_path / f"recipe{k}.py" for k in range(len(RECIPES))]
+    for file, (_, code) in zip(files, RECIPES):
+        file.write_text(code)
+    lines = """import numpy, pathlib, vdbpack
 ball = vdbpack.ball(3)
 pack = vdbpack.pack(ball, radius=1, effort="dense", gap=None, clip=["a", "b"], label=(1, 2), output=pathlib.Path("a.csv"))
 vdbpack.voids(ball, void_axis=numpy.eye(3)[0], shell_from="outer", void_count=3, densify=0.6)  # wrong: an option of pack

@@ -72,10 +72,8 @@ def _given(command: str, options: Mapping[str, Any], folder: str) -> Tuple[List[
     return given, unset
 
 
-def _run(
-    command: str, first: Tuple[str, Dict[str, Any]], options: Mapping[str, Any], progress: Progress,
-    domain: Optional[Domain] = None,
-) -> Dict[str, Any]:
+def _run(command: str, first: Tuple[str, Dict[str, Any]], options: Mapping[str, Any], progress: Progress,
+         domain: Optional[Domain] = None) -> Dict[str, Any]:
     """Runs a command on its first argument, if it has one, and on a domain; both with their arrays."""
     word, inputs = first
     if domain is not None:

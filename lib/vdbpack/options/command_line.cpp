@@ -82,33 +82,34 @@ std::vector<PackRecipe> partsIn(const std::string& file, const PackJob& base) {
         Command command = commandIn(app, {"pack", "", base}, unused);
         PackJob& part = std::get<PackJob>(*command.job);
         part.name = words.name;
+        const std::string where = file + ": part '" + part.name + "': ";
         words.arguments.insert(words.arguments.begin(), "pack");
-        std::reverse(words.arguments.begin(), words.arguments.end());
         try {
-            app.parse(words.arguments);
+            app.parse(std::vector<std::string>(words.arguments.rbegin(), words.arguments.rend()));
             requireRelated(command);
             part.voids = voidsOf(part.request);
-        } catch (const CLI::ParseError& e) {
-            fail(file + ": part '" + words.name + "': " + e.what());
+        } catch (const CLI::ParseError& e) {  // options as the file writes them
+            fail(where +
+                 usageError(app, e, words.arguments, [](const std::string& n) { return n; }));
         } catch (const ParameterError& e) {
-            fail(file + ": part '" + words.name + "': " + e.what());
+            fail(where + e.what());
         }
         if (!part.partsFile.empty()) fail("parts have no parts of their own");
         if (part.outputs.size() != base.outputs.size() || part.reportFile != base.reportFile ||
             part.preview.file != base.preview.file)
-            fail(file + ": part '" + words.name +
-                 "': outputs, reports and pictures are of all parts; give them outside of the "
-                 "file");
+            fail(where +
+                 "outputs, reports and pictures are of all parts; give them outside of the file");
         parts.push_back(std::move(part));
     }
     return parts;
 }
 
-void addParts(PackJob& job) {
-    if (job.partsFile.empty()) return;
+bool addParts(PackJob& job) {
+    if (job.partsFile.empty()) return false;
     PackJob base = job;
     base.partsFile.clear();
     job.parts = partsIn(job.partsFile, base);
+    return true;
 }
 
 /// Whether a job has options of voids.
@@ -116,12 +117,12 @@ template <class Recipe>
 constexpr bool kHasVoids = std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VoidsJob> ||
                            std::is_same_v<Recipe, CarveJob>;
 
-void addParts(VerifyRecipe& job) {
-    if (job.partsFile.empty()) return;
+bool addParts(VerifyRecipe& job) {
+    if (job.partsFile.empty()) return false;
     PackJob base;
-    base.domain = job.domain;
+    base.domain = std::exchange(job.domain, {});
     job.parts = partsIn(job.partsFile, base);
-    job.domain = {};
+    return true;
 }
 
 void complete(const Command& command, const std::vector<std::string>& words) {
@@ -132,10 +133,8 @@ void complete(const Command& command, const std::vector<std::string>& words) {
             if (domain.source.empty()) domain.source = parseCavities(domain.cavities).outer;
             bool hasParts = false;
             using Recipe = std::decay_t<decltype(recipe)>;
-            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>) {
-                addParts(recipe);
-                hasParts = !recipe.parts.empty();
-            }
+            if constexpr (std::is_same_v<Recipe, PackJob> || std::is_same_v<Recipe, VerifyRecipe>)
+                hasParts = addParts(recipe);
             if (domain.source.empty() && !hasParts && command.app->get_option_no_throw("DOMAIN"))
                 throw CLI::RequiredError("DOMAIN");
             if constexpr (kHasVoids<Recipe>) recipe.voids = voidsOf(recipe.request);

@@ -23,11 +23,6 @@ void partsOption(OptionList& rows, std::string& file, const char* help) {
     rows.text("parts", "FILE.toml", file, help).as("partsFile").naming(FileIn::whole);
 }
 
-void jsonFlag(OptionList& rows, PrintOptions& print, const char* help) {
-    rows.group("Run");
-    rows.flag("json", print.json, help).passing();
-}
-
 void list(OptionList& rows, PackJob& job, PrintOptions& print) {
     domainArgument(rows, job.domain);
     outputOption(rows, job.outputs);
@@ -117,7 +112,7 @@ void list(OptionList& rows, VerifyRecipe& job, PrintOptions& print) {
                "search N points of the domain for vacancies that have room for a sphere of 1.02 "
                "mean radii")
         .as("vacancySamples");
-    jsonFlag(rows, print, kResultAsJson);
+    rows.flag("json", print.json, kResultAsJson).passing();
 }
 
 void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
@@ -140,7 +135,7 @@ void list(OptionList& rows, MeasureRecipe& job, PrintOptions& print) {
     reportOption(rows, job,
                  "write all values: .json for programs, .html as a page with charts for the "
                  "browser");
-    jsonFlag(rows, print, "print all values as JSON");
+    rows.flag("json", print.json, "print all values as JSON").passing();
 }
 
 void list(OptionList& rows, ConvertRecipe& job, PrintOptions& print) {
@@ -306,10 +301,7 @@ std::string withOptionNames(const std::string& message, OptionStyle style) {
 std::vector<std::pair<std::string, std::string>> givenOptions(Job job) {
     std::vector<std::pair<std::string, std::string>> given;
     PrintOptions print;
-    const auto sameKind = std::find_if(
-        commandTexts().begin(), commandTexts().end(),
-        [&](const CommandText& command) { return command.job.index() == job.index(); });
-    Job usual = sameKind->job;
+    Job usual = std::visit([](const auto& j) { return Job(std::decay_t<decltype(j)>()); }, job);
     const std::vector<Option> rows = optionsOf(job, print), defaults = optionsOf(usual, print);
     for (std::size_t i = 0; i < rows.size(); ++i) {
         const Option& row = rows[i];

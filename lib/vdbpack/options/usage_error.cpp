@@ -19,12 +19,9 @@ std::vector<std::string> commandsOf(const CLI::App& app) {
 
 /// The command that is named first, if it is one.
 const CLI::App* commandOf(const CLI::App& app, const std::vector<std::string>& arguments) {
-    const auto commands = app.get_subcommands({});
-    for (const auto& word : arguments) {
-        const auto named = [&](const CLI::App* c) { return c->get_name() == word; };
-        const auto found = std::find_if(commands.begin(), commands.end(), named);
-        if (found != commands.end()) return *found;
-    }
+    for (const auto& word : arguments)
+        for (const CLI::App* command : app.get_subcommands({}))
+            if (command->get_name() == word) return command;
     return nullptr;
 }
 
